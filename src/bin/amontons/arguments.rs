@@ -1,0 +1,83 @@
+//! What the command line understands.
+
+use clap::{Args, Parser, Subcommand};
+use std::path::PathBuf;
+
+/// Friction contact dynamics as FMUs: will it squeal?
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true, after_help = EXIT_CODES)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written, 2 the command \
+line makes no sense, 3 the scene is impossible (a value, no equilibrium, a step above the critical \
+one), 4 the run failed";
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Package a scene as an FMI 2.0 co-simulation FMU
+    Export(Export),
+    /// Run a scene without an importer and write its outputs as CSV
+    Simulate(Simulate),
+    /// List the built-in scenes, or show one to start from
+    Scenes {
+        #[command(subcommand)]
+        command: Option<Scenes>,
+    },
+}
+
+#[derive(Args)]
+pub struct Export {
+    /// A scene file (TOML), or the name of a built-in scene
+    pub scene: String,
+    /// Where to write the FMU [default: the scene's name with .fmu, here]
+    #[arg(short, long, value_name = "FILE.fmu")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Simulate {
+    /// A scene file (TOML), or the name of a built-in scene
+    pub scene: String,
+    /// End of the run, s [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub stop_time: Option<f64>,
+    /// Time between two rows, s [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub output_interval: Option<f64>,
+    /// Internal time step, s [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive)]
+    pub step: Option<f64>,
+    /// Give a parameter or input another value; the names are those of the FMU
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, f64)>,
+    /// Where to write the CSV [default: standard output]
+    #[arg(short, long, value_name = "FILE.csv")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+pub enum Scenes {
+    /// Print the file of a built-in scene
+    Show {
+        /// Its name
+        name: String,
+    },
+}
+
+fn positive(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("must be a number above zero, in seconds".to_owned()),
+    }
+}
+
+fn assignment(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
+    let value = value.trim();
+    let number =
+        value.parse().map_err(|_| format!("{value} is not a number; write it as {name}=0.5"))?;
+    Ok((name.trim().to_owned(), number))
+}

@@ -1,0 +1,52 @@
+//! `amontons export`.
+
+use crate::arguments::Export;
+use crate::output::Pending;
+use crate::scenes;
+use amontons::model::LumpedModel;
+use amontons::package;
+use amontons::scene::Scene;
+use amontons::simulation::catalogue::Causality;
+use amontons::simulation::variables;
+use amontons::stability::critical_step;
+use std::error::Error;
+use std::io::Write;
+use std::path::PathBuf;
+
+pub fn run(arguments: &Export) -> Result<(), Box<dyn Error>> {
+    let (scene, text) = scenes::load(&arguments.scene)?;
+    scenes::check(&scene)?;
+    let fmu = package::fmu(&scene, &text)?;
+    let path =
+        arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
+    let mut file = Pending::create(&path)?;
+    file.writer.write_all(&fmu).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+    file.complete()?;
+    println!("{}: {}", scene.name, scene.description);
+    print_contents(&scene)?;
+    println!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
+    Ok(())
+}
+
+/// What went in: structure, variables, critical step.
+fn print_contents(scene: &Scene) -> Result<(), Box<dyn Error>> {
+    let model = LumpedModel::from(scene);
+    println!(
+        "  structure      ring of {} modules: {} degrees of freedom, {} contacts",
+        scene.modules.len(),
+        model.dofs(),
+        model.contacts.len()
+    );
+    let variables = variables(scene);
+    let count = |causality| variables.iter().filter(|v| v.template.causality == causality).count();
+    println!(
+        "  variables      {} inputs, {} outputs, {} parameters",
+        count(Causality::Input),
+        count(Causality::Output),
+        count(Causality::Parameter)
+    );
+    println!("  step           {:e} s", scene.step);
+    println!("  critical step  {}", critical_step(&model, scene.friction_coefficient)?);
+    println!("  platform       {}", package::PLATFORM);
+    Ok(())
+}

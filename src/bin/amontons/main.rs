@@ -1,0 +1,44 @@
+//! The command line: arguments in, results out; the work is the library's.
+
+mod arguments;
+mod export;
+mod output;
+mod scenes;
+mod simulate;
+
+use arguments::{Arguments, Command};
+use clap::Parser;
+use std::process::ExitCode;
+
+/// Exit codes: what kind of thing went wrong (2 is clap's, for arguments that make no sense).
+mod exit {
+    pub const FAILED: u8 = 1;
+    pub const SCENE: u8 = 3;
+    pub const RUN: u8 = 4;
+}
+
+fn main() -> ExitCode {
+    match run(&Arguments::parse().command) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(exit_code(&*error))
+        }
+    }
+}
+
+fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
+    match command {
+        Command::Export(arguments) => export::run(arguments),
+        Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Scenes { command } => scenes::run(command.as_ref()),
+    }
+}
+
+fn exit_code(error: &(dyn std::error::Error + 'static)) -> u8 {
+    match error.downcast_ref::<amontons::Error>() {
+        Some(error) if error.is_step() => exit::RUN,
+        Some(error) if !error.is_package() => exit::SCENE,
+        _ => exit::FAILED,
+    }
+}

@@ -1,0 +1,134 @@
+//! `amontons simulate`.
+
+use crate::arguments::Simulate;
+use crate::output::Pending;
+use crate::scenes;
+use amontons::scene::Scene;
+use amontons::simulation::catalogue::{Causality, Kind};
+use amontons::simulation::{Simulation, Variable, check_value, variables, write_scene};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::error::Error;
+use std::io::{BufWriter, ErrorKind, Write, stdout};
+
+pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
+    let scene = configured(arguments)?;
+    let mut simulation = Simulation::new(scene.clone(), 0.0)?;
+    match &arguments.output {
+        None => match write_run(&mut simulation, &scene, &mut BufWriter::new(stdout().lock())) {
+            // Whoever reads has read enough (`| head`).
+            Err(error) if is_broken_pipe(&*error) => Ok(()),
+            result => result,
+        },
+        Some(path) => {
+            let mut file = Pending::create(path)?;
+            write_run(&mut simulation, &scene, &mut file.writer)?;
+            file.complete()?;
+            let statistics = simulation.statistics();
+            eprintln!(
+                "{}: {} s in {} steps, {} changes of contact state, {} touch-downs",
+                path.display(),
+                simulation.time(),
+                statistics.steps,
+                statistics.state_changes,
+                statistics.touch_downs
+            );
+            Ok(())
+        }
+    }
+}
+
+/// The scene with the values of the command line.
+fn configured(arguments: &Simulate) -> Result<Scene, Box<dyn Error>> {
+    let (mut scene, _) = scenes::load(&arguments.scene)?;
+    let variables = variables(&scene);
+    for (name, value) in &arguments.set {
+        let variable = variables.iter().find(|variable| variable.name == *name);
+        let variable = variable.filter(|variable| variable.is_settable()).ok_or_else(|| {
+            let known = variables.iter().filter(|variable| variable.is_settable());
+            let names: Vec<&str> = known.map(|variable| &*variable.name).collect();
+            format!("there is no parameter or input {name}; there are: {}", names.join(", "))
+        })?;
+        check_value(variable, *value)?;
+        write_scene(&mut scene, variable, *value)?;
+    }
+    scene.experiment.stop_time = arguments.stop_time.unwrap_or(scene.experiment.stop_time);
+    scene.experiment.output_interval =
+        arguments.output_interval.unwrap_or(scene.experiment.output_interval);
+    scene.step = arguments.step.unwrap_or(scene.step);
+    Ok(scene)
+}
+
+/// One row at the start, one every interval, one at the end.
+fn write_run(
+    simulation: &mut Simulation,
+    scene: &Scene,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
+    let outputs: Vec<Variable> = variables(scene)
+        .into_iter()
+        .filter(|variable| variable.template.causality == Causality::Output)
+        .collect();
+    write!(out, "time")?;
+    for variable in &outputs {
+        write!(out, ",{}", variable.name)?;
+    }
+    writeln!(out)?;
+
+    let stop = scene.experiment.stop_time;
+    let interval = scene.experiment.output_interval;
+    let progress = progress_bar(stop);
+    let mut row = 0_u64;
+    loop {
+        #[allow(clippy::cast_precision_loss)]
+        let planned = row as f64 * interval;
+        let last = planned >= stop || simulation.same_time(planned, stop, interval);
+        let time = if last { stop } else { planned };
+        simulation.advance_to(time)?;
+        write_row(simulation, time, &outputs, out)?;
+        if last {
+            break;
+        }
+        row += 1;
+        if row.is_multiple_of(64) {
+            progress.set_position(ticks(time));
+        }
+    }
+    progress.finish_and_clear();
+    out.flush()?;
+    Ok(())
+}
+
+fn write_row(
+    simulation: &mut Simulation,
+    time: f64,
+    outputs: &[Variable],
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
+    write!(out, "{time:?}")?;
+    for variable in outputs {
+        let value = simulation.read(variable)?;
+        match variable.template.kind {
+            // The shortest decimal that reads back as the same double.
+            Kind::Real { .. } => write!(out, ",{value:?}")?,
+            Kind::Integer | Kind::Enumeration { .. } => write!(out, ",{value}")?,
+        }
+    }
+    writeln!(out)?;
+    Ok(())
+}
+
+/// Simulated milliseconds on standard error, shown only to a person and only on longer runs.
+fn progress_bar(stop: f64) -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
+        .expect("the template is fixed");
+    ProgressBar::new(ticks(stop)).with_style(style)
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn ticks(time: f64) -> u64 {
+    (1e3 * time).ceil() as u64
+}
+
+fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
+    error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
+}

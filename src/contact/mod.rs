@@ -1,0 +1,166 @@
+//! Contact states and the Signorini–Coulomb law of one contact; no matrices of the structure here.
+//!
+//! Signs: the normal force N ≥ 0 is compressive. The slip velocity is that of the slider against
+//! the mass, v_r = v − ẋ_t. The friction force is the one on the mass, along the tangent:
+//! T = +µN where v_r > 0, −µN where v_r < 0, anything with |T| ≤ µN where v_r = 0.
+
+mod local;
+
+pub use local::LocalProblem;
+
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What a contact does (paper, section 2.1). The numbers are those of the FMU's enumeration.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[repr(u8)]
+pub enum ContactState {
+    /// v_r > 0: the slider overtakes the mass; T = +µN.
+    Slide = 1,
+    /// v_r < 0: the mass overtakes the slider; T = −µN.
+    ReverseSlide = 2,
+    /// v_r = 0: the mass moves with the slider; |T| ≤ µN.
+    Stick = 3,
+    /// N = T = 0.
+    Detached = 4,
+}
+
+impl ContactState {
+    /// All four, in the paper's order.
+    pub const ALL: [Self; 4] = [Self::Slide, Self::ReverseSlide, Self::Stick, Self::Detached];
+
+    /// The direction of the friction force on a sliding mass: +1 or −1; `None` in the other states.
+    #[must_use]
+    pub fn sliding_direction(self) -> Option<f64> {
+        match self {
+            Self::Slide => Some(1.0),
+            Self::ReverseSlide => Some(-1.0),
+            Self::Stick | Self::Detached => None,
+        }
+    }
+}
+
+/// As the paper prints them.
+impl fmt::Display for ContactState {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            Self::Slide => "Sl",
+            Self::ReverseSlide => "R-Sl",
+            Self::Stick => "St",
+            Self::Detached => "Dt",
+        })
+    }
+}
+
+/// The states of several contacts, joined as the paper joins them: `Sl-St`.
+pub struct Joined<'a>(pub &'a [ContactState]);
+
+impl fmt::Display for Joined<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (i, state) in self.0.iter().enumerate() {
+            if i > 0 {
+                f.write_str("-")?;
+            }
+            state.fmt(f)?;
+        }
+        Ok(())
+    }
+}
+
+/// All 4ⁿ states of `contacts` contacts, the last contact changing fastest.
+pub fn all_states(contacts: u32) -> impl Iterator<Item = Vec<ContactState>> {
+    (0..4_usize.pow(contacts)).map(move |number| {
+        (0..contacts)
+            .rev()
+            .map(|contact| ContactState::ALL[number >> (2 * contact) & 3])
+            .collect()
+    })
+}
+
+/// What a contact does and what it carries at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ContactForce {
+    /// Its state.
+    pub state: ContactState,
+    /// N ≥ 0, compressive, N.
+    pub normal_force: f64,
+    /// T, on the mass along the tangent, N.
+    pub friction_force: f64,
+    /// v_r = v − ẋ_t, m/s.
+    pub slip_velocity: f64,
+}
+
+impl ContactForce {
+    /// An open contact.
+    #[must_use]
+    pub fn detached(slip_velocity: f64) -> Self {
+        Self {
+            state: ContactState::Detached,
+            normal_force: 0.0,
+            friction_force: 0.0,
+            slip_velocity,
+        }
+    }
+
+    /// A closed contact that presses with `normal_force` and, to keep its tangential velocity,
+    /// needs `holding_force`; a contact that slips has no choice, one that does not slip may stick.
+    #[must_use]
+    pub fn closed(
+        friction_coefficient: f64,
+        normal_force: f64,
+        slip_velocity: f64,
+        holding_force: f64,
+    ) -> Self {
+        let limit = friction_coefficient * normal_force;
+        let (friction_force, state) = if slip_velocity > 0.0 {
+            (limit, ContactState::Slide)
+        } else if slip_velocity < 0.0 {
+            (-limit, ContactState::ReverseSlide)
+        } else {
+            coulomb(holding_force, limit)
+        };
+        Self { state, normal_force, friction_force, slip_velocity }
+    }
+}
+
+/// Coulomb's law: the force that would hold the contact if friction can, else the limit µN.
+#[inline]
+#[must_use]
+pub fn coulomb(holding_force: f64, limit: f64) -> (f64, ContactState) {
+    if holding_force.abs() <= limit {
+        (holding_force, ContactState::Stick)
+    } else if holding_force > 0.0 {
+        (limit, ContactState::Slide)
+    } else {
+        (-limit, ContactState::ReverseSlide)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn states_are_enumerated_once_each_in_the_papers_order() {
+        let names: Vec<String> = all_states(2).map(|states| Joined(&states).to_string()).collect();
+        assert_eq!(names.len(), 16);
+        assert_eq!(names[..5], ["Sl-Sl", "Sl-R-Sl", "Sl-St", "Sl-Dt", "R-Sl-Sl"]);
+        assert_eq!(names[15], "Dt-Dt");
+    }
+
+    #[test]
+    fn friction_holds_up_to_its_limit_and_no_further() {
+        assert_eq!(coulomb(3.0, 3.0), (3.0, ContactState::Stick));
+        assert_eq!(coulomb(3.1, 3.0), (3.0, ContactState::Slide));
+        assert_eq!(coulomb(-3.1, 3.0), (-3.0, ContactState::ReverseSlide));
+    }
+
+    #[test]
+    fn friction_never_feeds_a_slipping_contact() {
+        for slip in [-0.3, 0.3] {
+            let force = ContactForce::closed(0.5, 10.0, slip, 1e3);
+            // The slider drags the mass along: the power lost in the contact is T·v_r.
+            assert!(force.friction_force * slip > 0.0);
+        }
+    }
+}

@@ -1,0 +1,75 @@
+//! The one error type of the crate: opaque, with private kinds that mirror the rooms.
+
+use std::fmt;
+
+/// Anything that can go wrong, in words that say what is wrong, where, and what would be right.
+///
+/// The kinds stay private so that they can grow; ask with the `is_*` methods.
+#[derive(Clone, PartialEq)]
+pub struct Error(Box<Kind>);
+
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+enum Kind {
+    #[error("{0}")]
+    Scene(String),
+    #[error("{0}")]
+    Equilibrium(String),
+    #[error("{0}")]
+    StepTooLarge(String),
+    #[error("{0}")]
+    Step(String),
+    #[error("{0}")]
+    Variable(String),
+    #[error("{0}")]
+    SavedState(String),
+    #[error("{0}")]
+    Package(String),
+}
+
+macro_rules! kinds {
+    ($($(#[$doc:meta])* $kind:ident: $make:ident, $is:ident;)*) => {
+        impl Error {
+            $(
+                pub(crate) fn $make(message: impl Into<String>) -> Self {
+                    Self(Box::new(Kind::$kind(message.into())))
+                }
+
+                $(#[$doc])*
+                pub fn $is(&self) -> bool {
+                    matches!(*self.0, Kind::$kind(_))
+                }
+            )*
+        }
+    };
+}
+
+kinds! {
+    /// Is the scene itself unusable: unreadable, a wrong key, an impossible value?
+    Scene: scene, is_scene;
+    /// Is there no static equilibrium to start from (jamming, or a contact that opens)?
+    Equilibrium: equilibrium, is_equilibrium;
+    /// Is the integration step above the critical step?
+    StepTooLarge: step_too_large, is_step_too_large;
+    /// Did a step fail: a non-finite state, contact forces that do not converge, time going back?
+    Step: step, is_step;
+    /// Is a variable unknown, or not one that may be set now?
+    Variable: variable, is_variable;
+    /// Is a saved state damaged, or not of this FMU?
+    SavedState: saved_state, is_saved_state;
+    /// Could an FMU not be read or written?
+    Package: package, is_package;
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl fmt::Debug for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl std::error::Error for Error {}

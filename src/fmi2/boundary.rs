@@ -1,0 +1,129 @@
+//! Between C and [`Instance`]: handles, arrays, and the fence that no panic crosses.
+#![allow(unsafe_code)]
+
+use super::instance::Instance;
+use super::lifecycle::Call;
+use super::logger::Category;
+use super::types::{fmi2Component, fmi2Status};
+use crate::Error;
+use std::any::Any;
+use std::ffi::{CStr, c_char};
+use std::panic::{AssertUnwindSafe, catch_unwind};
+
+/// What a call amounts to, before it becomes a status.
+pub(super) type Outcome = Result<fmi2Status, Error>;
+
+/// A call succeeded.
+pub(super) const OK: Outcome = Ok(fmi2Status::fmi2OK);
+
+/// Makes a handle of an instance; [`free`] takes it back.
+pub(super) fn handle(instance: Instance) -> fmi2Component {
+    Box::into_raw(Box::new(instance)).cast()
+}
+
+/// Ends an instance; NULL is fine.
+///
+/// # Safety
+/// `component` comes from [`handle`] and is not used again.
+pub(super) unsafe fn free(component: fmi2Component) {
+    if component.is_null() {
+        return;
+    }
+    // SAFETY: by this function's contract the handle is one of ours and is given up here.
+    let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
+    // A panic while dropping would have nobody left to tell.
+    let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
+}
+
+/// Runs a call on an instance if its phase allows it. An error is logged and leaves the instance
+/// in its error phase; a panic is caught and leaves it poisoned.
+///
+/// # Safety
+/// `component` is NULL or comes from [`handle`] and has not been freed; no other thread is in a
+/// call on it.
+pub(super) unsafe fn call(
+    component: fmi2Component,
+    call: Call,
+    body: impl FnOnce(&mut Instance) -> Outcome,
+) -> fmi2Status {
+    // SAFETY: by this function's contract the pointer is NULL or a live instance of ours, and
+    // FMI lets nobody else use it during the call.
+    let Some(instance) = (unsafe { component.cast::<Instance>().as_mut() }) else {
+        return fmi2Status::fmi2Error;
+    };
+    let result = catch_unwind(AssertUnwindSafe(|| {
+        instance.require(call)?;
+        body(instance)
+    }));
+    let (message, panicked) = match result {
+        Ok(Ok(status)) => return status,
+        Ok(Err(error)) => (error.to_string(), false),
+        Err(panic) => (format!("internal error: {}", panic_message(&*panic)), true),
+    };
+    instance.fail(panicked);
+    // The logger is the importer's; should formatting for it panic, the fence still holds.
+    let _ = catch_unwind(AssertUnwindSafe(|| {
+        instance.logger.log(fmi2Status::fmi2Error, Category::Error, &message);
+    }));
+    fmi2Status::fmi2Error
+}
+
+pub(super) fn panic_message(panic: &(dyn Any + Send)) -> &str {
+    panic
+        .downcast_ref::<&str>()
+        .copied()
+        .or_else(|| panic.downcast_ref::<String>().map(String::as_str))
+        .unwrap_or("a panic without a message")
+}
+
+/// The importer's array; NULL is fine for an empty one.
+///
+/// # Safety
+/// `pointer` is NULL or points to `length` values that stay as they are during the call.
+pub(super) unsafe fn array<'a, T>(pointer: *const T, length: usize) -> Result<&'a [T], Error> {
+    if length == 0 {
+        return Ok(&[]);
+    }
+    check(pointer, length)?;
+    // SAFETY: not NULL, aligned and not too long, as checked; the rest is this function's contract.
+    Ok(unsafe { std::slice::from_raw_parts(pointer, length) })
+}
+
+/// The importer's array to write to; NULL is fine for an empty one.
+///
+/// # Safety
+/// `pointer` is NULL or points to room for `length` values that nobody else uses during the call.
+pub(super) unsafe fn array_mut<'a, T>(pointer: *mut T, length: usize) -> Result<&'a mut [T], Error> {
+    if length == 0 {
+        return Ok(&mut []);
+    }
+    check(pointer, length)?;
+    // SAFETY: not NULL, aligned and not too long, as checked; the rest is this function's contract.
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, length) })
+}
+
+fn check<T>(pointer: *const T, length: usize) -> Result<(), Error> {
+    let fits = length <= isize::MAX as usize / size_of::<T>().max(1);
+    if !pointer.is_null() && pointer.is_aligned() && fits {
+        return Ok(());
+    }
+    Err(Error::variable(format!("an array of {length} values was given as NULL or a bad pointer")))
+}
+
+/// The importer's pointer to one value to write.
+///
+/// # Safety
+/// As [`array_mut`] with length one.
+pub(super) unsafe fn single<'a, T>(pointer: *mut T) -> Result<&'a mut T, Error> {
+    // SAFETY: this function's contract.
+    unsafe { array_mut(pointer, 1) }.map(|array| &mut array[0])
+}
+
+/// The importer's string; `None` for NULL.
+///
+/// # Safety
+/// `pointer` is NULL or points to a terminated string that stays as it is during the call.
+pub(super) unsafe fn string<'a>(pointer: *const c_char) -> Option<&'a CStr> {
+    // SAFETY: not NULL as checked; terminated by this function's contract.
+    (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
+}

@@ -1,0 +1,93 @@
+//! Messages to the importer's logger.
+
+use super::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2ComponentEnvironment, fmi2Status};
+use std::ffi::{CStr, CString};
+
+/// The categories that the model description declares; `logAll` stands for all of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Category {
+    Error,
+    Warning,
+    Events,
+}
+
+/// Names and descriptions of the categories, as the model description lists them.
+pub(crate) const CATEGORIES: [(&str, &str); 4] = [
+    ("logStatusError", "Why a call was refused or failed; always on"),
+    ("logStatusWarning", "What an importer should not do, but is answered"),
+    ("logEvents", "Initialization and changes of contact state"),
+    ("logAll", "All of these"),
+];
+
+impl Category {
+    fn name(self) -> &'static CStr {
+        match self {
+            Self::Error => c"logStatusError",
+            Self::Warning => c"logStatusWarning",
+            Self::Events => c"logEvents",
+        }
+    }
+}
+
+/// The importer's logger, if it gave one, and what it wants to hear.
+pub(super) struct Logger {
+    callback: Option<fmi2CallbackLogger>,
+    environment: fmi2ComponentEnvironment,
+    instance_name: CString,
+    enabled: [bool; 3],
+}
+
+impl Logger {
+    pub(super) fn new(
+        callbacks: Option<&fmi2CallbackFunctions>,
+        instance_name: &CStr,
+        logging_on: bool,
+    ) -> Self {
+        Self {
+            callback: callbacks.and_then(|callbacks| callbacks.logger),
+            environment: callbacks
+                .map_or(std::ptr::null_mut(), |callbacks| callbacks.componentEnvironment),
+            instance_name: instance_name.to_owned(),
+            enabled: [logging_on; 3],
+        }
+    }
+
+    /// Turns categories on or off; none named means all. Returns the first unknown name.
+    pub(super) fn enable<'a>(&mut self, on: bool, names: &[&'a CStr]) -> Result<(), &'a CStr> {
+        let all = names.is_empty() || names.contains(&c"logAll");
+        for (category, enabled) in
+            [Category::Error, Category::Warning, Category::Events].iter().zip(&mut self.enabled)
+        {
+            if all || names.contains(&category.name()) {
+                *enabled = on;
+            }
+        }
+        let known = |name: &CStr| CATEGORIES.iter().any(|known| known.0.as_bytes() == name.to_bytes());
+        names.iter().find(|name| !known(name)).map_or(Ok(()), |name| Err(name))
+    }
+
+    /// Is anyone listening to this category? Errors are always told: without its reason a refusal
+    /// is worthless, and FMI's `loggingOn` speaks of debug logging.
+    pub(super) fn wants(&self, category: Category) -> bool {
+        self.callback.is_some() && (category == Category::Error || self.enabled[category as usize])
+    }
+
+    #[allow(unsafe_code)]
+    pub(super) fn log(&self, status: fmi2Status, category: Category, message: &str) {
+        let Some(callback) = self.callback.filter(|_| self.wants(category)) else { return };
+        let message = CString::new(message.replace('\0', "")).expect("the zeros were taken out");
+        // SAFETY: the callback is the importer's, of the type that FMI prescribes; the importer
+        // guarantees that it may be called while the instance lives. All strings are terminated
+        // and outlive the call; "%s" takes the one variadic argument given.
+        unsafe {
+            callback(
+                self.environment,
+                self.instance_name.as_ptr(),
+                status,
+                category.name().as_ptr(),
+                c"%s".as_ptr(),
+                message.as_ptr(),
+            );
+        }
+    }
+}

@@ -1,0 +1,25 @@
+//! The C interface of FMI 2.0 for co-simulation.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `types` | C types under FMI's own names |
+//! | `functions` | the exported functions: arguments in, status out |
+//! | `boundary` | handles, arrays, and the fence that no panic crosses |
+//! | `lifecycle` | which call is allowed when, as one table |
+//! | `instance` | what the calls do, in safe Rust |
+//! | `logger` | messages to the importer |
+//! | `resources` | where the scene inside the FMU lies |
+//!
+//! `unsafe` is confined to this room. An importer's contract (live handles, arrays as long as
+//! said, terminated strings) is the safety condition of every exported function.
+
+mod boundary;
+mod functions;
+mod instance;
+mod lifecycle;
+mod logger;
+mod resources;
+mod types;
+
+pub(crate) use instance::SCENE_FILE;
+pub(crate) use logger::CATEGORIES;

@@ -1,0 +1,254 @@
+//! The scheme on a model of any structure: full mass matrix, contacts in any directions.
+
+use super::multipliers::{Freedom, Multipliers};
+use crate::Error;
+use crate::contact::{ContactForce, ContactState};
+use crate::integrator::{Drive, Integrator, Motion, StepFailure};
+use crate::model::{Contact, Damping, LumpedModel, SparseMatrix};
+
+/// Forward increment Lagrange multipliers on dense matrices; for small models.
+pub struct DenseForwardIncrement {
+    mass: SparseMatrix,
+    stiffness: SparseMatrix,
+    damping: Damping,
+    contacts: Vec<Contact>,
+    /// M⁻¹ by rows.
+    inverse_mass: Vec<f64>,
+    /// M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
+    responses: Vec<[Vec<f64>; 2]>,
+    multipliers: Multipliers,
+    force: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+impl DenseForwardIncrement {
+    /// The integrator for this model.
+    ///
+    /// # Errors
+    /// A mass matrix that is not positive definite.
+    pub fn new(model: &LumpedModel) -> Result<Self, Error> {
+        let dofs = model.dofs();
+        let inverse_mass = inverse(&model.mass).ok_or_else(|| {
+            Error::scene("the mass matrix must be symmetric and positive definite")
+        })?;
+        let response = |direction: &crate::model::Direction| {
+            let mut unit = vec![0.0; dofs];
+            direction.add_to(&mut unit, 1.0);
+            let mut response = vec![0.0; dofs];
+            multiply(&inverse_mass, &unit, &mut response);
+            response
+        };
+        let responses: Vec<[Vec<f64>; 2]> = model
+            .contacts
+            .iter()
+            .map(|contact| [response(&contact.normal), response(&contact.tangent)])
+            .collect();
+        let rows = model.contacts.iter().flat_map(|contact| [&contact.normal, &contact.tangent]);
+        let delassus = rows
+            .flat_map(|row| responses.iter().flatten().map(move |response| row.dot(response)))
+            .collect();
+        Ok(Self {
+            mass: model.mass.clone(),
+            stiffness: model.stiffness.clone(),
+            damping: model.damping,
+            multipliers: Multipliers::new(model.contacts.len(), delassus),
+            contacts: model.contacts.clone(),
+            inverse_mass,
+            responses,
+            force: vec![0.0; dofs],
+            acceleration: vec![0.0; dofs],
+        })
+    }
+
+    /// The acceleration without contact forces, M⁻¹ (F − C ẋ − K x).
+    fn free_acceleration(&mut self, motion: &Motion, drive: &Drive) {
+        let Damping { alpha, beta } = self.damping;
+        let (x, v) = (&motion.displacement, &motion.velocity);
+        for (row, force) in self.force.iter_mut().enumerate() {
+            let springs = self
+                .stiffness
+                .row(row)
+                .fold(0.0, |sum, (column, k)| sum + k * (x[column] + beta * v[column]));
+            *force = drive.force[row] - springs - alpha * self.mass.row_times(row, v);
+        }
+        multiply(&self.inverse_mass, &self.force, &mut self.acceleration);
+    }
+
+    fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
+        self.free_acceleration(motion, drive);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let normal = contact.normal.dot(&motion.velocity);
+            let slip = contact.tangent.dot(&motion.velocity) - drive.slider_velocity;
+            // A closed contact has no gap: a rounding error of one would be an impulse gap/h.
+            let gap = match motion.contacts[i] {
+                ContactState::Detached => contact.normal.dot(&motion.displacement),
+                _ => 0.0,
+            };
+            self.multipliers.freedom[i] = Freedom::Any;
+            self.multipliers.free[i] = [
+                contact.normal.dot(&self.acceleration) + (normal + gap / h) / h,
+                contact.tangent.dot(&self.acceleration) + slip / h,
+            ];
+        }
+        let sweeps = self.multipliers.solve(drive.friction_coefficient)?;
+        let statistics = &mut motion.statistics;
+        statistics.steps += 1;
+        statistics.sweeps += sweeps;
+        statistics.most_sweeps = statistics.most_sweeps.max(sweeps);
+
+        for (force, responses) in self.multipliers.forces.iter().zip(&self.responses) {
+            for (force, response) in force.iter().zip(responses) {
+                for (a, r) in self.acceleration.iter_mut().zip(response) {
+                    *a += force * r;
+                }
+            }
+        }
+        for (v, a) in motion.velocity.iter_mut().zip(&self.acceleration) {
+            *v += h * a;
+        }
+        self.settle(motion, drive, h);
+        Ok(())
+    }
+
+    /// Moves the masses on; where a contact lies along a degree of freedom, its gap and its slip
+    /// become exact zeros, so that the tolerance of the multipliers leaves no drift.
+    fn settle(&self, motion: &mut Motion, drive: &Drive, h: f64) {
+        let states = self.multipliers.forces.iter().map(|&force| {
+            state_of(force, drive.friction_coefficient)
+        });
+        for ((contact, state), old) in self.contacts.iter().zip(states).zip(&mut motion.contacts) {
+            if state != *old {
+                motion.statistics.state_changes += 1;
+                motion.statistics.touch_downs += u64::from(*old == ContactState::Detached);
+                *old = state;
+            }
+            if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
+                motion.velocity[dof] = drive.slider_velocity;
+            }
+        }
+        let closed = |i: usize| motion.contacts[i] != ContactState::Detached;
+        for (i, contact) in self.contacts.iter().enumerate() {
+            if let Some(dof) = contact.normal.as_unit().filter(|_| closed(i)) {
+                motion.velocity[dof] = -motion.displacement[dof] / h;
+            }
+        }
+        for (x, v) in motion.displacement.iter_mut().zip(&motion.velocity) {
+            *x += h * v;
+        }
+        for (i, contact) in self.contacts.iter().enumerate() {
+            if let Some(dof) = contact.normal.as_unit().filter(|_| closed(i)) {
+                motion.displacement[dof] = 0.0;
+            }
+        }
+    }
+}
+
+impl Integrator for DenseForwardIncrement {
+    fn advance(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        step: f64,
+        count: u64,
+    ) -> Result<(), StepFailure> {
+        for _ in 0..count {
+            self.step(motion, drive, step)?;
+        }
+        Ok(())
+    }
+
+    fn contact_forces(
+        &mut self,
+        motion: &Motion,
+        drive: &Drive,
+        forces: &mut [ContactForce],
+    ) -> Result<(), StepFailure> {
+        self.free_acceleration(motion, drive);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let slip = drive.slider_velocity - contact.tangent.dot(&motion.velocity);
+            self.multipliers.freedom[i] = match motion.contacts[i] {
+                ContactState::Detached => Freedom::Open,
+                ContactState::Stick => Freedom::Any,
+                _ if slip == 0.0 => Freedom::Any,
+                _ => Freedom::Slipping(slip.signum()),
+            };
+            self.multipliers.free[i] =
+                [contact.normal.dot(&self.acceleration), contact.tangent.dot(&self.acceleration)];
+        }
+        self.multipliers.solve(drive.friction_coefficient)?;
+        for (i, out) in forces.iter_mut().enumerate() {
+            let force = self.multipliers.forces[i];
+            let slip = match motion.contacts[i] {
+                ContactState::Stick => 0.0,
+                _ => drive.slider_velocity - self.contacts[i].tangent.dot(&motion.velocity),
+            };
+            *out = ContactForce {
+                state: state_of(force, drive.friction_coefficient),
+                normal_force: force[0],
+                friction_force: force[1],
+                slip_velocity: slip,
+            };
+        }
+        Ok(())
+    }
+
+    fn set_damping(&mut self, damping: Damping) {
+        self.damping = damping;
+    }
+}
+
+/// The state that belongs to a solved pair (N, T).
+fn state_of([normal, tangential]: [f64; 2], friction: f64) -> ContactState {
+    if normal <= 0.0 {
+        ContactState::Detached
+    } else if tangential.abs() < friction * normal {
+        ContactState::Stick
+    } else if tangential >= 0.0 {
+        ContactState::Slide
+    } else {
+        ContactState::ReverseSlide
+    }
+}
+
+/// `matrix` (by rows) times `vector`.
+fn multiply(matrix: &[f64], vector: &[f64], product: &mut [f64]) {
+    for (row, out) in matrix.chunks_exact(vector.len()).zip(product) {
+        *out = row.iter().zip(vector).fold(0.0, |sum, (a, b)| sum + a * b);
+    }
+}
+
+/// The inverse by rows, through Cholesky's factors; `None` if not positive definite.
+fn inverse(matrix: &SparseMatrix) -> Option<Vec<f64>> {
+    let n = matrix.rows();
+    let mut lower = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let known = (0..j).fold(0.0, |sum, k| sum + lower[i * n + k] * lower[j * n + k]);
+            let rest = matrix.get(i, j) - known;
+            lower[i * n + j] = if i != j {
+                rest / lower[j * n + j]
+            } else if rest > 0.0 {
+                rest.sqrt()
+            } else {
+                return None;
+            };
+        }
+    }
+    let mut inverse = vec![0.0; n * n];
+    for column in 0..n {
+        let mut x = vec![0.0; n];
+        x[column] = 1.0;
+        for i in 0..n {
+            let known = (0..i).fold(0.0, |sum, k| sum + lower[i * n + k] * x[k]);
+            x[i] = (x[i] - known) / lower[i * n + i];
+        }
+        for i in (0..n).rev() {
+            let known = (i + 1..n).fold(0.0, |sum, k| sum + lower[k * n + i] * x[k]);
+            x[i] = (x[i] - known) / lower[i * n + i];
+        }
+        for i in 0..n {
+            inverse[i * n + column] = x[i];
+        }
+    }
+    Some(inverse)
+}

@@ -1,0 +1,23 @@
+//! The forward increment Lagrange multiplier method (paper, section 2.2, eqs. 7–24).
+//!
+//! With the lagged velocity ẋ_n = (x_n − x_{n−1})/h of eq. (12) the scheme is a one-step map:
+//!
+//! * predictor, eq. (13): ẋ* = ẋ_n + h M⁻¹ (F − C ẋ_n − K x_n);
+//! * multipliers, eqs. (15), (16): normal force N from x_N = 0 where the predictor penetrates,
+//!   friction T from ẋ_T = v, cut off at |T| ≤ µ N;
+//! * corrector, eqs. (17), (18): ẋ_{n+1} = ẋ* + h M⁻¹ Gᵀ (N, T), x_{n+1} = x_n + h ẋ_{n+1}.
+//!
+//! It is of first order: events fall on the grid and damping lags by a step. Without damping it
+//! keeps E − ½ h xᵀ K ẋ. A touch-down is a perfectly inelastic impact; its multiplier is the
+//! impulse over h, so the forces that a user reads come from `contact_forces` instead.
+//!
+//! Two structures, one scheme: [`RingForwardIncrement`] for rings of modules, whose Delassus
+//! matrix G M⁻¹ Gᵀ is diagonal, so that Gauss–Seidel is done after one sweep;
+//! [`DenseForwardIncrement`] for anything else.
+
+mod dense;
+mod multipliers;
+mod ring;
+
+pub use dense::DenseForwardIncrement;
+pub use ring::RingForwardIncrement;

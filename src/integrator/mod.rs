@@ -1,0 +1,107 @@
+//! Time integration: an immutable integrator moves a mutable [`Motion`] under a [`Drive`].
+//!
+//! [`choose`] picks the integrator once, from the structure of the model; from then on a step
+//! tests no option.
+
+mod forward_increment;
+
+pub use forward_increment::{DenseForwardIncrement, RingForwardIncrement};
+
+use crate::Error;
+use crate::contact::{ContactForce, ContactState};
+use crate::model::{Damping, LumpedModel};
+use serde::{Deserialize, Serialize};
+
+/// Position, velocity and contact states at one instant, with what has been counted on the way.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Motion {
+    /// x, m, relative to the reference position; closed contacts stand at an exact gap of zero.
+    pub displacement: Vec<f64>,
+    /// ẋ, m/s.
+    pub velocity: Vec<f64>,
+    /// The state of each contact over the last step.
+    pub contacts: Vec<ContactState>,
+    /// What has been counted since the start.
+    pub statistics: Statistics,
+}
+
+/// What an integrator counts.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Statistics {
+    /// Internal steps.
+    pub steps: u64,
+    /// Changes of state, summed over the contacts.
+    pub state_changes: u64,
+    /// Changes from detached to any closed state; their impulses show in no contact force.
+    pub touch_downs: u64,
+    /// Gauss–Seidel sweeps over the contacts.
+    pub sweeps: u64,
+    /// The most sweeps that one step took.
+    pub most_sweeps: u64,
+}
+
+/// What drives a motion, constant over the steps of one call.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Drive {
+    /// All forces but those of springs, dampers and contacts, N; one value a degree of freedom.
+    pub force: Vec<f64>,
+    /// Slider velocity v along the tangents, m/s.
+    pub slider_velocity: f64,
+    /// Friction coefficient µ.
+    pub friction_coefficient: f64,
+}
+
+/// A step that could not be taken; the motion is then not to be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum StepFailure {
+    /// Gauss–Seidel over the contacts did not converge in this many sweeps.
+    NoConvergence {
+        /// Sweeps taken.
+        sweeps: u64,
+    },
+    /// Friction wedges this contact (from 0): no force satisfies its law (Painlevé).
+    Wedged {
+        /// The contact, from 0.
+        contact: usize,
+    },
+}
+
+/// Moves a motion forward. Implementations allocate when they are made, never in a step.
+pub trait Integrator: Send {
+    /// Takes `count` steps of length `step` (s).
+    ///
+    /// # Errors
+    /// Says which contact could not be solved; the motion is then half-way.
+    fn advance(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        step: f64,
+        count: u64,
+    ) -> Result<(), StepFailure>;
+
+    /// The contact forces at the present instant, from position, velocity and drive alone.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn contact_forces(
+        &mut self,
+        motion: &Motion,
+        drive: &Drive,
+        forces: &mut [ContactForce],
+    ) -> Result<(), StepFailure>;
+
+    /// Takes over another damping.
+    fn set_damping(&mut self, damping: Damping);
+}
+
+/// The fastest integrator that fits the structure of the model.
+///
+/// # Errors
+/// A mass matrix that is not positive definite.
+pub fn choose(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
+    if let Some(ring) = RingForwardIncrement::new(model) {
+        return Ok(Box::new(ring));
+    }
+    Ok(Box::new(DenseForwardIncrement::new(model)?))
+}

@@ -1,0 +1,233 @@
+//! Static equilibrium in uniform sliding.
+
+use super::banded::{self, Singular};
+use super::{Entry, LumpedModel};
+use crate::Error;
+use serde::{Deserialize, Serialize};
+
+/// A static equilibrium with every contact closed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Equilibrium {
+    /// X, m, from the unloaded position; one value a degree of freedom.
+    pub displacement: Vec<f64>,
+    /// N ≥ 0 of each contact, N.
+    pub normal_force: Vec<f64>,
+    /// T of each contact, on the mass along the tangent, N.
+    pub friction_force: Vec<f64>,
+}
+
+impl LumpedModel {
+    /// The equilibrium in uniform sliding, K X = F + Σ (G_N + s µ G_T)ᵀ N, G_N X = 0, where s is
+    /// the sign of the slider's velocity: with v > 0 every contact is in Sl, with v < 0 in R-Sl.
+    /// With v = 0 nothing slides; the contacts start stuck, without friction force (s = 0).
+    ///
+    /// # Errors
+    /// Names the contact that opens under the load, or the friction coefficient from which on the
+    /// structure jams, or says that a motion is held by no spring.
+    pub fn sliding_equilibrium(
+        &self,
+        friction_coefficient: f64,
+        slider_velocity: f64,
+    ) -> Result<Equilibrium, Error> {
+        let sign = if slider_velocity == 0.0 { 0.0 } else { slider_velocity.signum() };
+        let without_friction = self.solve(0.0).map_err(|Singular| {
+            Error::equilibrium(
+                "no equilibrium: the structure can move without straining a spring; \
+                 hold it with a stiffness above zero",
+            )
+        })?;
+        if let Some((contact, force)) = without_friction.pulled_contact() {
+            return Err(Error::equilibrium(format!(
+                "no equilibrium in sliding: contact[{contact}] opens under the load \
+                 (it would have to pull with {:.3e} N); raise its preload",
+                -force
+            )));
+        }
+        match self.solve(sign * friction_coefficient) {
+            Ok(equilibrium) if equilibrium.pulled_contact().is_none() => Ok(equilibrium),
+            _ => Err(self.explain_missing_equilibrium(friction_coefficient, sign)),
+        }
+    }
+
+    /// All contacts closed and sliding with the signed friction coefficient `slope` = T/N.
+    fn solve(&self, slope: f64) -> Result<Equilibrium, Singular> {
+        let dofs = self.dofs();
+        let size = dofs + self.contacts.len();
+        let mut entries: Vec<Entry> = self.stiffness.entries().collect();
+        // In the unit of a stiffness the border is of the size of the rest, which pivoting needs.
+        let unit = entries.iter().fold(0.0_f64, |unit, entry| unit.max(entry.2.abs()));
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let multiplier = dofs + i;
+            for &(dof, value) in &contact.normal.0 {
+                entries.push((multiplier, dof, unit * value));
+                entries.push((dof, multiplier, -unit * value));
+            }
+            for &(dof, value) in &contact.tangent.0 {
+                entries.push((dof, multiplier, -unit * (slope * value)));
+            }
+        }
+        let mut load = self.load.clone();
+        load.resize(size, 0.0);
+        let mut displacement = banded::solve(size, &entries, &load)?;
+        let normal_force: Vec<f64> =
+            displacement.split_off(dofs).into_iter().map(|multiplier| unit * multiplier).collect();
+        let friction_force = normal_force.iter().map(|normal| slope * normal).collect();
+        Ok(Equilibrium { displacement, normal_force, friction_force })
+    }
+
+    /// Follows the equilibrium from µ = 0 upwards to where it is lost: a normal force that falls
+    /// to zero there is a contact that opens, one that grows without bound is jamming.
+    fn explain_missing_equilibrium(&self, friction: f64, sign: f64) -> Error {
+        let exists = |mu: f64| {
+            self.solve(sign * mu).ok().filter(|found| found.pulled_contact().is_none())
+        };
+        let (mut good, mut bad) = (0.0, friction);
+        for _ in 0..60 {
+            let middle = 0.5 * (good + bad);
+            if exists(middle).is_some() { good = middle } else { bad = middle }
+        }
+        let last = exists(good).expect("an equilibrium exists on this side");
+        let (first, start) = (exists(0.0).expect("checked before"), good);
+        let grown = last
+            .normal_force
+            .iter()
+            .zip(&first.normal_force)
+            .map(|(last, first)| last / first)
+            .enumerate()
+            .max_by(|a, b| a.1.total_cmp(&b.1));
+        match grown {
+            Some((contact, growth)) if growth > 1e6 => Error::equilibrium(format!(
+                "no equilibrium in sliding at friction.coefficient = {friction}: contact[{}] jams \
+                 from {start:.6} on, where friction draws it into the slider; \
+                 lower the coefficient or turn slider.angle",
+                contact + 1
+            )),
+            _ => {
+                let lightest =
+                    last.normal_force.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+                Error::equilibrium(format!(
+                    "no equilibrium in sliding at friction.coefficient = {friction}: friction \
+                     lifts contact[{}] off from {start:.6} on; raise its preload or lower the \
+                     coefficient",
+                    lightest.map_or(0, |(contact, _)| contact + 1)
+                ))
+            }
+        }
+    }
+}
+
+impl Equilibrium {
+    /// The first contact (counted from 1) that would have to pull, with its normal force.
+    fn pulled_contact(&self) -> Option<(usize, f64)> {
+        let normal = self.normal_force.iter().copied().enumerate();
+        normal.map(|(i, force)| (i + 1, force)).find(|&(_, force)| force.is_nan() || force < 0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::{Contact, Direction, SparseMatrix, ring};
+    use crate::scene::{Scene, builtin};
+
+    fn set1() -> Scene {
+        builtin("set1").unwrap().scene()
+    }
+
+    fn equilibrium(scene: &Scene) -> Result<Equilibrium, Error> {
+        ring::equilibrium(scene, &LumpedModel::from(scene))
+    }
+
+    #[test]
+    fn forces_balance_and_contacts_are_closed() {
+        let mut scene = set1();
+        scene.modules[1].preload *= 1.3;
+        let model = LumpedModel::from(&scene);
+        let found = equilibrium(&scene).unwrap();
+        let mut contact = vec![0.0; model.dofs()];
+        for (i, c) in model.contacts.iter().enumerate() {
+            assert!(found.normal_force[i] > 0.0);
+            assert_eq!(found.friction_force[i], 1.96 * found.normal_force[i]);
+            c.normal.add_to(&mut contact, found.normal_force[i]);
+            c.tangent.add_to(&mut contact, found.friction_force[i]);
+        }
+        for dof in 0..model.dofs() {
+            let residual = model.load[dof] + contact[dof]
+                - model.stiffness.row_times(dof, &found.displacement);
+            assert!(residual.abs() < 1e-9, "{dof}: {residual}");
+        }
+        for module in 0..2 {
+            assert!(found.displacement[4 * module + 3].abs() < 1e-16);
+        }
+    }
+
+    #[test]
+    fn one_module_solved_for_all_is_the_equilibrium_of_the_whole() {
+        let scene = set1();
+        let whole = LumpedModel::from(&scene).sliding_equilibrium(1.96, 0.025).unwrap();
+        let one = equilibrium(&scene).unwrap();
+        for (a, b) in whole.normal_force.iter().zip(&one.normal_force) {
+            assert!((a - b).abs() < 1e-12 * b.abs());
+        }
+    }
+
+    #[test]
+    fn the_sign_of_the_velocity_turns_friction() {
+        let mut scene = set1();
+        scene.slider.velocity = -0.025;
+        assert!(equilibrium(&scene).unwrap().friction_force[0] < 0.0);
+        scene.slider.velocity = 0.0;
+        assert_eq!(equilibrium(&scene).unwrap().friction_force[0], 0.0);
+    }
+
+    /// A mass with K = [[a, b], [b, c]] in (x_t, x_n), pushed down by P: N (a − µ b) = P a for
+    /// x_n = 0, so it jams from µ = a/b on if b > 0.
+    fn wedge() -> LumpedModel {
+        LumpedModel {
+            mass: SparseMatrix::diagonal(&[1.0, 1.0]),
+            stiffness: SparseMatrix::from_entries(
+                2,
+                vec![(0, 0, 4.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 2.0)],
+            ),
+            damping: super::super::Damping::default(),
+            load: vec![0.0, -3.0],
+            contacts: vec![Contact { tangent: Direction::unit(0), normal: Direction::unit(1) }],
+        }
+    }
+
+    #[test]
+    fn normal_force_follows_the_closed_form_up_to_jamming() {
+        for mu in [0.0, 1.0, 3.9] {
+            let normal = wedge().sliding_equilibrium(mu, 1.0).unwrap().normal_force[0];
+            assert!((normal - 3.0 * 4.0 / (4.0 - mu)).abs() < 1e-12 * normal);
+        }
+    }
+
+    #[test]
+    fn jamming_is_told_with_the_coefficient_from_which_on_it_happens() {
+        let message = wedge().sliding_equilibrium(5.0, 1.0).unwrap_err().to_string();
+        assert!(message.contains("contact[1] jams from 4.000000 on"), "{message}");
+        // Pulled the other way the same wedge opens itself: it never jams.
+        assert!(wedge().sliding_equilibrium(5.0, -1.0).is_ok());
+    }
+
+    #[test]
+    fn a_contact_that_the_load_opens_is_named() {
+        let mut scene = set1();
+        scene.modules[1].preload = -5e-3;
+        let message = equilibrium(&scene).unwrap_err().to_string();
+        assert!(message.contains("contact[2] opens under the load"), "{message}");
+    }
+
+    #[test]
+    fn a_mechanism_is_told_apart() {
+        let mut scene = set1();
+        for module in &mut scene.modules {
+            module.stiffness[3] = 0.0;
+            module.stiffness[5] = 0.0;
+            module.stiffness[0] = 0.0;
+        }
+        let message = equilibrium(&scene).unwrap_err().to_string();
+        assert!(message.contains("without straining a spring"), "{message}");
+    }
+}

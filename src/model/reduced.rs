@@ -1,0 +1,135 @@
+//! Reduced matrices of a contact state (paper, eq. 3).
+
+use super::LumpedModel;
+use crate::contact::ContactState;
+use nalgebra::DMatrix;
+
+/// The linear equation of motion in the coordinates that a contact state leaves free,
+/// M̃ ü + C̃ u̇ + K̃ u = F̃.
+///
+/// With V spanning the motions that the closed contacts allow, and U the test directions that
+/// their forces do no work on, M̃ = Uᵀ M V and so on. A sliding contact's force acts along
+/// G_N ± µ G_T, so U differs from V and the matrices are not symmetric. Friction follows the whole
+/// normal force, damping included, so C̃ is reduced like K̃.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ReducedMatrices {
+    /// M̃.
+    pub mass: DMatrix<f64>,
+    /// C̃.
+    pub damping: DMatrix<f64>,
+    /// K̃.
+    pub stiffness: DMatrix<f64>,
+    /// V, n × m: x = V u.
+    pub motions: DMatrix<f64>,
+}
+
+impl LumpedModel {
+    /// The reduced matrices of a contact state, one entry of `states` a contact.
+    ///
+    /// # Panics
+    /// Where `states` has not as many entries as the model has contacts.
+    #[must_use]
+    pub fn reduced(&self, states: &[ContactState], friction_coefficient: f64) -> ReducedMatrices {
+        assert_eq!(states.len(), self.contacts.len(), "one state a contact");
+        let dofs = self.dofs();
+        let (mut constraints, mut forces) = (Vec::new(), Vec::new());
+        for (contact, state) in self.contacts.iter().zip(states) {
+            let mut normal = vec![0.0; dofs];
+            contact.normal.add_to(&mut normal, 1.0);
+            let mut tangent = vec![0.0; dofs];
+            contact.tangent.add_to(&mut tangent, 1.0);
+            if let Some(direction) = state.sliding_direction() {
+                constraints.push(normal.clone());
+                contact.tangent.add_to(&mut normal, direction * friction_coefficient);
+                forces.push(normal);
+            } else if *state == ContactState::Stick {
+                constraints.extend([normal.clone(), tangent.clone()]);
+                forces.extend([normal, tangent]);
+            }
+        }
+        let motions = null_space(constraints, dofs);
+        let tests = null_space(forces, dofs).transpose();
+        let mass = &tests * dense(&self.mass) * &motions;
+        let stiffness = &tests * dense(&self.stiffness) * &motions;
+        let damping = &mass * self.damping.alpha + &stiffness * self.damping.beta;
+        ReducedMatrices { mass, damping, stiffness, motions }
+    }
+}
+
+fn dense(matrix: &super::SparseMatrix) -> DMatrix<f64> {
+    let mut dense = DMatrix::zeros(matrix.rows(), matrix.rows());
+    for (row, column, value) in matrix.entries() {
+        dense[(row, column)] = value;
+    }
+    dense
+}
+
+/// A basis, by columns, of the vectors on which all `rows` vanish: Gauss–Jordan with full
+/// pivoting. Rows that depend on others (two sticking contacts on one mass) drop out.
+fn null_space(mut rows: Vec<Vec<f64>>, size: usize) -> DMatrix<f64> {
+    let mut pivots: Vec<usize> = Vec::new();
+    for done in 0..rows.len() {
+        let largest = (done..rows.len())
+            .flat_map(|row| (0..size).map(move |column| (row, column)))
+            .max_by(|a, b| rows[a.0][a.1].abs().total_cmp(&rows[b.0][b.1].abs()));
+        let Some((row, column)) = largest.filter(|&(i, j)| rows[i][j].abs() > 1e-12) else { break };
+        rows.swap(done, row);
+        let pivot = rows[done][column];
+        rows[done].iter_mut().for_each(|value| *value /= pivot);
+        let pivot_row = rows[done].clone();
+        for (other, row) in rows.iter_mut().enumerate() {
+            let factor = row[column];
+            if other != done && factor != 0.0 {
+                for (value, pivot) in row.iter_mut().zip(&pivot_row) {
+                    *value -= factor * pivot;
+                }
+            }
+        }
+        pivots.push(column);
+    }
+    let free: Vec<usize> = (0..size).filter(|column| !pivots.contains(column)).collect();
+    let mut basis = DMatrix::zeros(size, free.len());
+    for (j, &column) in free.iter().enumerate() {
+        basis[(column, j)] = 1.0;
+        for (row, &pivot) in pivots.iter().enumerate() {
+            basis[(pivot, j)] = -rows[row][column];
+        }
+    }
+    basis
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::ContactState::{Detached, Slide, Stick};
+    use crate::scene::builtin;
+
+    fn set1() -> LumpedModel {
+        LumpedModel::from(&builtin("set1").unwrap().scene())
+    }
+
+    #[test]
+    fn each_state_leaves_the_degrees_of_freedom_that_the_paper_counts() {
+        for (states, free) in [([Slide, Slide], 6), ([Slide, Stick], 5), ([Detached, Stick], 6)] {
+            assert_eq!(set1().reduced(&states, 1.96).stiffness.nrows(), free);
+        }
+    }
+
+    #[test]
+    fn friction_makes_the_stiffness_unsymmetric_and_stick_does_not() {
+        let asymmetry = |states| {
+            let k = set1().reduced(states, 1.96);
+            let k = k.mass.try_inverse().unwrap() * k.stiffness;
+            // Masses differ, so compare m_i k_ij with m_j k_ji through the frequencies' reality.
+            k.complex_eigenvalues().iter().fold(0.0_f64, |worst, value| worst.max(value.im.abs()))
+        };
+        assert!(asymmetry(&[Slide, Slide]) > 1e3);
+        assert!(asymmetry(&[Stick, Stick]) < 1e-6);
+    }
+
+    #[test]
+    fn a_constraint_given_twice_counts_once() {
+        let row = vec![1.0, 2.0, 0.0];
+        assert_eq!(null_space(vec![row.clone(), row], 3).ncols(), 2);
+    }
+}

@@ -1,0 +1,108 @@
+//! A sparse matrix by rows, assembled so that the order of assembly leaves no trace.
+
+/// A sparse matrix by rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SparseMatrix {
+    offsets: Vec<usize>,
+    columns: Vec<usize>,
+    values: Vec<f64>,
+}
+
+/// One entry: row, column, value.
+pub type Entry = (usize, usize, f64);
+
+impl SparseMatrix {
+    /// A matrix with `rows` rows from its entries; entries at one place add up.
+    ///
+    /// They are added in the order of their values, not of the list, so that equal modules have
+    /// equal rows to the last bit wherever they stand, and whatever wrote the list.
+    #[must_use]
+    pub fn from_entries(rows: usize, mut entries: Vec<Entry>) -> Self {
+        entries.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
+        let mut matrix =
+            Self { offsets: vec![0; rows + 1], columns: Vec::new(), values: Vec::new() };
+        let mut last = None;
+        for (row, column, value) in entries {
+            if last == Some((row, column)) {
+                *matrix.values.last_mut().expect("it has a last entry") += value;
+            } else {
+                matrix.columns.push(column);
+                matrix.values.push(value);
+                matrix.offsets[row + 1] += 1;
+                last = Some((row, column));
+            }
+        }
+        for row in 0..rows {
+            matrix.offsets[row + 1] += matrix.offsets[row];
+        }
+        matrix
+    }
+
+    /// A diagonal matrix.
+    #[must_use]
+    pub fn diagonal(values: &[f64]) -> Self {
+        let entries = values.iter().enumerate().map(|(i, &value)| (i, i, value)).collect();
+        Self::from_entries(values.len(), entries)
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.offsets.len() - 1
+    }
+
+    /// Columns and values of a row, columns ascending.
+    pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
+        let range = self.offsets[row]..self.offsets[row + 1];
+        self.columns[range.clone()].iter().copied().zip(self.values[range].iter().copied())
+    }
+
+    /// All entries, by rows.
+    pub fn entries(&self) -> impl Iterator<Item = Entry> + '_ {
+        (0..self.rows()).flat_map(|row| self.row(row).map(move |(column, value)| (row, column, value)))
+    }
+
+    /// One entry; zero where none is stored.
+    #[must_use]
+    pub fn get(&self, row: usize, column: usize) -> f64 {
+        self.row(row).find(|entry| entry.0 == column).map_or(0.0, |entry| entry.1)
+    }
+
+    /// The product of a row with a vector, summed from the left.
+    #[must_use]
+    pub fn row_times(&self, row: usize, vector: &[f64]) -> f64 {
+        self.row(row).fold(0.0, |sum, (column, value)| sum + value * vector[column])
+    }
+
+    /// The diagonal, if nothing lies off it.
+    #[must_use]
+    pub fn as_diagonal(&self) -> Option<Vec<f64>> {
+        self.entries()
+            .all(|(row, column, value)| row == column || value == 0.0)
+            .then(|| (0..self.rows()).map(|i| self.get(i, i)).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_order_of_assembly_leaves_no_trace() {
+        // 0.1 + 0.2 + 0.3 differs from 0.3 + 0.2 + 0.1 in its last bit.
+        let forward = vec![(0, 0, 0.1), (0, 0, 0.2), (0, 0, 0.3)];
+        let backward = forward.iter().rev().copied().collect();
+        assert_eq!(
+            SparseMatrix::from_entries(1, forward),
+            SparseMatrix::from_entries(1, backward)
+        );
+    }
+
+    #[test]
+    fn rows_multiply_and_empty_rows_stay_empty() {
+        let matrix = SparseMatrix::from_entries(3, vec![(2, 1, 4.0), (0, 0, 1.0), (2, 0, 2.0)]);
+        assert_eq!(matrix.row_times(2, &[10.0, 1.0, 7.0]), 24.0);
+        assert_eq!(matrix.row(1).count(), 0);
+        assert_eq!(matrix.as_diagonal(), None);
+    }
+}

@@ -1,0 +1,16 @@
+//! The library that goes into every FMU; `build.rs` made it from this same crate.
+
+/// The library itself.
+pub(super) const BYTES: &[u8] = include_bytes!(env!("AMONTONS_FMU_LIBRARY"));
+
+/// The platform that the library is for, as FMI names it.
+pub const PLATFORM: &str = env!("AMONTONS_FMU_PLATFORM");
+
+/// The end of the library's file name.
+pub(super) const EXTENSION: &str = if cfg!(target_os = "windows") {
+    "dll"
+} else if cfg!(target_os = "macos") {
+    "dylib"
+} else {
+    "so"
+};

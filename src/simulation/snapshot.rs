@@ -1,0 +1,194 @@
+//! A saved simulation, in memory or as bytes that another process can resume from.
+//!
+//! The bytes: a mark, the format's version, the fingerprint of the FMU they belong to, the values
+//! (little-endian), and a CRC-32 of all that precedes it. No pointers, nothing of this machine.
+
+use super::clock::Clock;
+use super::{Reference, Simulation};
+use crate::Error;
+use crate::integrator::Motion;
+use crate::model::LumpedModel;
+use crate::scene::Scene;
+use crate::stability::check_step;
+use serde::{Deserialize, Serialize};
+
+/// Everything that a simulation needs to go on with the same doubles.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Snapshot {
+    scene: Scene,
+    reference: Reference,
+    motion: Motion,
+    clock: Clock,
+}
+
+impl Snapshot {
+    /// The values at the time of saving.
+    #[must_use]
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Do all lists have the lengths that the scene asks for?
+    fn is_consistent(&self) -> bool {
+        let contacts = self.scene.modules.len();
+        let dofs = crate::model::ring::MODULE_DOFS * contacts;
+        self.motion.displacement.len() == dofs
+            && self.motion.velocity.len() == dofs
+            && self.motion.contacts.len() == contacts
+            && self.reference.load.len() == dofs
+            && self.reference.equilibrium.displacement.len() == dofs
+            && self.reference.equilibrium.normal_force.len() == contacts
+            && self.reference.equilibrium.friction_force.len() == contacts
+    }
+}
+
+impl Simulation {
+    /// Saves everything that is needed to go on from here.
+    #[must_use]
+    pub fn save(&self) -> Snapshot {
+        Snapshot {
+            scene: self.scene.clone(),
+            reference: self.reference.clone(),
+            motion: self.motion.clone(),
+            clock: self.clock,
+        }
+    }
+
+    /// Goes back to a snapshot. Where it has the same structure only the motion and the values
+    /// are copied, as hosts that repeat steps do this often.
+    ///
+    /// # Errors
+    /// As [`resume`](Self::resume); the simulation is then as it was.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
+        if !same_structure(&self.scene, &snapshot.scene) {
+            *self = Self::resume(snapshot.clone())?;
+            return Ok(());
+        }
+        self.scene.clone_from(&snapshot.scene);
+        self.reference.clone_from(&snapshot.reference);
+        self.motion.clone_from(&snapshot.motion);
+        self.clock = snapshot.clock;
+        self.stale = super::Stale { drive: true, limit: true, contact_forces: true };
+        Ok(())
+    }
+
+    /// Makes a simulation that goes on from a snapshot.
+    ///
+    /// # Errors
+    /// The snapshot's values are impossible, which only a forged one can have.
+    pub fn resume(snapshot: Snapshot) -> Result<Self, Error> {
+        snapshot.scene.check()?;
+        if !snapshot.is_consistent() {
+            return Err(Error::saved_state("the saved state contradicts itself"));
+        }
+        let Snapshot { scene, reference, motion, clock } = snapshot;
+        let model = LumpedModel::from(&scene);
+        check_step(&model, scene.friction_coefficient, scene.step)?;
+        Self::assemble(scene, model, reference, motion, clock)
+    }
+}
+
+/// Do two scenes differ at most in values that may change during a run, or that matter only at
+/// its start?
+fn same_structure(a: &Scene, b: &Scene) -> bool {
+    a.slider.angle == b.slider.angle
+        && a.modules.len() == b.modules.len()
+        && a.modules
+            .iter()
+            .zip(&b.modules)
+            .all(|(a, b)| a.mass == b.mass && a.stiffness == b.stiffness)
+}
+
+const MARK: [u8; 4] = *b"AMTN";
+const VERSION: u8 = 1;
+const GUID: usize = 38;
+const HEADER: usize = MARK.len() + 1 + GUID;
+const CHECKSUM: usize = 4;
+
+/// Writes any saved value as bytes that belong to the FMU with this fingerprint.
+pub(crate) fn to_bytes<T: Serialize>(value: &T, guid: &str) -> Vec<u8> {
+    let mut bytes = Vec::from(MARK);
+    bytes.push(VERSION);
+    bytes.extend_from_slice(guid.as_bytes());
+    let mut bytes = postcard::to_extend(value, bytes).expect("a vector takes all bytes");
+    bytes.extend_from_slice(&crc32fast::hash(&bytes).to_le_bytes());
+    bytes
+}
+
+/// Reads what [`to_bytes`] wrote for the same fingerprint.
+///
+/// # Errors
+/// Says whether the bytes are damaged, of another version, or of another FMU.
+pub(crate) fn from_bytes<T: for<'a> Deserialize<'a>>(bytes: &[u8], guid: &str) -> Result<T, Error> {
+    let damaged = || Error::saved_state("the saved state is damaged or cut short");
+    let end = bytes.len().checked_sub(CHECKSUM).filter(|&end| end >= HEADER).ok_or_else(damaged)?;
+    let (content, checksum) = bytes.split_at(end);
+    if crc32fast::hash(content).to_le_bytes() != checksum || !content.starts_with(&MARK) {
+        return Err(damaged());
+    }
+    if content[MARK.len()] != VERSION {
+        return Err(Error::saved_state(format!(
+            "the saved state has version {}, this FMU reads version {VERSION}",
+            content[MARK.len()]
+        )));
+    }
+    if &content[MARK.len() + 1..HEADER] != guid.as_bytes() {
+        return Err(Error::saved_state("the saved state is of another FMU"));
+    }
+    let (value, rest) = postcard::take_from_bytes(&content[HEADER..]).map_err(|_| damaged())?;
+    if rest.is_empty() { Ok(value) } else { Err(damaged()) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    fn running() -> Simulation {
+        let mut scene = builtin("set1").unwrap().scene();
+        scene.modules[0].velocity[0] = 0.05;
+        let mut simulation = Simulation::new(scene, 0.0).unwrap();
+        simulation.advance_to(0.05).unwrap();
+        simulation
+    }
+
+    fn guid() -> String {
+        super::super::fingerprint("scene")
+    }
+
+    #[test]
+    fn a_resumed_run_takes_the_same_doubles() {
+        let mut straight = running();
+        let bytes = to_bytes(&straight.save(), &guid());
+        let mut resumed = Simulation::resume(from_bytes(&bytes, &guid()).unwrap()).unwrap();
+        for time in [0.0503, 0.0777, 0.1] {
+            straight.advance_to(time).unwrap();
+            resumed.advance_to(time).unwrap();
+        }
+        assert!(straight.statistics().state_changes > 10);
+        assert_eq!(straight.save(), resumed.save());
+    }
+
+    #[test]
+    fn every_flipped_bit_and_every_truncation_is_refused() {
+        let bytes = to_bytes(&running().save(), &guid());
+        let read = |bytes: &[u8]| from_bytes::<Snapshot>(bytes, &guid());
+        assert!(read(&bytes).is_ok());
+        for length in 0..bytes.len() {
+            assert!(read(&bytes[..length]).unwrap_err().is_saved_state());
+        }
+        for bit in 0..8 * bytes.len() {
+            let mut flipped = bytes.clone();
+            flipped[bit / 8] ^= 1 << (bit % 8);
+            assert!(read(&flipped).unwrap_err().is_saved_state(), "bit {bit}");
+        }
+    }
+
+    #[test]
+    fn the_state_of_another_fmu_is_refused() {
+        let bytes = to_bytes(&running().save(), &guid());
+        let other = super::super::fingerprint("other");
+        let error = from_bytes::<Snapshot>(&bytes, &other).unwrap_err();
+        assert!(error.to_string().contains("another FMU"), "{error}");
+    }
+}

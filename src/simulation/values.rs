@@ -1,0 +1,140 @@
+//! What each variable of the catalogue reads and writes.
+
+use super::Simulation;
+use super::catalogue::{Kind, Quantity, Variable};
+use crate::Error;
+use crate::model::ring::MODULE_DOFS;
+use crate::scene::Scene;
+
+/// The value of a parameter or input in a scene; `None` for an output.
+#[must_use]
+pub fn read_scene(scene: &Scene, variable: &Variable) -> Option<f64> {
+    let component = variable.template.component;
+    let module = scene.modules.get(variable.index)?;
+    Some(match variable.template.quantity {
+        Quantity::SliderVelocity => scene.slider.velocity,
+        Quantity::SliderAngle => scene.slider.angle,
+        Quantity::FrictionCoefficient => scene.friction_coefficient,
+        Quantity::DampingAlpha => scene.damping.alpha,
+        Quantity::DampingBeta => scene.damping.beta,
+        Quantity::IntegratorStep => scene.step,
+        Quantity::Mass => module.mass[component],
+        Quantity::Stiffness => module.stiffness[component],
+        Quantity::Preload => module.preload,
+        Quantity::ExternalForce => module.force[component],
+        Quantity::InitialDisplacement => module.displacement[component],
+        Quantity::InitialVelocity => module.velocity[component],
+        Quantity::Displacement
+        | Quantity::Velocity
+        | Quantity::ContactState
+        | Quantity::NormalForce
+        | Quantity::FrictionForce
+        | Quantity::SlipVelocity
+        | Quantity::TangentialReaction
+        | Quantity::NormalReaction
+        | Quantity::StateChanges => return None,
+    })
+}
+
+/// Writes a parameter or input into a scene; [`Scene::check`] says whether it is possible.
+///
+/// # Errors
+/// The variable is an output.
+pub fn write_scene(scene: &mut Scene, variable: &Variable, value: f64) -> Result<(), Error> {
+    let component = variable.template.component;
+    let module = &mut scene.modules[variable.index];
+    *match variable.template.quantity {
+        Quantity::SliderVelocity => &mut scene.slider.velocity,
+        Quantity::SliderAngle => &mut scene.slider.angle,
+        Quantity::FrictionCoefficient => &mut scene.friction_coefficient,
+        Quantity::DampingAlpha => &mut scene.damping.alpha,
+        Quantity::DampingBeta => &mut scene.damping.beta,
+        Quantity::IntegratorStep => &mut scene.step,
+        Quantity::Mass => &mut module.mass[component],
+        Quantity::Stiffness => &mut module.stiffness[component],
+        Quantity::Preload => &mut module.preload,
+        Quantity::ExternalForce => &mut module.force[component],
+        Quantity::InitialDisplacement => &mut module.displacement[component],
+        Quantity::InitialVelocity => &mut module.velocity[component],
+        Quantity::Displacement
+        | Quantity::Velocity
+        | Quantity::ContactState
+        | Quantity::NormalForce
+        | Quantity::FrictionForce
+        | Quantity::SlipVelocity
+        | Quantity::TangentialReaction
+        | Quantity::NormalReaction
+        | Quantity::StateChanges => {
+            return Err(Error::variable(format!(
+                "{} cannot be set: it is an output",
+                variable.name
+            )));
+        }
+    } = value;
+    Ok(())
+}
+
+impl Simulation {
+    /// The present value of any variable of this scene; integers and items of enumerations as
+    /// whole numbers.
+    ///
+    /// # Errors
+    /// Contact forces that have no solution.
+    pub fn read(&mut self, variable: &Variable) -> Result<f64, Error> {
+        let index = variable.index;
+        let dof = MODULE_DOFS * index + variable.template.component;
+        Ok(match variable.template.quantity {
+            Quantity::Displacement => self.motion.displacement[dof],
+            Quantity::Velocity => self.motion.velocity[dof],
+            Quantity::ContactState => f64::from(self.contact_forces()?[index].state as u8),
+            Quantity::NormalForce => self.contact_forces()?[index].normal_force,
+            Quantity::FrictionForce => self.contact_forces()?[index].friction_force,
+            Quantity::SlipVelocity => self.contact_forces()?[index].slip_velocity,
+            // What the contacts do to the masses they undo to the slider.
+            Quantity::TangentialReaction => {
+                -self.contact_forces()?.iter().map(|force| force.friction_force).sum::<f64>()
+            }
+            Quantity::NormalReaction => {
+                -self.contact_forces()?.iter().map(|force| force.normal_force).sum::<f64>()
+            }
+            Quantity::StateChanges => {
+                let count = u32::try_from(self.motion.statistics.state_changes);
+                f64::from(count.map_or(i32::MAX, |count| i32::try_from(count).unwrap_or(i32::MAX)))
+            }
+            _ => read_scene(&self.scene, variable).expect("every other quantity is a scene's"),
+        })
+    }
+
+    /// Gives an input or a tunable parameter another value, from now on.
+    ///
+    /// # Errors
+    /// The variable may not change during a run, or cannot have this value; nothing is changed.
+    pub fn write(&mut self, variable: &Variable, value: f64) -> Result<(), Error> {
+        if !variable.is_tunable() {
+            return Err(Error::variable(format!(
+                "{} cannot be set during a run: only inputs and tunable parameters can",
+                variable.name
+            )));
+        }
+        check_value(variable, value)?;
+        write_scene(&mut self.scene, variable, value)?;
+        self.stale.drive = true;
+        self.stale.contact_forces = true;
+        self.stale.limit |=
+            matches!(variable.template.quantity, Quantity::FrictionCoefficient | Quantity::DampingBeta);
+        Ok(())
+    }
+}
+
+/// Refuses a value that the variable can never have.
+///
+/// # Errors
+/// The variable, the value, and what would be right.
+pub fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
+    let wish = match variable.template.kind {
+        _ if !value.is_finite() => "a finite number".to_owned(),
+        Kind::Real { min: Some(min), .. } if value < min => format!("≥ {min}"),
+        _ => return Ok(()),
+    };
+    Err(Error::variable(format!("{} = {value}: must be {wish}", variable.name)))
+}

@@ -1,0 +1,5 @@
+//! Stability of the contact states: here, the largest step that the explicit scheme can take.
+
+mod critical_step;
+
+pub use critical_step::{CriticalStep, Origin, check_step, critical_step};
