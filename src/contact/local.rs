@@ -29,7 +29,8 @@ impl LocalProblem {
         self.stick(free, friction_coefficient).or_else(|| {
             // A mass that lags behind the slider (a_T < 0) is dragged along (T > 0), and so on.
             [1.0, -1.0].into_iter().find_map(|direction| {
-                let [normal, tangential] = self.slide(free_normal, friction_coefficient, direction)?;
+                let [normal, tangential] =
+                    self.slide(free_normal, friction_coefficient, direction)?;
                 let acceleration = free_tangential + self.nt * normal + self.tt * tangential;
                 (acceleration * direction <= 0.0).then_some([normal, tangential])
             })

@@ -70,10 +70,7 @@ impl fmt::Display for Joined<'_> {
 /// All 4ⁿ states of `contacts` contacts, the last contact changing fastest.
 pub fn all_states(contacts: u32) -> impl Iterator<Item = Vec<ContactState>> {
     (0..4_usize.pow(contacts)).map(move |number| {
-        (0..contacts)
-            .rev()
-            .map(|contact| ContactState::ALL[number >> (2 * contact) & 3])
-            .collect()
+        (0..contacts).rev().map(|contact| ContactState::ALL[number >> (2 * contact) & 3]).collect()
     })
 }
 

@@ -93,7 +93,10 @@ pub(super) unsafe fn array<'a, T>(pointer: *const T, length: usize) -> Result<&'
 ///
 /// # Safety
 /// `pointer` is NULL or points to room for `length` values that nobody else uses during the call.
-pub(super) unsafe fn array_mut<'a, T>(pointer: *mut T, length: usize) -> Result<&'a mut [T], Error> {
+pub(super) unsafe fn array_mut<'a, T>(
+    pointer: *mut T,
+    length: usize,
+) -> Result<&'a mut [T], Error> {
     if length == 0 {
         return Ok(&mut []);
     }

@@ -71,12 +71,7 @@ unsafe extern "C" fn fmi2Instantiate(
     let make = || {
         // SAFETY: the importer's contract; NULL is allowed for each of these.
         let (name, guid, location, callbacks) = unsafe {
-            (
-                string(instance_name),
-                string(guid),
-                string(resource_location),
-                callbacks.as_ref(),
-            )
+            (string(instance_name), string(guid), string(resource_location), callbacks.as_ref())
         };
         let logger = Logger::new(callbacks, name.unwrap_or(c""), logging_on != fmi2False);
         let refuse = |logger: &Logger, message: &str| {
@@ -190,7 +185,8 @@ unsafe fn get<T>(
 ) -> fmi2Status {
     let body = |instance: &mut Instance| {
         // SAFETY: this function's contract.
-        let (references, values) = unsafe { (array(references, count)?, array_mut(values, count)?) };
+        let (references, values) =
+            unsafe { (array(references, count)?, array_mut(values, count)?) };
         for (&reference, value) in references.iter().zip(values) {
             *value = convert(instance.get(reference, number)?);
         }
@@ -231,7 +227,12 @@ unsafe fn set<T: Copy + Into<f64>>(
 ///
 /// # Safety
 /// The importer's contract.
-unsafe fn no_such_type(component: fmi2Component, count: size_t, what: Call, kind: &str) -> fmi2Status {
+unsafe fn no_such_type(
+    component: fmi2Component,
+    count: size_t,
+    what: Call,
+    kind: &str,
+) -> fmi2Status {
     let body = |_: &mut Instance| match count {
         0 => OK,
         _ => Err(Error::variable(format!("this FMU has no {kind} variables"))),

@@ -54,7 +54,11 @@ pub(super) enum Number {
 
 impl Instance {
     /// An instance of the scene in `resources`, if the importer's GUID is that scene's.
-    pub(super) fn new(resources: &Path, guid: &str, logger: Logger) -> Result<Self, (Error, Logger)> {
+    pub(super) fn new(
+        resources: &Path,
+        guid: &str,
+        logger: Logger,
+    ) -> Result<Self, (Error, Logger)> {
         let read = || {
             let path = resources.join(SCENE_FILE);
             let (scene, text) = scene::read(&path)?;
@@ -189,10 +193,16 @@ impl Instance {
     }
 
     /// May the variable be set now, to this value? Asked of all values before any is set.
-    pub(super) fn check_set(&self, reference: u32, value: f64, number: Number) -> Result<(), Error> {
+    pub(super) fn check_set(
+        &self,
+        reference: u32,
+        value: f64,
+        number: Number,
+    ) -> Result<(), Error> {
         let variable = &self.variables[self.find(reference, number)?];
         check_value(variable, value)?;
-        let possible = if self.is_set_up() { variable.is_settable() } else { variable.is_tunable() };
+        let possible =
+            if self.is_set_up() { variable.is_settable() } else { variable.is_tunable() };
         if possible {
             return Ok(());
         }

@@ -1,6 +1,8 @@
 //! Messages to the importer's logger.
 
-use super::types::{fmi2CallbackFunctions, fmi2CallbackLogger, fmi2ComponentEnvironment, fmi2Status};
+use super::types::{
+    fmi2CallbackFunctions, fmi2CallbackLogger, fmi2ComponentEnvironment, fmi2Status,
+};
 use std::ffi::{CStr, CString};
 
 /// The categories that the model description declares; `logAll` stands for all of them.
@@ -62,7 +64,8 @@ impl Logger {
                 *enabled = on;
             }
         }
-        let known = |name: &CStr| CATEGORIES.iter().any(|known| known.0.as_bytes() == name.to_bytes());
+        let known =
+            |name: &CStr| CATEGORIES.iter().any(|known| known.0.as_bytes() == name.to_bytes());
         names.iter().find(|name| !known(name)).map_or(Ok(()), |name| Err(name))
     }
 

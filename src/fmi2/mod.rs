@@ -21,5 +21,7 @@ mod logger;
 mod resources;
 mod types;
 
+#[cfg(feature = "exporter")]
 pub(crate) use instance::SCENE_FILE;
+#[cfg(feature = "exporter")]
 pub(crate) use logger::CATEGORIES;

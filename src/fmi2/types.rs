@@ -16,7 +16,6 @@ pub type fmi2Byte = c_char;
 pub type fmi2Type = c_int;
 pub type fmi2StatusKind = c_int;
 
-pub const fmi2True: fmi2Boolean = 1;
 pub const fmi2False: fmi2Boolean = 0;
 pub const fmi2CoSimulation: fmi2Type = 1;
 
@@ -24,7 +23,8 @@ pub const fmi2CoSimulation: fmi2Type = 1;
 pub const fmi2LastSuccessfulTime: fmi2StatusKind = 2;
 pub const fmi2Terminated: fmi2StatusKind = 3;
 
-/// What a function returns.
+/// What a function returns. Pending and Fatal are never: steps end in their call, and what befalls
+/// one instance leaves the others alone.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum fmi2Status {
@@ -32,8 +32,6 @@ pub enum fmi2Status {
     fmi2Warning = 1,
     fmi2Discard = 2,
     fmi2Error = 3,
-    fmi2Fatal = 4,
-    fmi2Pending = 5,
 }
 
 pub type fmi2CallbackLogger = unsafe extern "C" fn(

@@ -17,8 +17,7 @@ pub(super) fn solve(size: usize, entries: &[Entry], b: &[f64]) -> Result<Vec<f64
     for (new, &old) in order.iter().enumerate() {
         place[old] = new;
     }
-    let half_band =
-        entries.iter().map(|&(i, j, _)| place[i].abs_diff(place[j])).max().unwrap_or(0);
+    let half_band = entries.iter().map(|&(i, j, _)| place[i].abs_diff(place[j])).max().unwrap_or(0);
     let mut band = Band::new(size, half_band);
     for &(i, j, value) in entries {
         *band.at(place[i], place[j]) += value;

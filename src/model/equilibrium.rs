@@ -78,9 +78,8 @@ impl LumpedModel {
     /// Follows the equilibrium from µ = 0 upwards to where it is lost: a normal force that falls
     /// to zero there is a contact that opens, one that grows without bound is jamming.
     fn explain_missing_equilibrium(&self, friction: f64, sign: f64) -> Error {
-        let exists = |mu: f64| {
-            self.solve(sign * mu).ok().filter(|found| found.pulled_contact().is_none())
-        };
+        let exists =
+            |mu: f64| self.solve(sign * mu).ok().filter(|found| found.pulled_contact().is_none());
         let (mut good, mut bad) = (0.0, friction);
         for _ in 0..60 {
             let middle = 0.5 * (good + bad);

@@ -38,8 +38,11 @@ impl From<&Scene> for LumpedModel {
             spring(&mut stiffness, k5, &difference(upper_y(i), axes.lower_y(i)));
             spring(&mut stiffness, k6, &difference(upper_x(i), axes.lower_x(i)));
         }
-        let mass: Vec<f64> =
-            scene.modules.iter().flat_map(|Module { mass: [m1, m2], .. }| [*m1, *m1, *m2, *m2]).collect();
+        let mass: Vec<f64> = scene
+            .modules
+            .iter()
+            .flat_map(|Module { mass: [m1, m2], .. }| [*m1, *m1, *m2, *m2])
+            .collect();
         let mut model = Self {
             mass: SparseMatrix::diagonal(&mass),
             stiffness: SparseMatrix::from_entries(dofs, stiffness),

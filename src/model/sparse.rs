@@ -59,7 +59,8 @@ impl SparseMatrix {
 
     /// All entries, by rows.
     pub fn entries(&self) -> impl Iterator<Item = Entry> + '_ {
-        (0..self.rows()).flat_map(|row| self.row(row).map(move |(column, value)| (row, column, value)))
+        (0..self.rows())
+            .flat_map(|row| self.row(row).map(move |(column, value)| (row, column, value)))
     }
 
     /// One entry; zero where none is stored.
@@ -92,10 +93,7 @@ mod tests {
         // 0.1 + 0.2 + 0.3 differs from 0.3 + 0.2 + 0.1 in its last bit.
         let forward = vec![(0, 0, 0.1), (0, 0, 0.2), (0, 0, 0.3)];
         let backward = forward.iter().rev().copied().collect();
-        assert_eq!(
-            SparseMatrix::from_entries(1, forward),
-            SparseMatrix::from_entries(1, backward)
-        );
+        assert_eq!(SparseMatrix::from_entries(1, forward), SparseMatrix::from_entries(1, backward));
     }
 
     #[test]

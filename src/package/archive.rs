@@ -15,8 +15,10 @@ impl Archive {
     /// An empty archive whose entries all carry `date`, or the earliest that a zip can hold.
     pub(super) fn new(date: Option<Date>) -> Result<Self, Error> {
         let time = match date {
-            Some(d) => DateTime::from_date_and_time(d.year, d.month, d.day, d.hour, d.minute, d.second)
-                .map_err(|error| failed(&error))?,
+            Some(d) => {
+                DateTime::from_date_and_time(d.year, d.month, d.day, d.hour, d.minute, d.second)
+                    .map_err(|error| failed(&error))?
+            }
             None => DateTime::default(),
         };
         let options = SimpleFileOptions::default()

@@ -29,9 +29,7 @@ pub fn fmu(scene: &Scene, text: &str) -> Result<Vec<u8>, Error> {
     archive.add(&library, library::BYTES)?;
     archive.add(&format!("resources/{SCENE_FILE}"), text.as_bytes())?;
     archive.add("documentation/licenses/LICENSE-MIT.txt", include_bytes!("../../LICENSE-MIT"))?;
-    archive.add(
-        "documentation/licenses/LICENSE-APACHE.txt",
-        include_bytes!("../../LICENSE-APACHE"),
-    )?;
+    archive
+        .add("documentation/licenses/LICENSE-APACHE.txt", include_bytes!("../../LICENSE-APACHE"))?;
     archive.finish()
 }

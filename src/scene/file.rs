@@ -152,12 +152,13 @@ impl Ring {
 impl Initial {
     fn apply(&self, modules: &mut [Module]) -> Result<(), Error> {
         let count = modules.len();
-        let module = self.module.checked_sub(1).and_then(|i| modules.get_mut(i)).ok_or_else(|| {
-            Error::scene(format!(
-                "initial.module = {}: the ring has modules 1 to {count}",
-                self.module
-            ))
-        })?;
+        let module =
+            self.module.checked_sub(1).and_then(|i| modules.get_mut(i)).ok_or_else(|| {
+                Error::scene(format!(
+                    "initial.module = {}: the ring has modules 1 to {count}",
+                    self.module
+                ))
+            })?;
         let displacement = [self.x1, self.x2, self.x3, self.x4];
         let velocity = [self.v1, self.v2, self.v3, self.v4];
         for j in 0..4 {

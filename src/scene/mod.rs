@@ -62,7 +62,7 @@ pub struct Damping {
 pub struct Module {
     /// m1 and m2, kg.
     pub mass: [f64; 2],
-    /// k1 … k6, N/m; what each joins stands in [`crate::model::ring`].
+    /// k1 … k6, N/m; what each joins stands with the model, in `model::ring`.
     pub stiffness: [f64; 6],
     /// Preload δ: how far the ground end of k3 is moved down, m.
     pub preload: f64,
@@ -110,7 +110,11 @@ impl Scene {
         check(&named("damping.beta"), self.damping.beta, Rule::NotNegative);
         check(&named("integrator.step"), self.step, Rule::Positive);
         check(&named("experiment.stop_time"), self.experiment.stop_time, Rule::Positive);
-        check(&named("experiment.output_interval"), self.experiment.output_interval, Rule::Positive);
+        check(
+            &named("experiment.output_interval"),
+            self.experiment.output_interval,
+            Rule::Positive,
+        );
         for (i, module) in self.modules.iter().enumerate() {
             let i = i + 1;
             for (j, mass) in module.mass.into_iter().enumerate() {
@@ -123,11 +127,7 @@ impl Scene {
             for j in 0..4 {
                 check(&|| format!("module[{i}].f{}", j + 1), module.force[j], Rule::Finite);
                 let rule = if j == 3 { Rule::NotInsideSlider } else { Rule::Finite };
-                check(
-                    &|| format!("initial.module[{i}].x{}", j + 1),
-                    module.displacement[j],
-                    rule,
-                );
+                check(&|| format!("initial.module[{i}].x{}", j + 1), module.displacement[j], rule);
                 check(
                     &|| format!("initial.module[{i}].v{}", j + 1),
                     module.velocity[j],

@@ -10,14 +10,14 @@ pub use catalogue::{Variable, variables};
 pub use fingerprint::fingerprint;
 pub use snapshot::Snapshot;
 pub(crate) use snapshot::{from_bytes, to_bytes};
-pub use values::{check_value, read_scene, write_scene};
+pub use values::{assign, check_value, read_scene, write_scene};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{self, Drive, Integrator, Motion, Statistics, StepFailure};
 use crate::model::{Equilibrium, LumpedModel, ring};
 use crate::scene::Scene;
-use crate::stability::check_step;
+use crate::stability::StepGuard;
 use clock::Clock;
 use serde::{Deserialize, Serialize};
 
@@ -29,6 +29,7 @@ pub struct Simulation {
     /// The values as they are now: inputs and tunable parameters may have changed since the start.
     scene: Scene,
     model: LumpedModel,
+    guard: StepGuard,
     integrator: Box<dyn Integrator>,
     reference: Reference,
     motion: Motion,
@@ -63,7 +64,6 @@ impl Simulation {
         scene.check()?;
         let model = LumpedModel::from(&scene);
         let equilibrium = ring::equilibrium(&scene, &model)?;
-        check_step(&model, scene.friction_coefficient, scene.step)?;
         let reference = Reference { equilibrium, load: model.load.clone() };
         let motion = initial_motion(&scene);
         Self::assemble(scene, model, reference, motion, Clock::at(start_time))
@@ -76,6 +76,8 @@ impl Simulation {
         motion: Motion,
         clock: Clock,
     ) -> Result<Self, Error> {
+        let guard = StepGuard::new(&model, scene.friction_coefficient);
+        guard.check(&model, scene.friction_coefficient, scene.step)?;
         let integrator = integrator::choose(&model)?;
         let drive = Drive {
             force: vec![0.0; model.dofs()],
@@ -87,6 +89,7 @@ impl Simulation {
         Ok(Self {
             scene,
             model,
+            guard,
             integrator,
             reference,
             motion,
@@ -136,8 +139,8 @@ impl Simulation {
         let leg = self.clock.way_to(target, self.scene.step).ok_or_else(|| {
             Error::step(format!("cannot go from {} s to {target} s", self.time()))
         })?;
-        self.check_limit()?;
         self.update_drive();
+        self.check_limit()?;
         let mut left = leg.count;
         while left > 0 {
             let count = left.min(CHUNK);
@@ -167,8 +170,9 @@ impl Simulation {
         Ok(&self.contact_forces)
     }
 
-    /// Brings the drive up to date: the load's change since the reference, the contact forces that
-    /// balanced it, and the external forces. At the reference nothing but the contacts is left.
+    /// Brings drive and damping up to date. The drive is the load's change since the reference, the
+    /// contact forces that balanced it, and the external forces; at the reference nothing but the
+    /// contacts' part is left.
     fn update_drive(&mut self) {
         if !std::mem::replace(&mut self.stale.drive, false) {
             return;
@@ -188,13 +192,13 @@ impl Simulation {
         }
         self.drive.slider_velocity = self.scene.slider.velocity;
         self.drive.friction_coefficient = self.scene.friction_coefficient;
+        self.model.damping = self.scene.damping;
+        self.integrator.set_damping(self.scene.damping);
     }
 
     fn check_limit(&mut self) -> Result<(), Error> {
         if self.stale.limit {
-            self.model.damping = self.scene.damping;
-            check_step(&self.model, self.scene.friction_coefficient, self.scene.step)?;
-            self.integrator.set_damping(self.scene.damping);
+            self.guard.check(&self.model, self.scene.friction_coefficient, self.scene.step)?;
             self.stale.limit = false;
         }
         Ok(())

@@ -9,7 +9,6 @@ use crate::Error;
 use crate::integrator::Motion;
 use crate::model::LumpedModel;
 use crate::scene::Scene;
-use crate::stability::check_step;
 use serde::{Deserialize, Serialize};
 
 /// Everything that a simulation needs to go on with the same doubles.
@@ -83,7 +82,6 @@ impl Simulation {
         }
         let Snapshot { scene, reference, motion, clock } = snapshot;
         let model = LumpedModel::from(&scene);
-        check_step(&model, scene.friction_coefficient, scene.step)?;
         Self::assemble(scene, model, reference, motion, clock)
     }
 }

@@ -1,7 +1,7 @@
 //! What each variable of the catalogue reads and writes.
 
 use super::Simulation;
-use super::catalogue::{Kind, Quantity, Variable};
+use super::catalogue::{Kind, Quantity, Variable, variables};
 use crate::Error;
 use crate::model::ring::MODULE_DOFS;
 use crate::scene::Scene;
@@ -74,6 +74,32 @@ pub fn write_scene(scene: &mut Scene, variable: &Variable, value: f64) -> Result
     Ok(())
 }
 
+/// Gives a parameter or input of a scene, known by its name, another value.
+///
+/// # Errors
+/// There is no such parameter or input (those with like names are listed), or it cannot have this
+/// value.
+pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
+    let settable: Vec<Variable> =
+        variables(scene).into_iter().filter(Variable::is_settable).collect();
+    if let Some(variable) = settable.iter().find(|variable| variable.name == name) {
+        check_value(variable, value)?;
+        return write_scene(scene, variable, value);
+    }
+    let group = |name: &str| name.rsplit_once('.').map(|(group, _)| group.to_owned());
+    let mut like: Vec<&str> = settable.iter().map(|variable| &*variable.name).collect();
+    if like.iter().any(|known| group(known) == group(name)) {
+        like.retain(|known| group(known) == group(name));
+    } else {
+        // One module stands for all.
+        like.retain(|known| !known.contains('[') || known.contains("[1]"));
+    }
+    Err(Error::variable(format!(
+        "there is no parameter or input {name}; there are {}",
+        like.join(", ")
+    )))
+}
+
 impl Simulation {
     /// The present value of any variable of this scene; integers and items of enumerations as
     /// whole numbers.
@@ -120,8 +146,10 @@ impl Simulation {
         write_scene(&mut self.scene, variable, value)?;
         self.stale.drive = true;
         self.stale.contact_forces = true;
-        self.stale.limit |=
-            matches!(variable.template.quantity, Quantity::FrictionCoefficient | Quantity::DampingBeta);
+        self.stale.limit |= matches!(
+            variable.template.quantity,
+            Quantity::FrictionCoefficient | Quantity::DampingBeta
+        );
         Ok(())
     }
 }

@@ -2,4 +2,4 @@
 
 mod critical_step;
 
-pub use critical_step::{CriticalStep, Origin, check_step, critical_step};
+pub use critical_step::{CriticalStep, Origin, StepGuard, critical_step};

@@ -42,13 +42,13 @@ pub struct Simulate {
     /// A scene file (TOML), or the name of a built-in scene
     pub scene: String,
     /// End of the run, s [default: the scene's]
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub stop_time: Option<f64>,
     /// Time between two rows, s [default: the scene's]
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub output_interval: Option<f64>,
     /// Internal time step, s [default: the scene's]
-    #[arg(long, value_name = "S", value_parser = positive)]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub step: Option<f64>,
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]

@@ -20,7 +20,9 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn Error>> {
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
     let mut file = Pending::create(&path)?;
-    file.writer.write_all(&fmu).map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+    file.writer
+        .write_all(&fmu)
+        .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
     file.complete()?;
     println!("{}: {}", scene.name, scene.description);
     print_contents(&scene)?;

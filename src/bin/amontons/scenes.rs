@@ -16,7 +16,8 @@ pub fn run(command: Option<&Scenes>) -> Result<(), Box<dyn error::Error>> {
             }
         }
         Some(Scenes::Show { name }) => {
-            let scene = builtin(name).ok_or_else(|| format!("no built-in scene {name}; {}", names()))?;
+            let scene =
+                builtin(name).ok_or_else(|| format!("no built-in scene {name}; {}", names()))?;
             out.write_all(scene.text.as_bytes())?;
         }
     }
@@ -31,7 +32,10 @@ pub fn load(argument: &str) -> Result<(Scene, String), Box<dyn error::Error>> {
     }
     match builtin(argument) {
         Some(builtin) => Ok((builtin.scene(), builtin.text.to_owned())),
-        None => Err(format!("no file {argument} and no built-in scene of that name; {}", names()).into()),
+        None => {
+            Err(format!("no file {argument} and no built-in scene of that name; {}", names())
+                .into())
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use crate::output::Pending;
 use crate::scenes;
 use amontons::scene::Scene;
 use amontons::simulation::catalogue::{Causality, Kind};
-use amontons::simulation::{Simulation, Variable, check_value, variables, write_scene};
+use amontons::simulation::{Simulation, Variable, assign, variables};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::{BufWriter, ErrorKind, Write, stdout};
@@ -40,16 +40,8 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
 /// The scene with the values of the command line.
 fn configured(arguments: &Simulate) -> Result<Scene, Box<dyn Error>> {
     let (mut scene, _) = scenes::load(&arguments.scene)?;
-    let variables = variables(&scene);
     for (name, value) in &arguments.set {
-        let variable = variables.iter().find(|variable| variable.name == *name);
-        let variable = variable.filter(|variable| variable.is_settable()).ok_or_else(|| {
-            let known = variables.iter().filter(|variable| variable.is_settable());
-            let names: Vec<&str> = known.map(|variable| &*variable.name).collect();
-            format!("there is no parameter or input {name}; there are: {}", names.join(", "))
-        })?;
-        check_value(variable, *value)?;
-        write_scene(&mut scene, variable, *value)?;
+        assign(&mut scene, name, *value)?;
     }
     scene.experiment.stop_time = arguments.stop_time.unwrap_or(scene.experiment.stop_time);
     scene.experiment.output_interval =

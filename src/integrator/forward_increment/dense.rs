@@ -113,9 +113,11 @@ impl DenseForwardIncrement {
     /// Moves the masses on; where a contact lies along a degree of freedom, its gap and its slip
     /// become exact zeros, so that the tolerance of the multipliers leaves no drift.
     fn settle(&self, motion: &mut Motion, drive: &Drive, h: f64) {
-        let states = self.multipliers.forces.iter().map(|&force| {
-            state_of(force, drive.friction_coefficient)
-        });
+        let states = self
+            .multipliers
+            .forces
+            .iter()
+            .map(|&force| state_of(force, drive.friction_coefficient));
         for ((contact, state), old) in self.contacts.iter().zip(states).zip(&mut motion.contacts) {
             if state != *old {
                 motion.statistics.state_changes += 1;

@@ -219,7 +219,7 @@ impl StepConstants {
                 let pushed = force[TANGENT] + friction;
                 v[TANGENT] * self.retained + h * (pushed * block.inverse_mass[TANGENT])
             };
-            new[NORMAL] = -x[NORMAL] * self.per_step;
+            new[NORMAL] = (0.0 - x[NORMAL]) * self.per_step;
             x[NORMAL] = 0.0;
             state
         } else {

@@ -1,0 +1,156 @@
+//! The program as its user meets it.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
+
+fn amontons(folder: &Path, arguments: &[&str]) -> Output {
+    Command::new(env!("CARGO_BIN_EXE_amontons"))
+        .args(arguments)
+        .current_dir(folder)
+        .output()
+        .unwrap()
+}
+
+fn text(bytes: &[u8]) -> String {
+    String::from_utf8(bytes.to_vec()).unwrap()
+}
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap()
+}
+
+/// Set 1's file with one piece of text replaced.
+fn scene_file(folder: &Path, from: &str, to: &str) -> PathBuf {
+    let scene = text(&amontons(folder, &["scenes", "show", "set1"]).stdout);
+    assert!(scene.contains(from), "{from}");
+    let path = folder.join("mine.toml");
+    fs::write(&path, scene.replacen(from, to, 1)).unwrap();
+    path
+}
+
+/// Runs a command that must fail with this exit code and these words on standard error.
+fn assert_refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
+    let output = amontons(folder, arguments);
+    let message = text(&output.stderr);
+    assert_eq!(output.status.code(), Some(code), "{message}");
+    for word in words {
+        assert!(message.contains(word), "{word} is missing in: {message}");
+    }
+    assert!(!message.contains("panicked"), "{message}");
+}
+
+#[test]
+fn export_writes_the_fmu_and_says_what_went_in() {
+    let folder = folder();
+    let output = amontons(folder.path(), &["export", "set1"]);
+    let printed = text(&output.stdout);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(folder.path().join("set1.fmu").is_file());
+    for words in ["ring of 2 modules", "10 inputs", "critical step", "state R-Sl-R-Sl", "set1.fmu"]
+    {
+        assert!(printed.contains(words), "{printed}");
+    }
+}
+
+#[test]
+fn a_file_of_ones_own_starts_from_a_built_in_one() {
+    let folder = folder();
+    let path = scene_file(folder.path(), "m1 = 0.3 ", "m1 = [0.3, 0.35] ");
+    let output = amontons(folder.path(), &["export", path.to_str().unwrap(), "-o", "brake 1.fmu"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(folder.path().join("brake 1.fmu").is_file());
+}
+
+#[test]
+fn simulate_prints_rows_that_start_at_zero_and_end_at_the_stop_time() {
+    let folder = folder();
+    let run = ["simulate", "set1", "--stop-time", "0.0105", "--output-interval", "1e-3"];
+    let printed = text(&amontons(folder.path(), &run).stdout);
+    let lines: Vec<&str> = printed.lines().collect();
+    assert!(lines[0].starts_with("time,module[1].x1,module[1].x2"), "{}", lines[0]);
+    let times: Vec<&str> = lines[1..].iter().map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(times.len(), 12);
+    assert_eq!((times[0], times[3], times[11]), ("0.0", "0.003", "0.0105"));
+}
+
+#[test]
+fn set_changes_what_the_fmu_would_change_and_step_the_grid() {
+    let folder = folder();
+    let run = |extra: &[&str]| {
+        let arguments = [&["simulate", "set1", "--stop-time", "0.01"], extra].concat();
+        text(&amontons(folder.path(), &arguments).stdout)
+    };
+    let plain = run(&[]);
+    assert_eq!(plain, run(&["--set", "friction.coefficient=1.96", "--step", "1e-6"]));
+    assert_ne!(plain, run(&["--set", "module[2].k5=3.1e5"]));
+    assert_ne!(plain, run(&["--step", "2e-6"]));
+}
+
+#[test]
+fn scenes_are_listed_and_shown() {
+    let folder = folder();
+    let list = text(&amontons(folder.path(), &["scenes"]).stdout);
+    assert_eq!(list.lines().count(), 3);
+    let shown = amontons(folder.path(), &["scenes", "show", "set2"]).stdout;
+    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/set2.toml");
+    assert_eq!(shown, fs::read(file).unwrap());
+    assert_refused(folder.path(), &["scenes", "show", "set3"], 1, &["set3", "set1, set2, ring12"]);
+}
+
+#[test]
+fn impossible_scenes_are_refused_with_what_would_be_right() {
+    let cases: &[(&str, &str, &[&str])] = &[
+        ("k1 = 55e3", "k1 = 55e3\nk7 = 1", &["mine.toml", "line 18", "unknown field `k7`"]),
+        ("m1 = 0.3 ", "m1 = -0.3 ", &["module[1].m1 = -0.3", "above zero", "module[2].m1"]),
+        ("m1 = 0.3 ", "m1 = [0.3] ", &["ring.m1", "1 values", "2 modules"]),
+        ("m1 = 0.3 ", "m1 = nan ", &["module[1].m1", "finite"]),
+        ("modules = 2", "modules = 0", &["ring.modules = 0", "1 to 100000"]),
+        ("module = 1", "module = 3", &["initial.module = 3", "1 to 2"]),
+        ("v1 = 1.0e-7", "x4 = -1.0e-7", &["initial.module[1].x4", "inside the slider"]),
+        ("step = 1.0e-6", "step = 2.0e-3", &["critical step", "1.3399e-3", "R-Sl-R-Sl"]),
+        ("preload = 5.0e-3", "preload = -5.0e-3", &["contact[1] opens", "preload"]),
+        (
+            "angle = 0.5             # θ, rad\n\n[friction]\ncoefficient = 1.96",
+            "angle = -0.5\n\n[friction]\ncoefficient = 5",
+            &["no equilibrium", "contact[1] jams from 3.577224 on"],
+        ),
+        ("angle = 0.5", "angle = \"steep\"", &["mine.toml", "line 5", "angle"]),
+    ];
+    for (from, to, words) in cases {
+        let folder = folder();
+        let path = scene_file(folder.path(), from, to);
+        let path = path.to_str().unwrap();
+        fs::write(folder.path().join("kept.fmu"), "an older one").unwrap();
+        assert_refused(folder.path(), &["export", path, "-o", "kept.fmu"], 3, words);
+        assert_eq!(fs::read(folder.path().join("kept.fmu")).unwrap(), b"an older one");
+        assert_refused(folder.path(), &["simulate", path], 3, words);
+    }
+}
+
+#[test]
+fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
+    let folder = folder();
+    let refused = |arguments: &[&str], code, words: &[&str]| {
+        assert_refused(folder.path(), arguments, code, words);
+    };
+    refused(&["export", "nothing"], 1, &["nothing", "set1, set2, ring12"]);
+    refused(&["export"], 2, &["SCENE"]);
+    refused(&["simulate", "set1", "--stop-time", "-1"], 2, &["above zero"]);
+    refused(&["simulate", "set1", "--set", "module[1].k9=1"], 3, &["module[1].k9", "module[1].k1"]);
+    refused(&["simulate", "set1", "--set", "module[1].k2"], 2, &["NAME=VALUE"]);
+    refused(&["simulate", "set1", "--set", "module[1].x1=0"], 3, &["module[1].x1"]);
+    refused(&["simulate", "set1", "--set", "module[1].m1=0"], 3, &["module[1].m1", "above zero"]);
+    refused(&["simulate", "set1", "-o", "no/such/place.csv"], 1, &["no/such/place.csv"]);
+    refused(&["export", "set1", "-o", "."], 1, &["cannot write"]);
+}
+
+#[test]
+fn two_exports_of_a_scene_are_equal_byte_for_byte() {
+    let folder = folder();
+    for name in ["a.fmu", "b.fmu"] {
+        assert!(amontons(folder.path(), &["export", "set1", "-o", name]).status.success());
+    }
+    let read = |name| fs::read(folder.path().join(name)).unwrap();
+    assert!(read("a.fmu") == read("b.fmu"));
+}

@@ -1,0 +1,214 @@
+//! Gauss–Seidel over contacts that masses couple, against a brute-force search of all contact
+//! states, and the dense integrator against the one for rings.
+
+use amontons::contact::{ContactState, all_states};
+use amontons::integrator::{
+    DenseForwardIncrement, Drive, Integrator, Motion, RingForwardIncrement, Statistics,
+};
+use amontons::model::{Contact, Damping, Direction, Entry, LumpedModel, SparseMatrix};
+use amontons::scene::builtin;
+use nalgebra::{DMatrix, DVector};
+use proptest::prelude::*;
+
+const STEP: f64 = 1e-4;
+
+/// Masses with a full mass matrix, a contact on every pair of degrees of freedom.
+fn model(contacts: usize, coupling: &[f64]) -> LumpedModel {
+    let dofs = 2 * contacts;
+    let mut entries: Vec<Entry> = Vec::new();
+    let mut coupling = coupling.iter().cycle();
+    for i in 0..dofs {
+        entries.push((i, i, 1.0));
+        for j in 0..i {
+            // Diagonally dominant, so positive definite, and friction does not wedge.
+            let value = 0.8 / f64::from(u8::try_from(dofs).unwrap()) * coupling.next().unwrap();
+            entries.extend([(i, j, value), (j, i, value)]);
+        }
+    }
+    LumpedModel {
+        mass: SparseMatrix::from_entries(dofs, entries),
+        stiffness: SparseMatrix::diagonal(&vec![50.0; dofs]),
+        damping: Damping { alpha: 0.1, beta: 1e-4 },
+        load: vec![0.0; dofs],
+        contacts: (0..contacts)
+            .map(|i| Contact {
+                tangent: Direction::unit(2 * i),
+                normal: Direction::unit(2 * i + 1),
+            })
+            .collect(),
+    }
+}
+
+fn closed(contacts: usize, velocity: &[f64]) -> Motion {
+    let mut velocity: Vec<f64> = velocity.iter().copied().cycle().take(2 * contacts).collect();
+    velocity.chunks_exact_mut(2).for_each(|v| v[1] = 0.0);
+    Motion {
+        displacement: vec![0.0; 2 * contacts],
+        velocity,
+        contacts: vec![ContactState::Slide; contacts],
+        statistics: Statistics::default(),
+    }
+}
+
+/// The velocities after one step, from the one contact state that contradicts none of its own
+/// assumptions: each state gives linear equations for velocities and forces.
+fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DVector<f64>> {
+    let (n, m) = (model.dofs(), model.contacts.len());
+    let dense = |matrix: &SparseMatrix| DMatrix::from_fn(n, n, |i, j| matrix.get(i, j));
+    let (mass, stiffness) = (dense(&model.mass), dense(&model.stiffness));
+    let damping = &mass * model.damping.alpha + &stiffness * model.damping.beta;
+    let (x, v) =
+        (DVector::from(motion.displacement.clone()), DVector::from(motion.velocity.clone()));
+    let impulse = (DVector::from(drive.force.clone()) - damping * &v - stiffness * x) * STEP;
+    let friction = drive.friction_coefficient;
+    all_states(u32::try_from(m).unwrap())
+        .filter_map(|states| {
+            // Unknowns: v⁺, then N and T of each contact.
+            let mut a = DMatrix::zeros(n + 2 * m, n + 2 * m);
+            let mut b = DVector::zeros(n + 2 * m);
+            a.view_mut((0, 0), (n, n)).copy_from(&mass);
+            b.rows_mut(0, n).copy_from(&(&mass * &v + &impulse));
+            for (i, state) in states.iter().enumerate() {
+                let (tangent, normal) = (2 * i, 2 * i + 1);
+                let (row, force) = (n + 2 * i, n + 2 * i);
+                a[(normal, force)] = -STEP;
+                a[(tangent, force + 1)] = -STEP;
+                match state {
+                    ContactState::Detached => {
+                        a[(row, force)] = 1.0;
+                        a[(row + 1, force + 1)] = 1.0;
+                    }
+                    ContactState::Stick => {
+                        a[(row, normal)] = 1.0;
+                        a[(row + 1, tangent)] = 1.0;
+                        b[row + 1] = drive.slider_velocity;
+                    }
+                    sliding => {
+                        a[(row, normal)] = 1.0;
+                        a[(row + 1, force + 1)] = 1.0;
+                        a[(row + 1, force)] = -friction * sliding.sliding_direction().unwrap();
+                    }
+                }
+            }
+            let solution = a.lu().solve(&b)?;
+            let consistent = states.iter().enumerate().all(|(i, state)| {
+                let (slip, lift) = (drive.slider_velocity - solution[2 * i], solution[2 * i + 1]);
+                let (normal, force) = (solution[n + 2 * i], solution[n + 2 * i + 1]);
+                match state {
+                    ContactState::Detached => lift >= 0.0,
+                    ContactState::Stick => normal >= 0.0 && force.abs() <= friction * normal,
+                    ContactState::Slide => normal >= 0.0 && slip >= 0.0,
+                    ContactState::ReverseSlide => normal >= 0.0 && slip <= 0.0,
+                }
+            });
+            consistent.then(|| solution.rows(0, n).into_owned())
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(2000))]
+
+    #[test]
+    fn gauss_seidel_finds_the_state_that_brute_force_finds(
+        contacts in 2_usize..=3,
+        coupling in prop::collection::vec(-1.0..1.0, 15),
+        velocity in prop::collection::vec(-0.02..0.02, 6),
+        force in prop::collection::vec(-100.0..60.0, 6),
+        friction in 0.0..0.9,
+    ) {
+        let model = model(contacts, &coupling);
+        let mut motion = closed(contacts, &velocity);
+        let drive = Drive {
+            force: force[..2 * contacts].to_vec(),
+            slider_velocity: 0.005,
+            friction_coefficient: friction,
+        };
+        let candidates = by_enumeration(&model, &motion, &drive);
+        let mut integrator = DenseForwardIncrement::new(&model).unwrap();
+        integrator.advance(&mut motion, &drive, STEP, 1).unwrap();
+        let found = DVector::from(motion.velocity.clone());
+        prop_assert!(
+            candidates.iter().any(|candidate| (candidate - &found).amax() < 1e-11),
+            "{found} is none of {candidates:?}"
+        );
+    }
+}
+
+#[test]
+fn two_contacts_that_hold_one_mass_in_a_groove_converge_and_keep_it_there() {
+    // A mass in a V of two sliders at ±60°: both normals hold it, both tangents are redundant.
+    let (s, c) = (0.75_f64.sqrt(), 0.5);
+    let model = LumpedModel {
+        mass: SparseMatrix::diagonal(&[2.0, 2.0]),
+        stiffness: SparseMatrix::diagonal(&[100.0, 100.0]),
+        damping: Damping { alpha: 0.0, beta: 1e-3 },
+        load: vec![0.0; 2],
+        contacts: vec![
+            Contact {
+                normal: Direction(vec![(0, s), (1, c)]),
+                tangent: Direction(vec![(0, c), (1, -s)]),
+            },
+            Contact {
+                normal: Direction(vec![(0, -s), (1, c)]),
+                tangent: Direction(vec![(0, c), (1, s)]),
+            },
+        ],
+    };
+    let drive = Drive { force: vec![3.0, -20.0], slider_velocity: 0.0, friction_coefficient: 0.3 };
+    let mut motion = Motion {
+        displacement: vec![0.0; 2],
+        velocity: vec![0.0; 2],
+        contacts: vec![ContactState::Stick; 2],
+        statistics: Statistics::default(),
+    };
+    let mut integrator = DenseForwardIncrement::new(&model).unwrap();
+    integrator.advance(&mut motion, &drive, STEP, 10_000).unwrap();
+    assert!(motion.statistics.most_sweeps > 2, "{:?}", motion.statistics);
+    for x in motion.displacement.iter().chain(&motion.velocity) {
+        assert!(x.abs() < 1e-12, "{motion:?}");
+    }
+    let mut forces = [amontons::contact::ContactForce::detached(0.0); 2];
+    integrator.contact_forces(&motion, &drive, &mut forces).unwrap();
+    // Both contacts together balance the load.
+    let mut balance = drive.force.clone();
+    for (contact, force) in model.contacts.iter().zip(&forces) {
+        contact.normal.add_to(&mut balance, force.normal_force);
+        contact.tangent.add_to(&mut balance, force.friction_force);
+    }
+    assert!(balance.iter().all(|rest| rest.abs() < 1e-9), "{balance:?} {forces:?}");
+}
+
+#[test]
+fn a_ring_moves_the_same_through_the_dense_integrator() {
+    let mut scene = builtin("set1").unwrap().scene();
+    scene.modules.push(scene.modules[0]);
+    let model = LumpedModel::from(&scene);
+    let equilibrium = model.sliding_equilibrium(1.96, 0.025).unwrap();
+    let mut drive = Drive {
+        force: vec![0.0; model.dofs()],
+        slider_velocity: 0.025,
+        friction_coefficient: 1.96,
+    };
+    for (i, contact) in model.contacts.iter().enumerate() {
+        contact.normal.add_to(&mut drive.force, -equilibrium.normal_force[i]);
+        contact.tangent.add_to(&mut drive.force, -equilibrium.friction_force[i]);
+    }
+    let mut start = closed(6, &[0.0]);
+    start.contacts = vec![ContactState::Slide; 3];
+    start.velocity[0] = 0.3;
+    start.velocity[7] = 0.4;
+    let run = |integrator: &mut dyn Integrator| {
+        let mut motion = start.clone();
+        integrator.advance(&mut motion, &drive, 1e-5, 5_000).unwrap();
+        motion
+    };
+    let ring = run(&mut RingForwardIncrement::new(&model).unwrap());
+    let dense = run(&mut DenseForwardIncrement::new(&model).unwrap());
+    assert!(ring.statistics.state_changes > 10 && ring.statistics.touch_downs > 0);
+    assert_eq!(ring.statistics.state_changes, dense.statistics.state_changes);
+    assert_eq!((ring.statistics.most_sweeps, dense.statistics.most_sweeps), (1, 2));
+    for (a, b) in ring.displacement.iter().zip(&dense.displacement) {
+        assert!((a - b).abs() < 1e-14, "{a} {b}");
+    }
+}

@@ -1,0 +1,53 @@
+//! A step, a read and a write allocate nothing.
+#![allow(unsafe_code)]
+
+use amontons::scene::builtin;
+use amontons::simulation::{Simulation, variables};
+use std::alloc::{GlobalAlloc, Layout, System};
+use std::cell::Cell;
+
+struct Counting;
+
+thread_local! {
+    static ALLOCATIONS: Cell<u64> = const { Cell::new(0) };
+}
+
+// SAFETY: every call is passed on unchanged to the system's allocator; the counter is a plain cell.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        ALLOCATIONS.set(ALLOCATIONS.get() + 1);
+        // SAFETY: the caller's contract is the one of this function.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        // SAFETY: the caller's contract is the one of this function.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
+#[test]
+fn steps_reads_and_writes_allocate_nothing() {
+    for name in ["set1", "ring12"] {
+        let scene = builtin(name).unwrap().scene();
+        let all = variables(&scene);
+        let mut simulation = Simulation::new(scene, 0.0).unwrap();
+        let before = ALLOCATIONS.get();
+        assert!(before > 0, "the counter does not count");
+        for row in 1..=100_u32 {
+            for variable in all.iter().filter(|variable| variable.is_tunable()) {
+                let value = simulation.read(variable).unwrap();
+                // Preload and µ do change; within the bound of the critical step nothing is solved.
+                simulation.write(variable, value * (1.0 + 1e-9)).unwrap();
+            }
+            simulation.advance_to(f64::from(row) * 1e-4).unwrap();
+            for variable in &all {
+                simulation.read(variable).unwrap();
+            }
+        }
+        assert_eq!(ALLOCATIONS.get() - before, 0, "{name}");
+    }
+}
