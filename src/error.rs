@@ -21,6 +21,8 @@ enum Kind {
     #[error("{0}")]
     Variable(String),
     #[error("{0}")]
+    Call(String),
+    #[error("{0}")]
     SavedState(String),
     #[error("{0}")]
     Package(String),
@@ -54,6 +56,8 @@ kinds! {
     Step: step, is_step;
     /// Is a variable unknown, or not one that may be set now?
     Variable: variable, is_variable;
+    /// Was an FMI call made at the wrong time, or with arguments that cannot be used?
+    Call: call, is_call;
     /// Is a saved state damaged, or not of this FMU?
     SavedState: saved_state, is_saved_state;
     /// Could an FMU not be read or written?

@@ -126,12 +126,12 @@ fn displacements(simulation: &mut Simulation) -> Vec<f64> {
     wanted.map(|variable| simulation.read(variable).unwrap()).collect()
 }
 
-fn assert_same_path(scene: Scene, steps: u32, changes: u64, touch_downs: u64) {
+fn assert_same_path(scene: &Scene, steps: u32, changes: u64, touch_downs: u64) {
     let end = f64::from(steps) * scene.step;
     let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
     simulation.advance_to(end).unwrap();
     let found = displacements(&mut simulation);
-    let expected = by_the_book(&scene, &simulation.reference().displacement, steps as usize);
+    let expected = by_the_book(scene, &simulation.reference().displacement, steps as usize);
     let statistics = simulation.statistics();
     assert!(statistics.state_changes >= changes, "{statistics:?}");
     assert!(statistics.touch_downs >= touch_downs, "{statistics:?}");
@@ -154,7 +154,7 @@ fn set1(step: f64) -> Scene {
 
 #[test]
 fn stick_and_slip_of_set_1_follow_the_equations_as_printed() {
-    assert_same_path(set1(1e-5), 5_000, 20, 0);
+    assert_same_path(&set1(1e-5), 5_000, 20, 0);
 }
 
 #[test]
@@ -162,7 +162,7 @@ fn detachment_and_touch_down_follow_the_equations_as_printed() {
     let mut scene = set1(1e-5);
     scene.modules[1].velocity[3] = 0.4;
     scene.modules[0].displacement[3] = 1e-4;
-    assert_same_path(scene, 5_000, 20, 2);
+    assert_same_path(&scene, 5_000, 20, 2);
 }
 
 #[test]
@@ -174,7 +174,7 @@ fn a_ring_of_three_different_modules_follows_the_equations_as_printed() {
     scene.modules[2].mass = [0.4, 0.5];
     scene.modules[2].preload = 7e-3;
     scene.modules[2].velocity[2] = -0.3;
-    assert_same_path(scene, 5_000, 20, 0);
+    assert_same_path(&scene, 5_000, 20, 0);
 }
 
 #[test]
@@ -183,5 +183,5 @@ fn a_slider_that_moves_backwards_turns_everything_round() {
     scene.slider.velocity = -0.025;
     scene.friction_coefficient = 0.4;
     scene.modules[0].velocity[2] = 0.2;
-    assert_same_path(scene, 5_000, 4, 0);
+    assert_same_path(&scene, 5_000, 4, 0);
 }

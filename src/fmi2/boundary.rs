@@ -110,7 +110,7 @@ fn check<T>(pointer: *const T, length: usize) -> Result<(), Error> {
     if !pointer.is_null() && pointer.is_aligned() && fits {
         return Ok(());
     }
-    Err(Error::variable(format!("an array of {length} values was given as NULL or a bad pointer")))
+    Err(Error::call(format!("an array of {length} values was given as NULL or a bad pointer")))
 }
 
 /// The importer's pointer to one value to write.

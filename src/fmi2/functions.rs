@@ -474,7 +474,7 @@ unsafe extern "C" fn fmi2DoStep(
 /// Steps are done when `fmi2DoStep` returns: there is none to cancel.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
-    let body = |_: &mut Instance| -> Outcome { Err(Error::step("there is no step to cancel")) };
+    let body = |_: &mut Instance| -> Outcome { Err(Error::call("there is no step to cancel")) };
     // SAFETY: the importer's contract.
     unsafe { call(component, Call::DoStep, body) }
 }

@@ -41,8 +41,8 @@ pub(super) struct SavedInstance {
 
 #[derive(Clone, Serialize, Deserialize)]
 enum Values {
-    BeforeStart(Scene),
-    Running(Snapshot),
+    BeforeStart(Box<Scene>),
+    Running(Box<Snapshot>),
 }
 
 /// The two types of number that cross the boundary.
@@ -93,9 +93,10 @@ impl Instance {
         if call.is_allowed_in(self.phase) {
             return Ok(());
         }
-        Err(Error::step(format!(
-            "{call:?} is not allowed now: the instance is in phase {:?}",
-            self.phase
+        Err(Error::call(format!(
+            "{call} is not allowed in phase {:?}; it is in {}",
+            self.phase,
+            call.phases()
         )))
     }
 
@@ -111,7 +112,7 @@ impl Instance {
     pub(super) fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), Error> {
         if !start.is_finite() || stop.is_some_and(|stop| stop.is_nan() || stop < start) {
             let stop = stop.map_or_else(|| "none".to_owned(), |stop| stop.to_string());
-            return Err(Error::step(format!("start time {start} and stop time {stop} do not fit")));
+            return Err(Error::call(format!("start time {start} and stop time {stop} do not fit")));
         }
         self.start_time = start;
         self.stop_time = stop;
@@ -228,11 +229,11 @@ impl Instance {
         let stop = self.stop_time;
         let simulation = self.simulation.as_mut().expect("made when initialization ended");
         if !current.is_finite() || !size.is_finite() || size < 0.0 {
-            return Err(Error::step(format!("cannot step from {current} s by {size} s")));
+            return Err(Error::call(format!("cannot step from {current} s by {size} s")));
         }
         let target = current + size;
         if !simulation.same_time(current, simulation.time(), size) {
-            return Err(Error::step(format!(
+            return Err(Error::call(format!(
                 "asked to step from {current} s, but the instance is at {} s",
                 simulation.time()
             )));
@@ -240,7 +241,7 @@ impl Instance {
         if let Some(stop) = stop.filter(|&stop| target > stop)
             && !simulation.same_time(target, stop, size)
         {
-            return Err(Error::step(format!(
+            return Err(Error::call(format!(
                 "asked to step to {target} s, beyond the stop time {stop} s of the experiment"
             )));
         }
@@ -268,8 +269,8 @@ impl Instance {
             start_time: self.start_time,
             stop_time: self.stop_time,
             values: match self.simulation.as_ref().filter(|_| !self.is_set_up()) {
-                Some(simulation) => Values::Running(simulation.save()),
-                None => Values::BeforeStart(self.scene.clone()),
+                Some(simulation) => Values::Running(Box::new(simulation.save())),
+                None => Values::BeforeStart(Box::new(self.scene.clone())),
             },
         }
     }
@@ -278,14 +279,14 @@ impl Instance {
         match &saved.values {
             Values::BeforeStart(scene) => {
                 self.check_size(scene)?;
-                self.scene.clone_from(scene);
+                self.scene.clone_from(&**scene);
                 self.simulation = None;
             }
             Values::Running(snapshot) => {
                 self.check_size(snapshot.scene())?;
                 match &mut self.simulation {
                     Some(simulation) => simulation.restore(snapshot)?,
-                    None => self.simulation = Some(Simulation::resume(snapshot.clone())?),
+                    None => self.simulation = Some(Simulation::resume((**snapshot).clone())?),
                 }
             }
         }

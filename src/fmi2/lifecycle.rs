@@ -67,8 +67,37 @@ impl Call {
         }
     }
 
+    /// The phases in which the call is allowed, for a message.
+    pub(super) fn phases(self) -> String {
+        let all = [Instantiated, InitializationMode, StepComplete, Terminated, Error];
+        let allowed = all.into_iter().filter(|&phase| self.is_allowed_in(phase));
+        allowed.map(|phase| format!("{phase:?}")).collect::<Vec<_>>().join(", ")
+    }
+
     pub(super) const fn is_allowed_in(self, phase: Phase) -> bool {
         self.allowed() & phase as u8 != 0
+    }
+}
+
+/// FMI's name of the call, or what its functions have in common.
+impl std::fmt::Display for Call {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str(match self {
+            Self::SetupExperiment => "fmi2SetupExperiment",
+            Self::EnterInitializationMode => "fmi2EnterInitializationMode",
+            Self::ExitInitializationMode => "fmi2ExitInitializationMode",
+            Self::Terminate => "fmi2Terminate",
+            Self::Reset => "fmi2Reset",
+            Self::SetDebugLogging => "fmi2SetDebugLogging",
+            Self::Get => "reading a variable (fmi2Get…)",
+            Self::Set => "setting a variable (fmi2Set…)",
+            Self::GetFmuState => "fmi2GetFMUstate",
+            Self::HeldFmuState => "handling a saved state",
+            Self::SetFmuState => "fmi2SetFMUstate",
+            Self::Derivatives => "asking for derivatives",
+            Self::DoStep => "fmi2DoStep",
+            Self::Status => "fmi2Get…Status",
+        })
     }
 }
 

@@ -126,8 +126,8 @@ impl Band {
         for k in (0..self.size).rev() {
             let last = (k + 2 * self.half).min(self.size - 1);
             let mut sum = x[k];
-            for column in k + 1..=last {
-                sum -= *self.at(k, column) * x[column];
+            for (column, x) in x.iter().enumerate().take(last + 1).skip(k + 1) {
+                sum -= *self.at(k, column) * x;
             }
             x[k] = sum / *self.at(k, k);
         }

@@ -16,6 +16,9 @@ use serde::{Deserialize, Serialize};
 /// The most modules a ring may have.
 pub const MAX_MODULES: usize = 100_000;
 
+/// The most rows of results that a run may have.
+const MAX_ROWS: f64 = 1e9;
+
 /// A ring of modules in frictional contact with a moving slider (paper, section 3 and Fig. 1).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
@@ -134,6 +137,13 @@ impl Scene {
                     Rule::Finite,
                 );
             }
+        }
+        let Experiment { stop_time, output_interval } = self.experiment;
+        if stop_time / output_interval > MAX_ROWS {
+            problems.push(format!(
+                "experiment.output_interval = {output_interval}: gives more than {MAX_ROWS:e} rows \
+                 up to experiment.stop_time = {stop_time}; choose a longer one"
+            ));
         }
         if self.modules.is_empty() || self.modules.len() > MAX_MODULES {
             problems.push(format!(

@@ -168,6 +168,34 @@ mod tests {
     }
 
     #[test]
+    fn going_back_to_a_snapshot_gives_the_same_doubles_again() {
+        let mut simulation = running();
+        let start = simulation.save();
+        simulation.advance_to(0.08).unwrap();
+        let end = simulation.save();
+        assert_ne!(start, end);
+        simulation.restore(&start).unwrap();
+        assert_eq!(simulation.save(), start);
+        simulation.advance_to(0.08).unwrap();
+        assert_eq!(simulation.save(), end);
+    }
+
+    #[test]
+    fn a_snapshot_of_other_masses_and_damping_brings_them_along() {
+        let mut scene = running().scene().clone();
+        scene.modules[0].mass[0] = 0.4;
+        scene.damping.beta = 6e-5;
+        let mut other = Simulation::new(scene, 0.0).unwrap();
+        other.advance_to(0.02).unwrap();
+        let mut simulation = running();
+        simulation.restore(&other.save()).unwrap();
+        for run in [&mut simulation, &mut other] {
+            run.advance_to(0.04).unwrap();
+        }
+        assert_eq!(simulation.save(), other.save());
+    }
+
+    #[test]
     fn every_flipped_bit_and_every_truncation_is_refused() {
         let bytes = to_bytes(&running().save(), &guid());
         let read = |bytes: &[u8]| from_bytes::<Snapshot>(bytes, &guid());
