@@ -173,6 +173,11 @@ fn build_library(out: &Path) {
         println!("cargo::rerun-if-changed={path}");
     }
     let target = env::var("TARGET").expect("cargo sets it");
+    assert!(
+        target.starts_with("x86_64-") && target.contains("-linux-"),
+        "FMUs are made for x86_64 Linux so far, not for {target}; \
+         build with --no-default-features to have the library alone"
+    );
     let target_dir = out.join("fmu");
     let mut cargo = Command::new(env::var_os("CARGO").expect("cargo sets it"));
     cargo
@@ -188,28 +193,18 @@ fn build_library(out: &Path) {
             cargo.env_remove(name);
         }
     }
-    // An undefined symbol fails here, not in a customer's importer.
+    // An undefined symbol fails here, not in an importer.
     let mut flags: Vec<String> = env::var("CARGO_ENCODED_RUSTFLAGS")
         .unwrap_or_default()
         .split('\x1f')
         .filter(|flag| !flag.is_empty())
         .map(str::to_owned)
         .collect();
-    if target.contains("linux") {
-        flags.push("-Clink-arg=-Wl,-z,defs".to_owned());
-    }
+    flags.push("-Clink-arg=-Wl,-z,defs".to_owned());
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
     let status = cargo.status().expect("cargo can be started");
     assert!(status.success(), "the library that goes into an FMU does not compile");
 
-    let (platform, file) = if target.contains("windows") {
-        ("win64", "amontons.dll")
-    } else if target.contains("apple") {
-        ("darwin64", "libamontons.dylib")
-    } else {
-        ("linux64", "libamontons.so")
-    };
-    let library = target_dir.join(&target).join("fmu").join(file);
+    let library = target_dir.join(&target).join("fmu").join("libamontons.so");
     println!("cargo::rustc-env=AMONTONS_FMU_LIBRARY={}", library.display());
-    println!("cargo::rustc-env=AMONTONS_FMU_PLATFORM={platform}");
 }

@@ -1,6 +1,7 @@
 //! The one error type of the crate: opaque, with private kinds that mirror the rooms.
 
 use std::fmt;
+use std::path::Path;
 
 /// Anything that can go wrong, in words that say what is wrong, where, and what would be right.
 ///
@@ -10,6 +11,8 @@ pub struct Error(Box<Kind>);
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 enum Kind {
+    #[error("{0}")]
+    File(String),
     #[error("{0}")]
     Scene(String),
     #[error("{0}")]
@@ -46,6 +49,8 @@ macro_rules! kinds {
 }
 
 kinds! {
+    /// Could a file not be read or written?
+    File: unusable_file, is_file;
     /// Is the scene itself unusable: unreadable, a wrong key, an impossible value?
     Scene: scene, is_scene;
     /// Is there no static equilibrium to start from (jamming, or a contact that opens)?
@@ -62,6 +67,14 @@ kinds! {
     SavedState: saved_state, is_saved_state;
     /// Could an FMU not be read or written?
     Package: package, is_package;
+}
+
+impl Error {
+    /// A file could not be read or written.
+    #[must_use]
+    pub fn file(path: &Path, error: &std::io::Error) -> Self {
+        Self::unusable_file(format!("cannot use {}: {error}", path.display()))
+    }
 }
 
 impl fmt::Display for Error {

@@ -11,14 +11,14 @@
 //! | [`stability`] | the critical step, from the eigenvalues of the contact states |
 //! | [`integrator`] | forward increment Lagrange multipliers |
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
-//! | [`fmi2`] | the C interface of FMI 2.0 for co-simulation |
-//! | `package` | the FMU as an archive (feature `exporter`) |
+//! | `fmi2` | the C interface of FMI 2.0 for co-simulation |
+//! | [`package`] | the FMU as an archive (feature `exporter`) |
 //!
 //! All quantities are in SI units.
 
 pub mod contact;
 pub mod error;
-pub mod fmi2;
+mod fmi2;
 pub mod integrator;
 pub mod model;
 #[cfg(feature = "exporter")]

@@ -40,7 +40,7 @@ fn uniform_sliding_converges_at_first_order_to_the_matrix_exponential() {
     let end = 0.05;
     let mut scene = set1();
     scene.modules[0].velocity = [1e-3, 2e-3, 0.0, 0.0];
-    let reduced = LumpedModel::from(&scene).reduced(&[ContactState::Slide; 2], 1.96);
+    let reduced = LumpedModel::from(&scene).reduced(&[ContactState::Slide; 2], 1.96).unwrap();
     let size = reduced.mass.nrows();
     let inverse = reduced.mass.try_inverse().unwrap();
     let mut flow = DMatrix::zeros(2 * size, 2 * size);

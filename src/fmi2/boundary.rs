@@ -8,6 +8,7 @@ use super::types::{fmi2Component, fmi2Status};
 use crate::Error;
 use std::any::Any;
 use std::ffi::{CStr, c_char};
+use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
 /// What a call amounts to, before it becomes a status.
@@ -89,20 +90,21 @@ pub(super) unsafe fn array<'a, T>(pointer: *const T, length: usize) -> Result<&'
     Ok(unsafe { std::slice::from_raw_parts(pointer, length) })
 }
 
-/// The importer's array to write to; NULL is fine for an empty one.
+/// The importer's array to write to, which it need not have initialized; NULL is fine for an empty
+/// one.
 ///
 /// # Safety
 /// `pointer` is NULL or points to room for `length` values that nobody else uses during the call.
 pub(super) unsafe fn array_mut<'a, T>(
     pointer: *mut T,
     length: usize,
-) -> Result<&'a mut [T], Error> {
+) -> Result<&'a mut [MaybeUninit<T>], Error> {
     if length == 0 {
         return Ok(&mut []);
     }
     check(pointer, length)?;
     // SAFETY: not NULL, aligned and not too long, as checked; the rest is this function's contract.
-    Ok(unsafe { std::slice::from_raw_parts_mut(pointer, length) })
+    Ok(unsafe { std::slice::from_raw_parts_mut(pointer.cast(), length) })
 }
 
 fn check<T>(pointer: *const T, length: usize) -> Result<(), Error> {
@@ -117,7 +119,7 @@ fn check<T>(pointer: *const T, length: usize) -> Result<(), Error> {
 ///
 /// # Safety
 /// As [`array_mut`] with length one.
-pub(super) unsafe fn single<'a, T>(pointer: *mut T) -> Result<&'a mut T, Error> {
+pub(super) unsafe fn single<'a, T>(pointer: *mut T) -> Result<&'a mut MaybeUninit<T>, Error> {
     // SAFETY: this function's contract.
     unsafe { array_mut(pointer, 1) }.map(|array| &mut array[0])
 }
@@ -129,4 +131,57 @@ pub(super) unsafe fn single<'a, T>(pointer: *mut T) -> Result<&'a mut T, Error> 
 pub(super) unsafe fn string<'a>(pointer: *const c_char) -> Option<&'a CStr> {
     // SAFETY: not NULL as checked; terminated by this function's contract.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::fmi2::instance::SCENE_FILE;
+    use crate::fmi2::logger::Logger;
+    use crate::scene::builtin;
+    use crate::simulation::fingerprint;
+
+    fn instance() -> fmi2Component {
+        let folder = tempfile::tempdir().unwrap();
+        let text = builtin("set1").unwrap().text;
+        std::fs::write(folder.path().join(SCENE_FILE), text).unwrap();
+        let logger = Logger::new(None, c"one", false);
+        let made = Instance::new(folder.path(), &fingerprint(text), logger);
+        handle(made.unwrap_or_else(|(error, _)| panic!("{error}")))
+    }
+
+    /// Makes one call on an instance.
+    fn make(component: fmi2Component, kind: Call, body: fn() -> Outcome) -> fmi2Status {
+        // SAFETY: the instance is alive and used by this thread alone.
+        unsafe { call(component, kind, |_| body()) }
+    }
+
+    #[test]
+    fn a_panic_stops_at_the_boundary_and_poisons_its_instance_alone() {
+        let (hit, other) = (instance(), instance());
+        assert_eq!(make(hit, Call::Reset, || panic!("on purpose")), fmi2Status::fmi2Error);
+        for kind in [Call::Reset, Call::Get, Call::SetFmuState, Call::SetDebugLogging] {
+            assert_eq!(make(hit, kind, || OK), fmi2Status::fmi2Error);
+        }
+        // What the importer holds can still be given back.
+        assert_eq!(make(hit, Call::FreeFmuState, || OK), fmi2Status::fmi2OK);
+        assert_eq!(make(other, Call::Reset, || OK), fmi2Status::fmi2OK);
+        for component in [hit, other, std::ptr::null_mut()] {
+            // SAFETY: each is NULL or alive, and not used again.
+            unsafe { free(component) };
+        }
+    }
+
+    #[test]
+    fn bad_arrays_are_refused_and_empty_ones_may_be_null() {
+        let null = std::ptr::null::<f64>();
+        let odd = std::ptr::without_provenance::<f64>(4);
+        // SAFETY: what is not a good array is refused before it is read.
+        unsafe {
+            assert_eq!(array(null, 0), Ok(&[][..]));
+            assert!(array(null, 1).unwrap_err().is_call());
+            assert!(array(odd, 1).unwrap_err().is_call());
+            assert!(array(&raw const odd, usize::MAX).unwrap_err().is_call());
+        }
+    }
 }

@@ -11,7 +11,7 @@ use super::resources;
 use super::types::*;
 use crate::Error;
 use crate::simulation::{from_bytes, to_bytes};
-use libc::size_t;
+use libc::{c_int, size_t};
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::ptr;
@@ -95,7 +95,14 @@ unsafe extern "C" fn fmi2Instantiate(
             Err((error, logger)) => refuse(&logger, &error.to_string()),
         }
     };
-    catch_unwind(AssertUnwindSafe(make)).unwrap_or(ptr::null_mut())
+    catch_unwind(AssertUnwindSafe(make)).unwrap_or_else(|panic| {
+        let message = format!("internal error: {}", boundary::panic_message(&*panic));
+        // SAFETY: the importer's contract; NULL is allowed for both.
+        let (name, callbacks) = unsafe { (string(instance_name), callbacks.as_ref()) };
+        let logger = Logger::new(callbacks, name.unwrap_or(c""), true);
+        logger.log(fmi2Status::fmi2Error, Category::Error, &message);
+        ptr::null_mut()
+    })
 }
 
 #[unsafe(no_mangle)]
@@ -188,7 +195,7 @@ unsafe fn get<T>(
         let (references, values) =
             unsafe { (array(references, count)?, array_mut(values, count)?) };
         for (&reference, value) in references.iter().zip(values) {
-            *value = convert(instance.get(reference, number)?);
+            value.write(convert(instance.get(reference, number)?));
         }
         OK
     };
@@ -344,26 +351,21 @@ unsafe fn saved<'a>(state: fmi2FMUstate) -> Result<&'a SavedInstance, Error> {
         .ok_or_else(|| Error::saved_state("the saved state is NULL"))
 }
 
-/// Puts a saved state where the importer wants it: into the state that is there, or a new one.
-///
-/// # Safety
-/// `*target` is NULL or comes from this library and has not been freed.
-unsafe fn put(target: &mut fmi2FMUstate, state: SavedInstance) {
-    // SAFETY: this function's contract.
-    match unsafe { target.cast::<SavedInstance>().as_mut() } {
-        Some(old) => *old = state,
-        None => *target = Box::into_raw(Box::new(state)).cast(),
-    }
-}
-
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi2GetFMUstate(
     component: fmi2Component,
     state: *mut fmi2FMUstate,
 ) -> fmi2Status {
     let body = |instance: &mut Instance| {
-        // SAFETY: the importer's contract.
-        unsafe { put(single(state)?, instance.save()) };
+        // SAFETY: the importer's contract: what stands there is NULL or a saved state of ours, which
+        // is then written over.
+        unsafe {
+            single(state)?;
+            match (*state).cast::<SavedInstance>().as_mut() {
+                Some(old) => *old = instance.save(),
+                None => state.write(Box::into_raw(Box::new(instance.save())).cast()),
+            }
+        }
         OK
     };
     // SAFETY: the importer's contract.
@@ -391,7 +393,7 @@ unsafe extern "C" fn fmi2FreeFMUstate(
             return OK;
         }
         // SAFETY: the importer's contract.
-        let state = std::mem::replace(unsafe { single(state) }?, ptr::null_mut());
+        let state = unsafe { state.replace(ptr::null_mut()) };
         if !state.is_null() {
             // SAFETY: the importer's contract: the handle is ours and is given up here.
             drop(unsafe { Box::from_raw(state.cast::<SavedInstance>()) });
@@ -399,7 +401,7 @@ unsafe extern "C" fn fmi2FreeFMUstate(
         OK
     };
     // SAFETY: the importer's contract.
-    unsafe { call(component, Call::HeldFmuState, body) }
+    unsafe { call(component, Call::FreeFmuState, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -410,7 +412,8 @@ unsafe extern "C" fn fmi2SerializedFMUstateSize(
 ) -> fmi2Status {
     let body = |instance: &mut Instance| {
         // SAFETY: the importer's contract.
-        *unsafe { single(size) }? = to_bytes(unsafe { saved(state) }?, instance.guid()).len();
+        let (state, size) = unsafe { (saved(state)?, single(size)?) };
+        size.write(to_bytes(state, instance.guid()).len());
         OK
     };
     // SAFETY: the importer's contract.
@@ -432,7 +435,9 @@ unsafe extern "C" fn fmi2SerializeFMUstate(
         let room = room.get_mut(..bytes.len()).ok_or_else(|| {
             Error::saved_state(format!("the state needs {} bytes, not {size}", bytes.len()))
         })?;
-        room.copy_from_slice(&bytes);
+        for (place, byte) in room.iter_mut().zip(bytes) {
+            place.write(byte);
+        }
         OK
     };
     // SAFETY: the importer's contract.
@@ -451,7 +456,7 @@ unsafe extern "C" fn fmi2DeSerializeFMUstate(
         let bytes = unsafe { array(serialized.cast::<u8>(), size) }?;
         let read: SavedInstance = from_bytes(bytes, instance.guid())?;
         // SAFETY: the importer's contract.
-        unsafe { put(single(state)?, read) };
+        unsafe { single(state) }?.write(Box::into_raw(Box::new(read)).cast());
         OK
     };
     // SAFETY: the importer's contract.
@@ -476,7 +481,7 @@ unsafe extern "C" fn fmi2DoStep(
 unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
     let body = |_: &mut Instance| -> Outcome { Err(Error::call("there is no step to cancel")) };
     // SAFETY: the importer's contract.
-    unsafe { call(component, Call::DoStep, body) }
+    unsafe { call(component, Call::CancelStep, body) }
 }
 
 // ---- What this FMU does not do, as its model description says ----
@@ -485,13 +490,18 @@ unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
 ///
 /// # Safety
 /// The importer's contract.
-unsafe fn unsupported(component: fmi2Component, count: size_t, what: &str) -> fmi2Status {
+unsafe fn unsupported(
+    component: fmi2Component,
+    count: size_t,
+    kind: Call,
+    what: &str,
+) -> fmi2Status {
     let body = |_: &mut Instance| match count {
         0 => OK,
         _ => Err(Error::variable(format!("this FMU gives no {what}"))),
     };
     // SAFETY: this function's contract.
-    unsafe { call(component, Call::Derivatives, body) }
+    unsafe { call(component, kind, body) }
 }
 
 #[unsafe(no_mangle)]
@@ -505,7 +515,7 @@ unsafe extern "C" fn fmi2GetDirectionalDerivative(
     _sensitivity: *mut fmi2Real,
 ) -> fmi2Status {
     // SAFETY: the importer's contract.
-    unsafe { unsupported(component, unknown_count, "directional derivatives") }
+    unsafe { unsupported(component, unknown_count, Call::Derivatives, "directional derivatives") }
 }
 
 #[unsafe(no_mangle)]
@@ -517,7 +527,7 @@ unsafe extern "C" fn fmi2SetRealInputDerivatives(
     _values: *const fmi2Real,
 ) -> fmi2Status {
     // SAFETY: the importer's contract.
-    unsafe { unsupported(component, count, "input derivatives") }
+    unsafe { unsupported(component, count, Call::Set, "input derivatives") }
 }
 
 #[unsafe(no_mangle)]
@@ -529,7 +539,7 @@ unsafe extern "C" fn fmi2GetRealOutputDerivatives(
     _values: *mut fmi2Real,
 ) -> fmi2Status {
     // SAFETY: the importer's contract.
-    unsafe { unsupported(component, count, "output derivatives") }
+    unsafe { unsupported(component, count, Call::Derivatives, "output derivatives") }
 }
 
 // ---- Status ----
@@ -547,9 +557,9 @@ unsafe fn status<T>(
         // SAFETY: this function's contract.
         let value = unsafe { single(value) }?;
         match answer(instance) {
-            Some(answer) => *value = answer,
+            Some(answer) => value.write(answer),
             None => return Ok(fmi2Status::fmi2Discard),
-        }
+        };
         OK
     };
     // SAFETY: this function's contract.
@@ -560,7 +570,7 @@ unsafe fn status<T>(
 unsafe extern "C" fn fmi2GetStatus(
     component: fmi2Component,
     _kind: fmi2StatusKind,
-    value: *mut fmi2Status,
+    value: *mut c_int,
 ) -> fmi2Status {
     // SAFETY: the importer's contract.
     unsafe { status(component, value, |_| None) }

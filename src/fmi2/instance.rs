@@ -27,6 +27,7 @@ pub(super) struct Instance {
     scene: Scene,
     start_time: f64,
     stop_time: Option<f64>,
+    is_experiment_set_up: bool,
     simulation: Option<Simulation>,
 }
 
@@ -83,6 +84,7 @@ impl Instance {
                 scene,
                 start_time: 0.0,
                 stop_time: None,
+                is_experiment_set_up: false,
                 simulation: None,
             }),
         }
@@ -116,11 +118,15 @@ impl Instance {
         }
         self.start_time = start;
         self.stop_time = stop;
+        self.is_experiment_set_up = true;
         self.simulation = None;
         Ok(())
     }
 
     pub(super) fn enter_initialization_mode(&mut self) {
+        if !self.is_experiment_set_up {
+            self.warn("fmi2SetupExperiment was not called; the run starts at time 0");
+        }
         self.phase = Phase::InitializationMode;
     }
 
@@ -148,6 +154,7 @@ impl Instance {
         self.simulation = None;
         self.start_time = 0.0;
         self.stop_time = None;
+        self.is_experiment_set_up = false;
         self.phase = Phase::Instantiated;
     }
 
@@ -232,14 +239,14 @@ impl Instance {
             return Err(Error::call(format!("cannot step from {current} s by {size} s")));
         }
         let target = current + size;
-        if !simulation.same_time(current, simulation.time(), size) {
+        if !simulation.same_time(current, simulation.time()) {
             return Err(Error::call(format!(
                 "asked to step from {current} s, but the instance is at {} s",
                 simulation.time()
             )));
         }
         if let Some(stop) = stop.filter(|&stop| target > stop)
-            && !simulation.same_time(target, stop, size)
+            && !simulation.same_time(target, stop)
         {
             return Err(Error::call(format!(
                 "asked to step to {target} s, beyond the stop time {stop} s of the experiment"
@@ -291,6 +298,7 @@ impl Instance {
             }
         }
         self.phase = saved.phase;
+        self.is_experiment_set_up = true;
         self.start_time = saved.start_time;
         self.stop_time = saved.stop_time;
         Ok(())

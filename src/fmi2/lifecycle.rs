@@ -10,7 +10,7 @@ pub(super) enum Phase {
     Terminated = 8,
     /// A call failed; Reset or a saved state leads out.
     Error = 16,
-    /// A panic was caught inside this instance; only FreeInstance is left.
+    /// A panic was caught inside this instance; only freeing is left.
     Poisoned = 32,
 }
 
@@ -28,11 +28,13 @@ pub(super) enum Call {
     Get,
     Set,
     GetFmuState,
-    /// Whatever is done with a saved state but not with the instance: free, serialize.
+    /// Whatever turns a saved state into bytes or back, without the instance.
     HeldFmuState,
+    FreeFmuState,
     SetFmuState,
     Derivatives,
     DoStep,
+    CancelStep,
     Status,
 }
 
@@ -50,14 +52,23 @@ impl Call {
         match self {
             Self::SetupExperiment | Self::EnterInitializationMode => mask(&[Instantiated]),
             Self::ExitInitializationMode => mask(&[InitializationMode]),
-            Self::Terminate | Self::DoStep => mask(&[StepComplete]),
+            Self::Terminate | Self::DoStep | Self::CancelStep => mask(&[StepComplete]),
             Self::Set => mask(&[Instantiated, InitializationMode, StepComplete]),
             Self::GetFmuState => {
                 mask(&[Instantiated, InitializationMode, StepComplete, Terminated])
             }
-            Self::Derivatives => mask(&[InitializationMode, StepComplete, Terminated, Error]),
-            Self::Get
-            | Self::Reset
+            Self::Get | Self::Derivatives => {
+                mask(&[InitializationMode, StepComplete, Terminated, Error])
+            }
+            Self::FreeFmuState => mask(&[
+                Instantiated,
+                InitializationMode,
+                StepComplete,
+                Terminated,
+                Error,
+                Phase::Poisoned,
+            ]),
+            Self::Reset
             | Self::SetDebugLogging
             | Self::HeldFmuState
             | Self::SetFmuState
@@ -92,10 +103,12 @@ impl std::fmt::Display for Call {
             Self::Get => "reading a variable (fmi2Get…)",
             Self::Set => "setting a variable (fmi2Set…)",
             Self::GetFmuState => "fmi2GetFMUstate",
-            Self::HeldFmuState => "handling a saved state",
+            Self::HeldFmuState => "turning a saved state into bytes or back",
+            Self::FreeFmuState => "fmi2FreeFMUstate",
             Self::SetFmuState => "fmi2SetFMUstate",
             Self::Derivatives => "asking for derivatives",
             Self::DoStep => "fmi2DoStep",
+            Self::CancelStep => "fmi2CancelStep",
             Self::Status => "fmi2Get…Status",
         })
     }

@@ -30,22 +30,9 @@ impl LumpedModel {
         slider_velocity: f64,
     ) -> Result<Equilibrium, Error> {
         let sign = if slider_velocity == 0.0 { 0.0 } else { slider_velocity.signum() };
-        let without_friction = self.solve(0.0).map_err(|Singular| {
-            Error::equilibrium(
-                "no equilibrium: the structure can move without straining a spring; \
-                 hold it with a stiffness above zero",
-            )
-        })?;
-        if let Some((contact, force)) = without_friction.pulled_contact() {
-            return Err(Error::equilibrium(format!(
-                "no equilibrium in sliding: contact[{contact}] opens under the load \
-                 (it would have to pull with {:.3e} N); raise its preload",
-                -force
-            )));
-        }
         match self.solve(sign * friction_coefficient) {
             Ok(equilibrium) if equilibrium.pulled_contact().is_none() => Ok(equilibrium),
-            _ => Err(self.explain_missing_equilibrium(friction_coefficient, sign)),
+            found => Err(self.explain_missing_equilibrium(friction_coefficient, sign, &found)),
         }
     }
 
@@ -75,42 +62,58 @@ impl LumpedModel {
         Ok(Equilibrium { displacement, normal_force, friction_force })
     }
 
-    /// Follows the equilibrium from µ = 0 upwards to where it is lost: a normal force that falls
-    /// to zero there is a contact that opens, one that grows without bound is jamming.
-    fn explain_missing_equilibrium(&self, friction: f64, sign: f64) -> Error {
+    /// Why there is no equilibrium at this µ. Looks for the highest µ below it that has one: where
+    /// the equilibrium is lost, a normal force that falls to zero is a contact that opens, one that
+    /// grows without bound is jamming.
+    fn explain_missing_equilibrium(
+        &self,
+        friction: f64,
+        sign: f64,
+        found: &Result<Equilibrium, Singular>,
+    ) -> Error {
+        const GRID: u32 = 256;
+        if self.solve(0.0).is_err() {
+            return Error::equilibrium(
+                "no equilibrium: the structure can move without straining a spring; \
+                 hold it with a stiffness above zero",
+            );
+        }
         let exists =
             |mu: f64| self.solve(sign * mu).ok().filter(|found| found.pulled_contact().is_none());
-        let (mut good, mut bad) = (0.0, friction);
-        for _ in 0..60 {
+        let below = (0..GRID).rev().map(|i| friction * f64::from(i) / f64::from(GRID));
+        let Some(mut good) = below.into_iter().find(|&mu| exists(mu).is_some()) else {
+            let pulled = found.as_ref().ok().and_then(Equilibrium::pulled_contact);
+            let (contact, force) = pulled.unwrap_or((1, 0.0));
+            return Error::equilibrium(format!(
+                "no equilibrium in sliding: contact[{contact}] opens under the load \
+                 (it would have to pull with {:.3e} N); raise its preload",
+                -force
+            ));
+        };
+        let start = exists(good).expect("just found");
+        let mut bad = friction;
+        for _ in 0..100 {
             let middle = 0.5 * (good + bad);
             if exists(middle).is_some() { good = middle } else { bad = middle }
         }
         let last = exists(good).expect("an equilibrium exists on this side");
-        let (first, start) = (exists(0.0).expect("checked before"), good);
-        let grown = last
-            .normal_force
-            .iter()
-            .zip(&first.normal_force)
-            .map(|(last, first)| last / first)
-            .enumerate()
-            .max_by(|a, b| a.1.total_cmp(&b.1));
-        match grown {
-            Some((contact, growth)) if growth > 1e6 => Error::equilibrium(format!(
+        let grown = last.normal_force.iter().zip(&start.normal_force);
+        let grown = grown.map(|(last, start)| last / start).enumerate();
+        let grown = grown.max_by(|a, b| a.1.total_cmp(&b.1));
+        let lightest = last.normal_force.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
+        match (grown, lightest) {
+            (Some((contact, growth)), _) if growth > 1e6 => Error::equilibrium(format!(
                 "no equilibrium in sliding at friction.coefficient = {friction}: contact[{}] jams \
-                 from {start:.6} on, where friction draws it into the slider; \
+                 from {good:.6} on, where friction draws it into the slider; \
                  lower the coefficient or turn slider.angle",
                 contact + 1
             )),
-            _ => {
-                let lightest =
-                    last.normal_force.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-                Error::equilibrium(format!(
-                    "no equilibrium in sliding at friction.coefficient = {friction}: friction \
-                     lifts contact[{}] off from {start:.6} on; raise its preload or lower the \
-                     coefficient",
-                    lightest.map_or(0, |(contact, _)| contact + 1)
-                ))
-            }
+            (_, lightest) => Error::equilibrium(format!(
+                "no equilibrium in sliding at friction.coefficient = {friction}: friction \
+                 lifts contact[{}] off from {good:.6} on; raise its preload or lower the \
+                 coefficient",
+                lightest.map_or(0, |(contact, _)| contact + 1)
+            )),
         }
     }
 }
@@ -150,9 +153,9 @@ mod tests {
             c.normal.add_to(&mut contact, found.normal_force[i]);
             c.tangent.add_to(&mut contact, found.friction_force[i]);
         }
-        for dof in 0..model.dofs() {
-            let residual = model.load[dof] + contact[dof]
-                - model.stiffness.row_times(dof, &found.displacement);
+        for (dof, contact) in contact.iter().enumerate() {
+            let residual =
+                model.load[dof] + contact - model.stiffness.row_times(dof, &found.displacement);
             assert!(residual.abs() < 1e-9, "{dof}: {residual}");
         }
         for module in 0..2 {
@@ -216,6 +219,19 @@ mod tests {
         scene.modules[1].preload = -5e-3;
         let message = equilibrium(&scene).unwrap_err().to_string();
         assert!(message.contains("contact[2] opens under the load"), "{message}");
+    }
+
+    #[test]
+    fn a_contact_that_only_friction_presses_on_is_an_equilibrium() {
+        // Without friction the load would open contact 2; with it the slider's drag closes it.
+        let mut scene = set1();
+        scene.slider.angle = -0.5;
+        scene.modules[1].preload = -2e-3;
+        scene.friction_coefficient = 0.0;
+        let message = equilibrium(&scene).unwrap_err().to_string();
+        assert!(message.contains("contact[2] opens under the load"), "{message}");
+        scene.friction_coefficient = 1.96;
+        assert!(equilibrium(&scene).unwrap().normal_force[1] > 10.0);
     }
 
     #[test]

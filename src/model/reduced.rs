@@ -5,7 +5,7 @@ use crate::contact::ContactState;
 use nalgebra::DMatrix;
 
 /// The linear equation of motion in the coordinates that a contact state leaves free,
-/// M̃ ü + C̃ u̇ + K̃ u = F̃.
+/// M̃ ü + C̃ u̇ + K̃ u = 0 about the equilibrium.
 ///
 /// With V spanning the motions that the closed contacts allow, and U the test directions that
 /// their forces do no work on, M̃ = Uᵀ M V and so on. A sliding contact's force acts along
@@ -24,12 +24,18 @@ pub struct ReducedMatrices {
 }
 
 impl LumpedModel {
-    /// The reduced matrices of a contact state, one entry of `states` a contact.
+    /// The reduced matrices of a contact state, one entry of `states` a contact. `None` where the
+    /// contacts leave a motion or a force undetermined: redundant ones on one mass whose friction
+    /// differs, such as Sl and R-Sl at the same place.
     ///
     /// # Panics
     /// Where `states` has not as many entries as the model has contacts.
     #[must_use]
-    pub fn reduced(&self, states: &[ContactState], friction_coefficient: f64) -> ReducedMatrices {
+    pub fn reduced(
+        &self,
+        states: &[ContactState],
+        friction_coefficient: f64,
+    ) -> Option<ReducedMatrices> {
         assert_eq!(states.len(), self.contacts.len(), "one state a contact");
         let dofs = self.dofs();
         let (mut constraints, mut forces) = (Vec::new(), Vec::new());
@@ -49,10 +55,13 @@ impl LumpedModel {
         }
         let motions = null_space(constraints, dofs);
         let tests = null_space(forces, dofs).transpose();
+        if tests.nrows() != motions.ncols() {
+            return None;
+        }
         let mass = &tests * dense(&self.mass) * &motions;
         let stiffness = &tests * dense(&self.stiffness) * &motions;
         let damping = &mass * self.damping.alpha + &stiffness * self.damping.beta;
-        ReducedMatrices { mass, damping, stiffness, motions }
+        Some(ReducedMatrices { mass, damping, stiffness, motions })
     }
 }
 
@@ -111,20 +120,30 @@ mod tests {
     #[test]
     fn each_state_leaves_the_degrees_of_freedom_that_the_paper_counts() {
         for (states, free) in [([Slide, Slide], 6), ([Slide, Stick], 5), ([Detached, Stick], 6)] {
-            assert_eq!(set1().reduced(&states, 1.96).stiffness.nrows(), free);
+            assert_eq!(set1().reduced(&states, 1.96).unwrap().stiffness.nrows(), free);
         }
     }
 
     #[test]
     fn friction_makes_the_stiffness_unsymmetric_and_stick_does_not() {
         let asymmetry = |states| {
-            let k = set1().reduced(states, 1.96);
+            let k = set1().reduced(states, 1.96).unwrap();
             let k = k.mass.try_inverse().unwrap() * k.stiffness;
             // Masses differ, so compare m_i k_ij with m_j k_ji through the frequencies' reality.
             k.complex_eigenvalues().iter().fold(0.0_f64, |worst, value| worst.max(value.im.abs()))
         };
         assert!(asymmetry(&[Slide, Slide]) > 1e3);
         assert!(asymmetry(&[Stick, Stick]) < 1e-6);
+    }
+
+    #[test]
+    fn redundant_contacts_with_different_friction_determine_no_motion() {
+        let mut model = set1();
+        model.contacts[1] = model.contacts[0].clone();
+        let freedom = |states| Some(model.reduced(states, 0.5)?.stiffness.nrows());
+        assert_eq!(freedom(&[Slide, Slide]), Some(7));
+        assert_eq!(freedom(&[Stick, Stick]), Some(6));
+        assert_eq!(freedom(&[Slide, ContactState::ReverseSlide]), None);
     }
 
     #[test]

@@ -3,14 +3,8 @@
 /// The library itself.
 pub(super) const BYTES: &[u8] = include_bytes!(env!("AMONTONS_FMU_LIBRARY"));
 
-/// The platform that the library is for, as FMI names it.
-pub const PLATFORM: &str = env!("AMONTONS_FMU_PLATFORM");
+/// The platform that the library is for, as FMI names it; `build.rs` refuses others.
+pub const PLATFORM: &str = "linux64";
 
 /// The end of the library's file name.
-pub(super) const EXTENSION: &str = if cfg!(target_os = "windows") {
-    "dll"
-} else if cfg!(target_os = "macos") {
-    "dylib"
-} else {
-    "so"
-};
+pub(super) const EXTENSION: &str = "so";

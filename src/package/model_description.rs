@@ -208,7 +208,9 @@ impl Xml {
 
 /// A start tag; characters that XML 1.0 cannot hold at all are left out of the values.
 fn start<'a>(name: &'a str, attributes: &[(&str, String)]) -> BytesStart<'a> {
-    let possible = |c: &char| !c.is_control() || matches!(c, '\t' | '\n' | '\r');
+    let possible = |c: &char| {
+        matches!(c, '\t' | '\n' | '\r') || !(c.is_control() || matches!(c, '\u{fffe}' | '\u{ffff}'))
+    };
     let mut start = BytesStart::new(name);
     for (key, value) in attributes {
         let value: String = value.chars().filter(possible).collect();

@@ -1,6 +1,8 @@
 //! The scenes that the program carries; the same files stand under `scenes/`.
 
-use super::{Scene, parse};
+use super::{Scene, parse, read};
+use crate::Error;
+use std::path::Path;
 
 /// A scene that the program carries.
 #[derive(Clone, Copy, Debug)]
@@ -30,6 +32,30 @@ pub const BUILTIN: &[Builtin] = &[
 #[must_use]
 pub fn builtin(name: &str) -> Option<Builtin> {
     BUILTIN.iter().copied().find(|builtin| builtin.name == name)
+}
+
+/// The scene that a command line names, with its file's text: a path or, where there is no such
+/// file, the name of a built-in scene.
+///
+/// # Errors
+/// As [`read`], or there is no such scene.
+pub fn find(argument: &str) -> Result<(Scene, String), Error> {
+    let path = Path::new(argument);
+    match builtin(argument) {
+        _ if path.is_file() => read(path),
+        Some(builtin) => Ok((builtin.scene(), builtin.text.to_owned())),
+        None => Err(Error::unusable_file(format!(
+            "no file {argument} and no built-in scene of that name; {}",
+            builtin_names()
+        ))),
+    }
+}
+
+/// What is built in, for a message.
+#[must_use]
+pub fn builtin_names() -> String {
+    let names: Vec<&str> = BUILTIN.iter().map(|builtin| builtin.name).collect();
+    format!("built in are {}", names.join(", "))
 }
 
 #[cfg(test)]

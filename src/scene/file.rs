@@ -78,8 +78,7 @@ struct Initial {
 /// # Errors
 /// The file, the line where the text itself is wrong, the key, and what would be right.
 pub fn read(path: &Path) -> Result<(Scene, String), Error> {
-    let text = std::fs::read_to_string(path)
-        .map_err(|error| Error::scene(format!("cannot read {}: {error}", path.display())))?;
+    let text = std::fs::read_to_string(path).map_err(|error| Error::file(path, &error))?;
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let scene = parse(&name, &text)
         .map_err(|error| Error::scene(format!("in {}:\n{error}", path.display())))?;

@@ -7,7 +7,7 @@ mod builtin;
 mod file;
 mod per_module;
 
-pub use builtin::{BUILTIN, Builtin, builtin};
+pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find};
 pub use file::{parse, read};
 
 use crate::Error;
@@ -15,6 +15,9 @@ use serde::{Deserialize, Serialize};
 
 /// The most modules a ring may have.
 pub const MAX_MODULES: usize = 100_000;
+
+/// The most impossible values that one message lists.
+const MAX_PROBLEMS: usize = 20;
 
 /// The most rows of results that a run may have.
 const MAX_ROWS: f64 = 1e9;
@@ -97,7 +100,7 @@ impl Scene {
     /// Refuses impossible values, naming every one of them.
     ///
     /// # Errors
-    /// One line a problem: the variable, its value, what would be right.
+    /// One line a problem, up to twenty: the variable, its value, what would be right.
     pub fn check(&self) -> Result<(), Error> {
         let mut problems = Vec::new();
         let mut check = |name: &dyn Fn() -> String, value: f64, rule: Rule| {
@@ -151,7 +154,15 @@ impl Scene {
                 self.modules.len()
             ));
         }
-        if problems.is_empty() { Ok(()) } else { Err(Error::scene(problems.join("\n"))) }
+        if problems.is_empty() {
+            return Ok(());
+        }
+        let more = problems.len().saturating_sub(MAX_PROBLEMS);
+        problems.truncate(MAX_PROBLEMS);
+        if more > 0 {
+            problems.push(format!("and {more} more"));
+        }
+        Err(Error::scene(problems.join("\n")))
     }
 }
 

@@ -2,14 +2,18 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Steps asked for agree with the grid if they miss it by this part of themselves.
+/// A step asked for is a whole multiple of the internal step if it misses it by this part.
 const TOLERANCE: f64 = 1e-9;
+/// A step asked for that is shorter than this part of the internal step is a rounding error.
+const NOTHING: f64 = 1e-6;
 
-/// The time of a motion: whole steps of the scene's step since a start.
+/// The time of a motion: whole internal steps since a start, and what whoever asks for the steps
+/// calls the present time. The two differ by rounding errors, half an internal step at most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Clock {
     start: f64,
     steps: u64,
+    asked: f64,
 }
 
 /// How to get from here to a time.
@@ -25,42 +29,43 @@ pub(super) struct Leg {
 
 impl Clock {
     pub(super) fn at(start: f64) -> Self {
-        Self { start, steps: 0 }
+        Self { start, steps: 0, asked: start }
     }
 
-    /// Present time, s, on the grid of `step`.
-    #[allow(clippy::cast_precision_loss)]
-    pub(super) fn time(self, step: f64) -> f64 {
-        self.start + self.steps as f64 * step
+    /// Present time, s, in the words of whoever asked for it.
+    pub(super) fn time(self) -> f64 {
+        self.asked
     }
 
-    /// How much two times that mean the same may differ, s.
-    pub(super) fn slack(time: f64, span: f64, step: f64) -> f64 {
-        TOLERANCE * span.abs().max(step) + 4.0 * f64::EPSILON * time.abs()
+    /// Do two times mean the same, for a run with this internal step? Whoever adds up their steps
+    /// gathers rounding errors.
+    pub(super) fn same(a: f64, b: f64, step: f64) -> bool {
+        (a - b).abs() <= 0.5 * step
     }
 
-    /// The way to time `target`: on the grid if that is where it lies, so that however a run is
-    /// split at points of the grid, the same steps are taken; else the fewest equal steps that are
-    /// not longer than `step`, from where a new grid starts. `None` if `target` lies in the past
-    /// or farther ahead than can be counted.
+    /// The way to time `target`.
+    ///
+    /// Where the span from the last time asked for is a whole multiple of `step`, it is that many
+    /// steps on the grid, to the point nearest to the target: however a run is split at points of
+    /// the grid, the same steps are taken, and rounding errors of the times never add up. Else it is
+    /// the fewest equal steps that are not longer than `step`, and a new grid starts at the target.
+    /// `None` if the target lies in the past or farther ahead than can be counted.
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
     pub(super) fn way_to(self, target: f64, step: f64) -> Option<Leg> {
         const COUNTABLE: f64 = (1_u64 << 53) as f64;
-        let span = target - self.time(step);
-        let slack = Self::slack(target, span, step);
-        if !(span >= -slack && (target - self.start) / step < COUNTABLE) {
+        let asked = target - self.asked;
+        let rounding = 4.0 * f64::EPSILON * target.abs();
+        if !(asked >= -rounding && (target - self.start) / step < COUNTABLE) {
             return None;
         }
-        let nearest = ((target - self.start) / step).round();
-        let on_grid = (self.start + nearest * step - target).abs() <= slack;
-        if on_grid && nearest >= self.steps as f64 {
-            let steps = nearest as u64;
-            return Some(Leg {
-                step,
-                count: steps - self.steps,
-                arrival: Self { start: self.start, steps },
-            });
+        let multiple = (asked / step).round() * step;
+        let is_multiple = (asked - multiple).abs() <= TOLERANCE * asked + rounding;
+        if (is_multiple && multiple > 0.0) || asked <= NOTHING * step {
+            let steps = (((target - self.start) / step).round() as u64).max(self.steps);
+            let arrival = Self { steps, asked: target, ..self };
+            return Some(Leg { step, count: steps - self.steps, arrival });
         }
+        let span = target - (self.start + self.steps as f64 * step);
         let count = (span / step - TOLERANCE).ceil().max(1.0);
         Some(Leg { step: span / count, count: count as u64, arrival: Self::at(target) })
     }
@@ -72,25 +77,44 @@ mod tests {
 
     const H: f64 = 1e-5;
 
-    #[test]
-    fn steps_that_arrive_rounded_land_on_the_grid() {
-        let mut clock = Clock::at(0.0);
-        let mut host = 0.0;
-        for _ in 0..1000 {
-            host += 0.1; // accumulates rounding errors, as hosts do
+    /// The clock after steps of the given lengths, added up as hosts do, and the steps taken.
+    fn after(steps: impl IntoIterator<Item = f64>) -> (Clock, u64) {
+        let (mut clock, mut host, mut taken) = (Clock::at(0.0), 0.0, 0);
+        for size in steps {
+            assert!(Clock::same(host, clock.time(), H));
+            host += size;
             let leg = clock.way_to(host, H).unwrap();
-            assert_eq!((leg.step, leg.count), (H, 10_000));
+            assert!(leg.count == 0 || leg.step == H, "{leg:?}");
+            taken += leg.count;
             clock = leg.arrival;
         }
-        assert_eq!(clock.time(H), 10_000_000.0 * H);
+        (clock, taken)
     }
 
     #[test]
-    fn a_step_of_a_rounding_error_takes_none_and_loses_nothing() {
-        let clock = Clock::at(0.0).way_to(0.1, H).unwrap().arrival;
-        let leg = clock.way_to(0.1 + 1.1e-16, H).unwrap();
-        assert_eq!(leg.count, 0);
-        assert_eq!(leg.arrival.way_to(0.2, H).unwrap().count, 10_000);
+    fn times_that_are_added_up_stay_on_the_grid() {
+        assert_eq!(after(std::iter::repeat_n(0.1, 10_000)).1, 100_000_000);
+        assert_eq!(after(std::iter::repeat_n(1e-4, 100_000)).1, 1_000_000);
+        // Each of these ends in a step shorter than the rounding errors gathered before it.
+        for (last, taken) in [(1e-4, 10), (1.7e-13, 0), (1.1e-16, 0)] {
+            let steps = std::iter::repeat_n(0.01, 1000).chain([last]);
+            assert_eq!(after(steps).1, 1_000_000 + taken);
+        }
+        assert_eq!(after(std::iter::repeat_n(0.1, 1000).chain([1e-3])).1, 10_000_100);
+    }
+
+    #[test]
+    fn a_step_within_the_tolerance_is_whole_and_the_next_one_starts_from_it() {
+        assert_eq!(after([1.000_000_000_5, 1e-3]).1, 100_100);
+    }
+
+    #[test]
+    fn steps_that_are_too_long_by_a_hair_never_lead_astray() {
+        // Within the tolerance each, half an internal step after 10⁴ of them.
+        let (clock, taken) = after(std::iter::repeat_n(0.1 * (1.0 + 0.9e-9), 30_000));
+        let reached = f64::from(u32::try_from(taken).unwrap()) * H;
+        assert!((clock.time() - reached).abs() <= 0.5 * H + 1e-9, "{clock:?} {reached}");
+        assert_eq!(taken, 300_000_000);
     }
 
     #[test]
@@ -99,6 +123,7 @@ mod tests {
         assert_eq!(leg.count, 3);
         assert!((leg.step - 2.5 * H / 3.0).abs() < 1e-20);
         assert_eq!(leg.arrival, Clock::at(2.5 * H));
+        assert_eq!(leg.arrival.way_to(4.5 * H, H).unwrap().count, 2);
     }
 
     #[test]

@@ -76,8 +76,8 @@ impl Simulation {
         motion: Motion,
         clock: Clock,
     ) -> Result<Self, Error> {
-        let guard = StepGuard::new(&model, scene.friction_coefficient);
-        guard.check(&model, scene.friction_coefficient, scene.step)?;
+        let mut guard = StepGuard::new(&model, scene.friction_coefficient, scene.step);
+        guard.check(&model, scene.friction_coefficient)?;
         let integrator = integrator::choose(&model)?;
         let drive = Drive {
             force: vec![0.0; model.dofs()],
@@ -103,13 +103,14 @@ impl Simulation {
     /// Present time, s.
     #[must_use]
     pub fn time(&self) -> f64 {
-        self.clock.time(self.scene.step)
+        self.clock.time()
     }
 
-    /// Do two times, `span` (s) apart from the last, mean the same point of this run?
+    /// Do two times (s) mean the same point of this run? Rounding errors of up to half an internal
+    /// step are forgiven.
     #[must_use]
-    pub fn same_time(&self, a: f64, b: f64, span: f64) -> bool {
-        (a - b).abs() <= Clock::slack(a, span, self.scene.step)
+    pub fn same_time(&self, a: f64, b: f64) -> bool {
+        Clock::same(a, b, self.scene.step)
     }
 
     /// The values as they are now.
@@ -146,8 +147,8 @@ impl Simulation {
             let count = left.min(CHUNK);
             self.integrator
                 .advance(&mut self.motion, &self.drive, leg.step, count)
-                .map_err(|failure| self.failed(failure))?;
-            self.check_finite()?;
+                .map_err(|failure| self.failed(failure, target))?;
+            self.check_finite(target)?;
             left -= count;
         }
         self.clock = leg.arrival;
@@ -164,7 +165,7 @@ impl Simulation {
             self.update_drive();
             self.integrator
                 .contact_forces(&self.motion, &self.drive, &mut self.contact_forces)
-                .map_err(|failure| self.failed(failure))?;
+                .map_err(|failure| self.failed(failure, self.time()))?;
             self.stale.contact_forces = false;
         }
         Ok(&self.contact_forces)
@@ -198,32 +199,35 @@ impl Simulation {
 
     fn check_limit(&mut self) -> Result<(), Error> {
         if self.stale.limit {
-            self.guard.check(&self.model, self.scene.friction_coefficient, self.scene.step)?;
+            self.guard.check(&self.model, self.scene.friction_coefficient)?;
             self.stale.limit = false;
         }
         Ok(())
     }
 
-    fn check_finite(&self) -> Result<(), Error> {
+    fn check_finite(&self, target: f64) -> Result<(), Error> {
         let finite = |values: &[f64]| values.iter().all(|value| value.is_finite());
         if finite(&self.motion.displacement) && finite(&self.motion.velocity) {
             return Ok(());
         }
         Err(Error::step(format!(
-            "after {} s the motion has left the range of numbers; \
+            "between {} s and {target} s the motion left the range of numbers; \
              look for an input that is not finite, or a flutter that nothing bounds",
             self.time()
         )))
     }
 
-    fn failed(&self, failure: StepFailure) -> Error {
+    fn failed(&self, failure: StepFailure, target: f64) -> Error {
         let time = self.time();
         Error::step(match failure {
             StepFailure::NoConvergence { sweeps } => {
-                format!("after {time} s the contact forces did not converge in {sweeps} sweeps")
+                format!(
+                    "between {time} s and {target} s the contact forces did not converge in \
+                     {sweeps} sweeps"
+                )
             }
             StepFailure::Wedged { contact } => format!(
-                "after {time} s friction wedges contact[{}]: no contact force satisfies its law; \
+                "between {time} s and {target} s friction wedges contact[{}]: no contact force satisfies its law; \
                  lower friction.coefficient",
                 contact + 1
             ),

@@ -59,7 +59,7 @@ impl Simulation {
     /// # Errors
     /// As [`resume`](Self::resume); the simulation is then as it was.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
-        if !same_structure(&self.scene, &snapshot.scene) {
+        if !same_structure(&self.scene, &snapshot.scene) || !snapshot.is_consistent() {
             *self = Self::resume(snapshot.clone())?;
             return Ok(());
         }
@@ -90,6 +90,7 @@ impl Simulation {
 /// its start?
 fn same_structure(a: &Scene, b: &Scene) -> bool {
     a.slider.angle == b.slider.angle
+        && a.step == b.step
         && a.modules.len() == b.modules.len()
         && a.modules
             .iter()

@@ -3,26 +3,24 @@
 use crate::arguments::Export;
 use crate::output::Pending;
 use crate::scenes;
+use amontons::Error;
 use amontons::model::LumpedModel;
 use amontons::package;
-use amontons::scene::Scene;
+use amontons::scene::{self, Scene};
 use amontons::simulation::catalogue::Causality;
 use amontons::simulation::variables;
 use amontons::stability::critical_step;
-use std::error::Error;
 use std::io::Write;
 use std::path::PathBuf;
 
-pub fn run(arguments: &Export) -> Result<(), Box<dyn Error>> {
-    let (scene, text) = scenes::load(&arguments.scene)?;
+pub fn run(arguments: &Export) -> Result<(), Error> {
+    let (scene, text) = scene::find(&arguments.scene)?;
     scenes::check(&scene)?;
     let fmu = package::fmu(&scene, &text)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
     let mut file = Pending::create(&path)?;
-    file.writer
-        .write_all(&fmu)
-        .map_err(|error| format!("cannot write {}: {error}", path.display()))?;
+    file.write_all(&fmu).map_err(|error| Error::file(&path, &error))?;
     file.complete()?;
     println!("{}: {}", scene.name, scene.description);
     print_contents(&scene)?;
@@ -31,7 +29,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn Error>> {
 }
 
 /// What went in: structure, variables, critical step.
-fn print_contents(scene: &Scene) -> Result<(), Box<dyn Error>> {
+fn print_contents(scene: &Scene) -> Result<(), Error> {
     let model = LumpedModel::from(scene);
     println!(
         "  structure      ring of {} modules: {} degrees of freedom, {} contacts",

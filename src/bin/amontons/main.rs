@@ -29,7 +29,7 @@ fn main() -> ExitCode {
 
 fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
     match command {
-        Command::Export(arguments) => export::run(arguments),
+        Command::Export(arguments) => Ok(export::run(arguments)?),
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Scenes { command } => scenes::run(command.as_ref()),
     }
@@ -38,7 +38,7 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
 fn exit_code(error: &(dyn std::error::Error + 'static)) -> u8 {
     match error.downcast_ref::<amontons::Error>() {
         Some(error) if error.is_step() => exit::RUN,
-        Some(error) if !error.is_package() => exit::SCENE,
+        Some(error) if !error.is_package() && !error.is_file() => exit::SCENE,
         _ => exit::FAILED,
     }
 }

@@ -1,36 +1,64 @@
 //! Files that appear whole or not at all.
 
+use amontons::Error;
 use std::fs::{self, File};
-use std::io::{self, BufWriter};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// A file that is written under another name until it is complete. What stood at its place stays
-/// until then; an interrupted run leaves what it had in the file ending in `.partial`.
+/// until then; a run that is cut short leaves what it had in the file ending in `.partial`. What is
+/// not a regular file (a pipe, a device) is written to directly.
 pub struct Pending {
     target: PathBuf,
-    partial: PathBuf,
-    pub writer: BufWriter<File>,
+    partial: Option<PathBuf>,
+    writer: BufWriter<File>,
 }
 
 impl Pending {
-    pub fn create(target: &Path) -> Result<Self, String> {
-        let mut name = target.file_name().unwrap_or_default().to_owned();
-        name.push(".partial");
-        let partial = target.with_file_name(name);
-        let file = if target.is_dir() {
-            Err(io::Error::from(io::ErrorKind::IsADirectory))
-        } else {
-            File::create(&partial)
+    pub fn create(target: &Path) -> Result<Self, Error> {
+        let open = || -> io::Result<Self> {
+            // Through a symbolic link, to what it names.
+            let real = target.canonicalize().unwrap_or_else(|_| target.to_owned());
+            if real.is_dir() {
+                return Err(io::ErrorKind::IsADirectory.into());
+            }
+            if real.exists() && !real.is_file() {
+                let writer = BufWriter::new(File::options().write(true).open(&real)?);
+                return Ok(Self { target: real, partial: None, writer });
+            }
+            let mut name = real.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_owned();
+            name.push(".partial");
+            let partial = real.with_file_name(name);
+            let writer = BufWriter::new(File::create(&partial)?);
+            Ok(Self { target: real, partial: Some(partial), writer })
         };
-        let file = file.map_err(|error| format!("cannot write {}: {error}", target.display()))?;
-        Ok(Self { target: target.to_owned(), partial, writer: BufWriter::new(file) })
+        open().map_err(|error| Error::file(target, &error))
     }
 
-    pub fn complete(self) -> Result<(), String> {
+    /// Where a run that is cut short leaves what it had.
+    pub fn partial(&self) -> Option<&Path> {
+        self.partial.as_deref()
+    }
+
+    pub fn complete(self) -> Result<(), Error> {
+        let Self { target, partial, writer } = self;
         let finish = || {
-            self.writer.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
-            fs::rename(&self.partial, &self.target)
+            let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+            match &partial {
+                Some(partial) => file.sync_all().and_then(|()| fs::rename(partial, &target)),
+                None => Ok(()),
+            }
         };
-        finish().map_err(|error| format!("cannot write {}: {error}", self.target.display()))
+        finish().map_err(|error| Error::file(&target, &error))
+    }
+}
+
+impl Write for Pending {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
     }
 }

@@ -2,8 +2,7 @@
 
 use crate::arguments::Simulate;
 use crate::output::Pending;
-use crate::scenes;
-use amontons::scene::Scene;
+use amontons::scene::{self, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Simulation, Variable, assign, variables};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -21,7 +20,12 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
         },
         Some(path) => {
             let mut file = Pending::create(path)?;
-            write_run(&mut simulation, &scene, &mut file.writer)?;
+            if let Err(error) = write_run(&mut simulation, &scene, &mut file) {
+                if let Some(partial) = file.partial() {
+                    eprintln!("the rows up to the failure are in {}", partial.display());
+                }
+                return Err(error);
+            }
             file.complete()?;
             let statistics = simulation.statistics();
             eprintln!(
@@ -39,7 +43,7 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
 
 /// The scene with the values of the command line.
 fn configured(arguments: &Simulate) -> Result<Scene, Box<dyn Error>> {
-    let (mut scene, _) = scenes::load(&arguments.scene)?;
+    let (mut scene, _) = scene::find(&arguments.scene)?;
     for (name, value) in &arguments.set {
         assign(&mut scene, name, *value)?;
     }
@@ -73,7 +77,7 @@ fn write_run(
     loop {
         #[allow(clippy::cast_precision_loss)]
         let planned = row as f64 * interval;
-        let last = planned >= stop || simulation.same_time(planned, stop, interval);
+        let last = planned >= stop || simulation.same_time(planned, stop);
         let time = if last { stop } else { planned };
         simulation.advance_to(time)?;
         write_row(simulation, time, &outputs, out)?;

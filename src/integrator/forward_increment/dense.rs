@@ -81,7 +81,8 @@ impl DenseForwardIncrement {
             let slip = contact.tangent.dot(&motion.velocity) - drive.slider_velocity;
             // A closed contact has no gap: a rounding error of one would be an impulse gap/h.
             let gap = match motion.contacts[i] {
-                ContactState::Detached => contact.normal.dot(&motion.displacement),
+                // Below zero it is what rounding leaves when a contact opens.
+                ContactState::Detached => contact.normal.dot(&motion.displacement).max(0.0),
                 _ => 0.0,
             };
             self.multipliers.freedom[i] = Freedom::Any;
@@ -113,12 +114,10 @@ impl DenseForwardIncrement {
     /// Moves the masses on; where a contact lies along a degree of freedom, its gap and its slip
     /// become exact zeros, so that the tolerance of the multipliers leaves no drift.
     fn settle(&self, motion: &mut Motion, drive: &Drive, h: f64) {
-        let states = self
-            .multipliers
-            .forces
-            .iter()
-            .map(|&force| state_of(force, drive.friction_coefficient));
-        for ((contact, state), old) in self.contacts.iter().zip(states).zip(&mut motion.contacts) {
+        let forces = self.multipliers.forces.iter();
+        for ((contact, &force), old) in self.contacts.iter().zip(forces).zip(&mut motion.contacts) {
+            let slip = drive.slider_velocity - contact.tangent.dot(&motion.velocity);
+            let state = state_of(force, drive.friction_coefficient, slip);
             if state != *old {
                 motion.statistics.state_changes += 1;
                 motion.statistics.touch_downs += u64::from(*old == ContactState::Detached);
@@ -131,7 +130,7 @@ impl DenseForwardIncrement {
         let closed = |i: usize| motion.contacts[i] != ContactState::Detached;
         for (i, contact) in self.contacts.iter().enumerate() {
             if let Some(dof) = contact.normal.as_unit().filter(|_| closed(i)) {
-                motion.velocity[dof] = -motion.displacement[dof] / h;
+                motion.velocity[dof] = (0.0 - motion.displacement[dof]) / h;
             }
         }
         for (x, v) in motion.displacement.iter_mut().zip(&motion.velocity) {
@@ -185,7 +184,7 @@ impl Integrator for DenseForwardIncrement {
                 _ => drive.slider_velocity - self.contacts[i].tangent.dot(&motion.velocity),
             };
             *out = ContactForce {
-                state: state_of(force, drive.friction_coefficient),
+                state: state_of(force, drive.friction_coefficient, slip),
                 normal_force: force[0],
                 friction_force: force[1],
                 slip_velocity: slip,
@@ -199,13 +198,13 @@ impl Integrator for DenseForwardIncrement {
     }
 }
 
-/// The state that belongs to a solved pair (N, T).
-fn state_of([normal, tangential]: [f64; 2], friction: f64) -> ContactState {
+/// The state that belongs to a solved pair (N, T) and a slip velocity v_r.
+fn state_of([normal, tangential]: [f64; 2], friction: f64, slip: f64) -> ContactState {
     if normal <= 0.0 {
         ContactState::Detached
     } else if tangential.abs() < friction * normal {
         ContactState::Stick
-    } else if tangential >= 0.0 {
+    } else if tangential > 0.0 || (tangential == 0.0 && slip > 0.0) {
         ContactState::Slide
     } else {
         ContactState::ReverseSlide

@@ -84,7 +84,7 @@ impl Multipliers {
             }
         }
         let force = match self.freedom[contact] {
-            Freedom::Any => local.solve([normal, tangential], friction),
+            Freedom::Any => Some(local.solve([normal, tangential], friction)),
             Freedom::Open => Some([0.0; 2]),
             Freedom::Slipping(direction) => local.slide(normal, friction, direction),
         };

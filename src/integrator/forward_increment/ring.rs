@@ -9,21 +9,24 @@ use crate::model::{Damping, LumpedModel};
 const TANGENT: usize = 2;
 const NORMAL: usize = 3;
 
+/// One value a degree of freedom of a module.
+type Vector = [f64; MODULE_DOFS];
+
 /// Forward increment Lagrange multipliers on a ring of modules.
 pub struct RingForwardIncrement {
     blocks: Vec<Block>,
     damping: Damping,
     /// x + β ẋ, on which K acts for springs and dampers at once.
-    strained: Vec<[f64; MODULE_DOFS]>,
+    strained: Vec<Vector>,
 }
 
 /// A module's rows of M and K.
 #[derive(Clone, Copy, Debug)]
 struct Block {
-    mass: [f64; MODULE_DOFS],
-    inverse_mass: [f64; MODULE_DOFS],
+    mass: Vector,
+    inverse_mass: Vector,
     /// Columns of the module's own block of K.
-    own: [[f64; MODULE_DOFS]; MODULE_DOFS],
+    own: [Vector; MODULE_DOFS],
     /// Links of x1 and x2 to the same coordinate of the module before and of the one after.
     before: [f64; 2],
     after: [f64; 2],
@@ -85,31 +88,32 @@ impl RingForwardIncrement {
     }
 
     fn strain(&mut self, motion: &Motion) {
-        let (x, _) = motion.displacement.as_chunks::<MODULE_DOFS>();
-        let (v, _) = motion.velocity.as_chunks::<MODULE_DOFS>();
+        let (x, _) = motion.displacement.as_chunks();
+        let (v, _) = motion.velocity.as_chunks();
         for ((strained, x), v) in self.strained.iter_mut().zip(x).zip(v) {
-            for dof in 0..MODULE_DOFS {
-                strained[dof] = x[dof] + self.damping.beta * v[dof];
-            }
+            *strained = strain(x, v, self.damping.beta);
         }
     }
+}
 
-    /// F − K (x + β ẋ) of module `i`, N: all but the mass-proportional damping and the contact.
+/// x + β ẋ of a module.
+#[inline]
+fn strain(x: &Vector, v: &Vector, beta: f64) -> Vector {
+    std::array::from_fn(|dof| x[dof] + beta * v[dof])
+}
+
+impl Block {
+    /// F − K (x + β ẋ), N: all but the mass-proportional damping and the contact.
     #[inline]
-    fn force(&self, i: usize, load: &[f64; MODULE_DOFS]) -> [f64; MODULE_DOFS] {
-        let block = &self.blocks[i];
-        let w = &self.strained[i];
-        let last = self.strained.len() - 1;
-        let before = &self.strained[if i == 0 { last } else { i - 1 }];
-        let after = &self.strained[if i == last { 0 } else { i + 1 }];
+    fn force(&self, load: &Vector, own: &Vector, before: &Vector, after: &Vector) -> Vector {
         let mut force = [0.0; MODULE_DOFS];
         for r in 0..MODULE_DOFS {
-            let upper = block.own[0][r] * w[0] + block.own[1][r] * w[1];
-            let lower = block.own[2][r] * w[2] + block.own[3][r] * w[3];
+            let upper = self.own[0][r] * own[0] + self.own[1][r] * own[1];
+            let lower = self.own[2][r] * own[2] + self.own[3][r] * own[3];
             force[r] = load[r] - (upper + lower);
         }
         for r in 0..2 {
-            force[r] -= block.before[r] * before[r] + block.after[r] * after[r];
+            force[r] -= self.before[r] * before[r] + self.after[r] * after[r];
         }
         force
     }
@@ -130,19 +134,31 @@ impl Integrator for RingForwardIncrement {
             slider_velocity: drive.slider_velocity,
             friction: drive.friction_coefficient,
         };
-        let (load, _) = drive.force.as_chunks::<MODULE_DOFS>();
+        self.strain(motion);
+        let beta = self.damping.beta;
+        // In slices of one length no index needs a check.
+        let modules = self.blocks.len();
+        let (blocks, w) = (&self.blocks[..], &mut self.strained[..modules]);
+        let load = &drive.force.as_chunks().0[..modules];
+        let x = &mut motion.displacement.as_chunks_mut().0[..modules];
+        let v = &mut motion.velocity.as_chunks_mut().0[..modules];
+        let contacts = &mut motion.contacts[..modules];
         let (mut changes, mut touch_downs) = (0, 0);
         for _ in 0..count {
-            self.strain(motion);
-            let (x, _) = motion.displacement.as_chunks_mut::<MODULE_DOFS>();
-            let (v, _) = motion.velocity.as_chunks_mut::<MODULE_DOFS>();
-            for i in 0..self.blocks.len() {
-                let force = self.force(i, &load[i]);
-                let state = constants.step_module(&self.blocks[i], &force, &mut x[i], &mut v[i]);
-                if state != motion.contacts[i] {
+            // Neighbours act with what they had before the step; these two are overwritten too early.
+            let first = w[0];
+            let mut before = w[modules - 1];
+            for i in 0..modules {
+                let own = w[i];
+                let after = if i + 1 < modules { w[i + 1] } else { first };
+                let force = blocks[i].force(&load[i], &own, &before, &after);
+                let (moved, moving, state) = constants.step_module(&blocks[i], &force, x[i], v[i]);
+                (x[i], v[i], w[i]) = (moved, moving, strain(&moved, &moving, beta));
+                before = own;
+                if state != contacts[i] {
                     changes += 1;
-                    touch_downs += u64::from(motion.contacts[i] == ContactState::Detached);
-                    motion.contacts[i] = state;
+                    touch_downs += u64::from(contacts[i] == ContactState::Detached);
+                    contacts[i] = state;
                 }
             }
         }
@@ -162,10 +178,14 @@ impl Integrator for RingForwardIncrement {
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
         self.strain(motion);
-        let (load, _) = drive.force.as_chunks::<MODULE_DOFS>();
+        let load = drive.force.as_chunks().0;
+        let w = &self.strained;
+        let last = w.len() - 1;
         for (i, out) in forces.iter_mut().enumerate() {
             let (tangent, normal) = (MODULE_DOFS * i + TANGENT, MODULE_DOFS * i + NORMAL);
-            let force = self.force(i, &load[i]);
+            let before = if i == 0 { last } else { i - 1 };
+            let after = if i == last { 0 } else { i + 1 };
+            let force = self.blocks[i].force(&load[i], &w[i], &w[before], &w[after]);
             let damped = |place: usize, dof: usize| {
                 let drag = self.damping.alpha * self.blocks[i].mass[place];
                 force[place] - drag * motion.velocity[dof]
@@ -189,47 +209,59 @@ impl Integrator for RingForwardIncrement {
 }
 
 impl StepConstants {
-    /// One step of one module; returns the state that its contact was in.
+    /// One step of one module: its new position and velocity, and the state of its contact.
     #[inline]
     fn step_module(
         &self,
         block: &Block,
-        force: &[f64; MODULE_DOFS],
-        x: &mut [f64; MODULE_DOFS],
-        v: &mut [f64; MODULE_DOFS],
-    ) -> ContactState {
+        force: &Vector,
+        mut x: Vector,
+        v: Vector,
+    ) -> (Vector, Vector, ContactState) {
         let h = self.step;
         // Predictor, eq. (13), in velocities.
-        let mut new = [0.0; MODULE_DOFS];
-        for dof in 0..MODULE_DOFS {
-            new[dof] = v[dof] * self.retained + h * (force[dof] * block.inverse_mass[dof]);
-        }
+        let predicted =
+            |dof: usize, force: f64| v[dof] * self.retained + h * (force * block.inverse_mass[dof]);
+        let mut new = [predicted(0, force[0]), predicted(1, force[1]), 0.0, 0.0];
         // Multipliers, eq. (16), and corrector, eqs. (17), (18).
-        let state = if x[NORMAL] + h * new[NORMAL] <= 0.0 {
-            // With gap and normal velocity at zero this is exactly minus the force.
-            let impact = v[NORMAL] * self.retained + x[NORMAL] * self.per_step;
-            let mass = block.mass[NORMAL];
-            let normal_force = (-(force[NORMAL] + mass * impact * self.per_step)).max(0.0);
+        let state = if let Some(normal_force) = self.normal_force(block, force, &x, &v) {
             let lag = self.slider_velocity - v[TANGENT] * self.retained;
             let holding = block.mass[TANGENT] * lag * self.per_step - force[TANGENT];
             let (friction, state) = coulomb(holding, self.friction * normal_force);
             new[TANGENT] = if state == ContactState::Stick {
                 self.slider_velocity
             } else {
-                let pushed = force[TANGENT] + friction;
-                v[TANGENT] * self.retained + h * (pushed * block.inverse_mass[TANGENT])
+                predicted(TANGENT, force[TANGENT] + friction)
             };
             new[NORMAL] = (0.0 - x[NORMAL]) * self.per_step;
             x[NORMAL] = 0.0;
             state
         } else {
+            new[TANGENT] = predicted(TANGENT, force[TANGENT]);
+            new[NORMAL] = predicted(NORMAL, force[NORMAL]);
             x[NORMAL] += h * new[NORMAL];
             ContactState::Detached
         };
         for dof in 0..NORMAL {
             x[dof] += h * new[dof];
         }
-        *v = new;
-        state
+        (x, new, state)
+    }
+
+    /// N of a contact that is closed at the end of this step, as seen from its beginning.
+    #[inline]
+    fn normal_force(&self, block: &Block, force: &Vector, x: &Vector, v: &Vector) -> Option<f64> {
+        let (x, v, force) = (x[NORMAL], v[NORMAL], force[NORMAL]);
+        if x == 0.0 && v == 0.0 {
+            // At rest on the slider, which is the rule: all but the force is zero below.
+            return (force <= 0.0).then_some(-force);
+        }
+        let h = self.step;
+        let retained = v * self.retained;
+        let closes = x + h * (retained + h * (force * block.inverse_mass[NORMAL])) <= 0.0;
+        closes.then(|| {
+            let impact = retained + x * self.per_step;
+            (-(force + block.mass[NORMAL] * impact * self.per_step)).max(0.0)
+        })
     }
 }

@@ -1,0 +1,126 @@
+//! FMPy as an importer: exports the built-in scenes and runs the Python tests in `tests/fmpy/` on
+//! them, one test here for each file there.
+#![cfg(feature = "exporter")]
+
+mod python;
+
+use std::ffi::OsStr;
+use std::path::Path;
+use std::process::{Command, Output};
+use tempfile::TempDir;
+
+const AMONTONS: &str = env!("CARGO_BIN_EXE_amontons");
+
+/// Runs the tests of one Python file; pytest's report is the message of a failure.
+fn pytest(file: &str) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("fmpy");
+    // One for each test, so that nothing but the interpreter is shared.
+    let scratch = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder can be made there");
+    let fmus = scratch.path().join("fmus");
+    export(&fmus);
+    let mut pytest = Command::new(python::interpreter());
+    pytest
+        // No bytecode and no cache: the tests leave nothing among the sources.
+        .args(["-B", "-m", "pytest", "-p", "no:cacheprovider", "--strict-markers", "--tb=short"])
+        .args([OsStr::new("--rootdir"), folder.as_os_str()])
+        .args([OsStr::new("--basetemp"), scratch.path().join("pytest").as_os_str()])
+        .arg(folder.join(file))
+        .env("AMONTONS", AMONTONS)
+        .env("AMONTONS_FMUS", fmus)
+        // Packages may bring plugins of their own.
+        .env("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+        .env_remove("PYTEST_ADDOPTS")
+        .env_remove("SOURCE_DATE_EPOCH");
+    succeed(&mut pytest);
+}
+
+/// Writes `set1.fmu` and so on.
+fn export(folder: &Path) {
+    std::fs::create_dir(folder).expect("a folder can be made there");
+    for scene in ["set1", "set2", "ring12"] {
+        let file = folder.join(scene).with_extension("fmu");
+        let mut export = Command::new(AMONTONS);
+        export.args(["export", scene, "-o"]).arg(file);
+        // The FMUs carry no date, whatever builds them.
+        succeed(export.env_remove("SOURCE_DATE_EPOCH"));
+    }
+}
+
+fn succeed(command: &mut Command) {
+    let Output { status, stdout, stderr } =
+        command.output().unwrap_or_else(|error| panic!("{command:?}: {error}"));
+    assert!(
+        status.success(),
+        "{command:?}: {status}\n{}{}",
+        String::from_utf8_lossy(&stdout),
+        String::from_utf8_lossy(&stderr),
+    );
+}
+
+#[test]
+fn fmpy_finds_no_problems() {
+    pytest("test_validate.py");
+}
+
+#[test]
+fn the_model_description_holds_what_validators_do_not_look_at() {
+    pytest("test_model_description.py");
+}
+
+#[test]
+fn the_archive_is_one_that_every_importer_can_read() {
+    pytest("test_archive.py");
+}
+
+#[test]
+fn the_library_exports_all_functions_of_co_simulation() {
+    pytest("test_library.py");
+}
+
+#[test]
+fn an_fmu_gives_the_doubles_of_the_program() {
+    pytest("test_doubles.py");
+}
+
+#[test]
+fn communication_steps_do_not_change_the_doubles() {
+    pytest("test_communication_steps.py");
+}
+
+#[test]
+fn saved_states_lead_to_the_same_doubles() {
+    pytest("test_state.py");
+}
+
+#[test]
+fn instances_do_not_disturb_each_other() {
+    pytest("test_instances.py");
+}
+
+#[test]
+fn what_makes_no_sense_is_refused_with_a_reason() {
+    pytest("test_refusals.py");
+}
+
+#[test]
+fn resources_are_found_however_an_importer_names_them() {
+    pytest("test_resources.py");
+}
+
+#[test]
+fn the_paper_is_seen_through_an_importer() {
+    pytest("test_physics.py");
+}
+
+/// A file of tests that nothing here runs would hold nothing.
+#[test]
+fn every_python_file_is_run() {
+    let source = include_str!("fmpy.rs");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("fmpy");
+    for entry in std::fs::read_dir(folder).unwrap() {
+        let name = entry.unwrap().file_name().into_string().unwrap();
+        if name.starts_with("test_") {
+            assert!(source.contains(&format!("pytest({name:?})")), "{name}");
+        }
+    }
+}

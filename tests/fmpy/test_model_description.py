@@ -1,0 +1,101 @@
+"""What importers rely on in a model description and fmpy validate does not look at."""
+
+import pytest
+
+SCENES = {"set1": 2, "set2": 2, "ring12": 12}
+
+pytestmark = pytest.mark.parametrize("scene", SCENES)
+
+
+def indices(fmu, listing):
+    return [int(unknown.get("index")) for unknown in fmu.xml.find(f"ModelStructure/{listing}")]
+
+
+def types(fmu):
+    """The type elements of all variables, by name."""
+    return {v.get("name"): v[0] for v in fmu.xml.find("ModelVariables")}
+
+
+def test_initial_unknowns_are_ascending_unique_and_the_outputs(unpacked, scene):
+    fmu = unpacked(scene)
+    unknowns = indices(fmu, "InitialUnknowns")
+    assert unknowns == sorted(set(unknowns))
+    assert unknowns == indices(fmu, "Outputs")
+    variables = fmu.xml.find("ModelVariables")
+    outputs = [i for i, v in enumerate(variables, 1) if v.get("causality") == "output"]
+    assert unknowns == outputs
+
+
+def test_no_start_value_is_below_its_minimum(unpacked, scene):
+    bounded = 0
+    for name, kind in types(unpacked(scene)).items():
+        if kind.get("min") is not None and kind.get("start") is not None:
+            bounded += 1
+            assert float(kind.get("min")) <= float(kind.get("start")), name
+    assert bounded > 10
+
+
+def test_what_has_a_start_value_is_an_input_or_a_parameter(unpacked, scene):
+    for variable in unpacked(scene).xml.find("ModelVariables"):
+        given = variable.get("causality") in ("input", "parameter")
+        assert (variable[0].get("start") is not None) == given, variable.get("name")
+
+
+def test_the_default_experiment_names_no_tolerance(unpacked, scene):
+    """Importers would pass it on, and nothing here depends on one."""
+    experiment = unpacked(scene).xml.find("DefaultExperiment")
+    assert set(experiment.keys()) == {"startTime", "stopTime", "stepSize"}
+    assert float(experiment.get("startTime")) < float(experiment.get("stopTime"))
+
+
+def test_every_unit_is_declared_and_every_real_has_one(unpacked, scene):
+    fmu = unpacked(scene)
+    declared = [unit.get("name") for unit in fmu.xml.find("UnitDefinitions")]
+    assert len(declared) == len(set(declared))
+    for name, kind in types(fmu).items():
+        if kind.tag == "Real":
+            assert kind.get("unit") in declared, name
+
+
+def test_every_enumeration_is_declared(unpacked, scene):
+    fmu = unpacked(scene)
+    declared = {simple.get("name") for simple in fmu.xml.find("TypeDefinitions")}
+    used = {kind.get("declaredType") for kind in types(fmu).values() if kind.tag == "Enumeration"}
+    assert used == {"ContactState"} and used <= declared
+
+
+def test_value_references_are_unique(unpacked, scene):
+    references = [v.get("valueReference") for v in unpacked(scene).xml.find("ModelVariables")]
+    assert len(references) == len(set(references))
+
+
+def test_what_the_fmu_can_do(unpacked, scene):
+    fmu = unpacked(scene)
+    assert fmu.xml.find("ModelExchange") is None
+    capabilities = dict(fmu.xml.find("CoSimulation").items())
+    assert capabilities.pop("modelIdentifier") == scene
+    assert capabilities == {
+        "canHandleVariableCommunicationStepSize": "true",
+        "canNotUseMemoryManagementFunctions": "true",
+        "canGetAndSetFMUstate": "true",
+        "canSerializeFMUstate": "true",
+    }
+
+
+def test_the_names_that_scripts_rely_on_exist(unpacked, scene):
+    fmu = unpacked(scene)
+    inputs = ["friction.coefficient", "slider.velocity"]
+    parameters = ["slider.angle", "damping.beta", "integrator.step"]
+    outputs = []
+    for i in range(1, SCENES[scene] + 1):
+        structure = [f"k{j}" for j in range(1, 7)] + ["m1", "m2", "preload"]
+        parameters += [f"module[{i}].{name}" for name in structure]
+        motion = [f"{letter}{j}" for letter in "xv" for j in range(1, 5)]
+        parameters += [f"initial.module[{i}].{name}" for name in motion]
+        outputs += [f"module[{i}].{name}" for name in motion]
+        forces = ["state", "normal_force", "friction_force", "slip_velocity"]
+        outputs += [f"contact[{i}].{name}" for name in forces]
+    for causality, names in [("input", inputs), ("parameter", parameters), ("output", outputs)]:
+        for name in names:
+            assert name in fmu.variables, name
+            assert fmu.variables[name].causality == causality, name
