@@ -1,7 +1,7 @@
 //! Two things are made before the crate is compiled:
 //!
 //! * the catalogue of FMI variables (`modelDescription/*.toml`) becomes typed Rust tables;
-//! * with the feature `exporter`, the library that goes into an FMU is built, so that the program
+//! * with the feature `tools`, the library that goes into an FMU is built, so that the program
 //!   can carry it. Cargo does not install a cdylib beside a binary, and cannot yet hand one to it.
 //!   The library is this same crate without the feature, so the build does not recurse.
 
@@ -18,7 +18,7 @@ fn main() {
     write_catalogue(&out);
     println!("cargo::rerun-if-changed=build.rs");
     println!("cargo::rerun-if-changed=modelDescription");
-    if env::var_os("CARGO_FEATURE_EXPORTER").is_some() {
+    if env::var_os("CARGO_FEATURE_TOOLS").is_some() {
         build_library(&out);
     }
 }
@@ -201,6 +201,15 @@ fn build_library(out: &Path) {
         .map(str::to_owned)
         .collect();
     flags.push("-Clink-arg=-Wl,-z,defs".to_owned());
+    // Messages of panics name source files; where this machine keeps them is not for an FMU to tell.
+    let home = |name: &str| env::var_os("HOME").map(|home| Path::new(&home).join(name));
+    let cargo_home = env::var_os("CARGO_HOME").map(PathBuf::from).or_else(|| home(".cargo"));
+    let sources = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+    for (path, name) in
+        [(cargo_home, "cargo"), (sources, "amontons"), (Some(target_dir.clone()), "target")]
+    {
+        flags.extend(path.map(|path| format!("--remap-path-prefix={}={name}", path.display())));
+    }
     cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
     let status = cargo.status().expect("cargo can be started");
     assert!(status.success(), "the library that goes into an FMU does not compile");

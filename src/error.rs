@@ -10,6 +10,7 @@ use std::path::Path;
 pub struct Error(Box<Kind>);
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[cfg_attr(not(feature = "tools"), allow(dead_code))]
 enum Kind {
     #[error("{0}")]
     File(String),
@@ -20,6 +21,8 @@ enum Kind {
     #[error("{0}")]
     StepTooLarge(String),
     #[error("{0}")]
+    Analysis(String),
+    #[error("{0}")]
     Step(String),
     #[error("{0}")]
     Variable(String),
@@ -29,12 +32,15 @@ enum Kind {
     SavedState(String),
     #[error("{0}")]
     Package(String),
+    #[error("{0}")]
+    Picture(String),
 }
 
 macro_rules! kinds {
     ($($(#[$doc:meta])* $kind:ident: $make:ident, $is:ident;)*) => {
         impl Error {
             $(
+                #[cfg_attr(not(feature = "tools"), allow(dead_code))]
                 pub(crate) fn $make(message: impl Into<String>) -> Self {
                     Self(Box::new(Kind::$kind(message.into())))
                 }
@@ -57,6 +63,8 @@ kinds! {
     Equilibrium: equilibrium, is_equilibrium;
     /// Is the integration step above the critical step?
     StepTooLarge: step_too_large, is_step_too_large;
+    /// Did the analysis of a contact state fail?
+    Analysis: analysis, is_analysis;
     /// Did a step fail: a non-finite state, contact forces that do not converge, time going back?
     Step: step, is_step;
     /// Is a variable unknown, or not one that may be set now?
@@ -67,6 +75,8 @@ kinds! {
     SavedState: saved_state, is_saved_state;
     /// Could an FMU not be read or written?
     Package: package, is_package;
+    /// Could a picture not be drawn or written?
+    Picture: picture, is_picture;
 }
 
 impl Error {

@@ -12,7 +12,8 @@
 //! | [`integrator`] | forward increment Lagrange multipliers |
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
 //! | `fmi2` | the C interface of FMI 2.0 for co-simulation |
-//! | [`package`] | the FMU as an archive (feature `exporter`) |
+//! | [`package`] | the FMU as an archive (feature `tools`) |
+//! | [`picture`] | charts, maps and moving mode shapes as SVG or PNG (feature `tools`) |
 //!
 //! All quantities are in SI units.
 
@@ -21,8 +22,10 @@ pub mod error;
 mod fmi2;
 pub mod integrator;
 pub mod model;
-#[cfg(feature = "exporter")]
+#[cfg(feature = "tools")]
 pub mod package;
+#[cfg(feature = "tools")]
+pub mod picture;
 pub mod scene;
 pub mod simulation;
 pub mod stability;

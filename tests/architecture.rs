@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 9] = [
+const ROOMS: [&str; 10] = [
     "error",
     "scene",
     "contact",
@@ -14,6 +14,7 @@ const ROOMS: [&str; 9] = [
     "simulation",
     "fmi2",
     "package",
+    "picture",
 ];
 
 /// Rooms that the sources under `path` name with `crate::room`.

@@ -71,6 +71,14 @@ fn simulate_prints_rows_that_start_at_zero_and_end_at_the_stop_time() {
     let times: Vec<&str> = lines[1..].iter().map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(times.len(), 12);
     assert_eq!((times[0], times[3], times[11]), ("0.0", "0.003", "0.0105"));
+    // Rows closer to each other than an internal step, and a stop just behind a row.
+    let rows = |stop: &str, interval: &str| {
+        let run = ["simulate", "set1", "--stop-time", stop, "--output-interval", interval];
+        text(&amontons(folder.path(), &run).stdout).lines().count() - 1
+    };
+    assert_eq!(rows("0.001", "2e-7"), 5001);
+    assert_eq!(rows("0.0100004", "1e-3"), 12);
+    assert_eq!(rows("0.1", "0.01"), 11);
 }
 
 #[test]
@@ -106,6 +114,8 @@ fn impossible_scenes_are_refused_with_what_would_be_right() {
         ("m1 = 0.3 ", "m1 = nan ", &["module[1].m1", "finite"]),
         ("modules = 2", "modules = 0", &["ring.modules = 0", "1 to 100000"]),
         ("module = 1", "module = 3", &["initial.module = 3", "1 to 2"]),
+        ("v1 = 1.0e-7", "v1 = 1\n[[initial]]\nmodule = 1", &["initial.module = 1", "twice"]),
+        ("angle = 0.5", "angle = 30.0", &["slider.angle = 30", "0.5236"]),
         ("v1 = 1.0e-7", "x4 = -1.0e-7", &["initial.module[1].x4", "inside the slider"]),
         ("step = 1.0e-6", "step = 2.0e-3", &["critical step", "3.0196e-4", "Sl-Sl, coalesced"]),
         ("preload = 5.0e-3", "preload = -5.0e-3", &["contact[1] opens", "preload"]),
@@ -160,10 +170,13 @@ fn what_is_not_a_regular_file_is_written_through_and_not_replaced() {
 }
 
 #[test]
-fn a_folder_does_not_hide_a_built_in_scene() {
+fn a_folder_or_file_does_not_hide_a_built_in_scene() {
     let folder = folder();
-    fs::create_dir(folder.path().join("set1")).unwrap();
+    fs::create_dir(folder.path().join("set2")).unwrap();
+    assert!(amontons(folder.path(), &["export", "set2"]).status.success());
+    assert!(amontons(folder.path(), &["export", "set1", "-o", "set1"]).status.success());
     assert!(amontons(folder.path(), &["export", "set1"]).status.success());
+    assert_refused(folder.path(), &["export", "./set1"], 3, &["./set1 is not a text file"]);
 }
 
 #[test]

@@ -85,7 +85,7 @@ fn stick_slip_and_impacts_converge_at_first_order() {
 fn row_of_masses(damping: Damping) -> LumpedModel {
     let (k, m) = (1e4, [0.5, 1.0, 0.25]);
     let entries =
-        (0..3).flat_map(|i| [(i, i, 2.0 * k)].into_iter().chain((i > 0).then_some((i, i - 1, -k))));
+        (0..3).flat_map(|i| [(i, i, 2.0 * k)].into_iter().chain((i > 0).then(|| (i, i - 1, -k))));
     let lower: Vec<_> = entries.collect();
     let upper: Vec<_> = lower.iter().filter(|e| e.0 != e.1).map(|&(i, j, v)| (j, i, v)).collect();
     LumpedModel {

@@ -1,6 +1,6 @@
 //! The crate fmi-rs as a second importer: what it finds in Set 1's FMU, and that it gets the
 //! doubles of the library itself.
-#![cfg(feature = "exporter")]
+#![cfg(feature = "tools")]
 
 use amontons::package;
 use amontons::scene::{Scene, builtin};

@@ -1,6 +1,6 @@
 //! FMPy as an importer: exports the built-in scenes and runs the Python tests in `tests/fmpy/` on
 //! them, one test here for each file there.
-#![cfg(feature = "exporter")]
+#![cfg(feature = "tools")]
 
 mod python;
 

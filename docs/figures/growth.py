@@ -1,6 +1,6 @@
-"""Draws a run of a two-module FMU as FMPy wrote it: time history, spectrum over time, contact states.
+"""Draws a run as FMPy wrote it: time history, spectrum over time, shares of the contact states.
 
-    python docs/figures/growth.py set1.csv docs/figures/set1-growth.png
+    python docs/figures/growth.py set1.csv set1.png
 
 Needs numpy and matplotlib.
 """
@@ -14,7 +14,7 @@ import matplotlib.pyplot as plt
 import numpy as np
 
 SIGNAL = "module[1].v1"
-STATES = ["Sl", "R-Sl", "St", "Dt"]
+STATES = ["Sl: sliding", "R-Sl: reverse sliding", "St: sticking", "Dt: detached"]
 # Okabe and Ito's palette: told apart by the colour-blind.
 COLOURS = ["#56B4E9", "#009E73", "#D55E00", "#000000"]
 WINDOW = 0.15  # s, of the spectrum: 7 Hz apart are told apart
@@ -47,16 +47,19 @@ def draw(run, target):
     image.set_clim(top - 60, top)
     spectrum.set_ylim(120, 280)
     spectrum.set_ylabel("frequency [Hz]")
-    figure.colorbar(image, ax=spectrum, label="power [dB]", pad=0.01)
+    figure.colorbar(image, ax=spectrum, label="power [dB], 60 dB shown", pad=0.01)
 
     # Share of the time that the contacts spend in each state, over twentieths of a second.
     edges = np.arange(0.0, time[-1], 0.05)
     bins = np.digitize(time, edges) - 1
-    codes = np.stack([run["contact[1].state"], run["contact[2].state"]])
+    codes = np.stack([run[name] for name in run if name.endswith("].state")])
     shares = np.array([
         [np.mean(codes[:, bins == b] == code) for b in range(len(edges))] for code in range(1, 5)
     ])
     used = [i for i in range(4) if shares[i].max() > 0]
+    # The last share holds to the end.
+    edges = np.append(edges, time[-1])
+    shares = np.hstack([shares, shares[:, -1:]])
     states.stackplot(
         edges, 100 * shares[used], labels=[STATES[i] for i in used],
         colors=[COLOURS[i] for i in used], step="post",

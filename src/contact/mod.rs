@@ -8,6 +8,7 @@ mod local;
 
 pub use local::LocalProblem;
 
+use crate::Error;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
@@ -64,6 +65,36 @@ impl fmt::Display for Joined<'_> {
             state.fmt(f)?;
         }
         Ok(())
+    }
+}
+
+/// The states of `contacts` contacts from their joined names; one name alone stands for all.
+///
+/// # Errors
+/// What the names should look like.
+pub fn parse_states(text: &str, contacts: usize) -> Result<Vec<ContactState>, Error> {
+    let wish = || {
+        Error::scene(format!(
+            "{text} is not a contact state: give one of Sl, R-Sl, St, Dt for all {contacts} \
+             contacts, or one for each, joined as in Sl-St"
+        ))
+    };
+    let mut states = Vec::new();
+    let mut rest = text;
+    while !rest.is_empty() {
+        let known = ContactState::ALL.into_iter().find_map(|state| {
+            let rest = rest.strip_prefix(&state.to_string())?;
+            let rest = if rest.is_empty() { rest } else { rest.strip_prefix('-')? };
+            Some((state, rest))
+        });
+        let state;
+        (state, rest) = known.ok_or_else(wish)?;
+        states.push(state);
+    }
+    match states[..] {
+        [state] => Ok(vec![state; contacts]),
+        _ if states.len() == contacts => Ok(states),
+        _ => Err(wish()),
     }
 }
 
@@ -143,6 +174,17 @@ mod tests {
         assert_eq!(names.len(), 16);
         assert_eq!(names[..5], ["Sl-Sl", "Sl-R-Sl", "Sl-St", "Sl-Dt", "R-Sl-Sl"]);
         assert_eq!(names[15], "Dt-Dt");
+    }
+
+    #[test]
+    fn names_of_states_read_back() {
+        for states in all_states(2) {
+            assert_eq!(parse_states(&Joined(&states).to_string(), 2), Ok(states));
+        }
+        assert_eq!(parse_states("R-Sl", 3), Ok(vec![ContactState::ReverseSlide; 3]));
+        for wrong in ["", "Sl-", "Sl-St-Dt", "sl", "SlSt", "-Sl"] {
+            assert!(parse_states(wrong, 2).is_err(), "{wrong}");
+        }
     }
 
     #[test]

@@ -21,7 +21,7 @@ mod logger;
 mod resources;
 mod types;
 
-#[cfg(feature = "exporter")]
+#[cfg(feature = "tools")]
 pub(crate) use instance::SCENE_FILE;
-#[cfg(feature = "exporter")]
+#[cfg(feature = "tools")]
 pub(crate) use logger::CATEGORIES;

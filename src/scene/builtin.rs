@@ -34,16 +34,16 @@ pub fn builtin(name: &str) -> Option<Builtin> {
     BUILTIN.iter().copied().find(|builtin| builtin.name == name)
 }
 
-/// The scene that a command line names, with its file's text: a path or, where there is no such
-/// file, the name of a built-in scene.
+/// The scene that a command line names, with its file's text: a built-in scene's name, or a path.
+/// A file that is named like a built-in scene is `./name`.
 ///
 /// # Errors
 /// As [`read`], or there is no such scene.
 pub fn find(argument: &str) -> Result<(Scene, String), Error> {
     let path = Path::new(argument);
     match builtin(argument) {
-        _ if path.is_file() => read(path),
         Some(builtin) => Ok((builtin.scene(), builtin.text.to_owned())),
+        None if path.is_file() => read(path),
         None => Err(Error::unusable_file(format!(
             "no file {argument} and no built-in scene of that name; {}",
             builtin_names()

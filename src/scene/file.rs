@@ -78,7 +78,13 @@ struct Initial {
 /// # Errors
 /// The file, the line where the text itself is wrong, the key, and what would be right.
 pub fn read(path: &Path) -> Result<(Scene, String), Error> {
-    let text = std::fs::read_to_string(path).map_err(|error| Error::file(path, &error))?;
+    let text = std::fs::read_to_string(path).map_err(|error| {
+        if error.kind() == std::io::ErrorKind::InvalidData {
+            Error::scene(format!("{} is not a text file; give a scene file", path.display()))
+        } else {
+            Error::file(path, &error)
+        }
+    })?;
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let scene = parse(&name, &text)
         .map_err(|error| Error::scene(format!("in {}:\n{error}", path.display())))?;
@@ -93,7 +99,13 @@ pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
     let file: File =
         toml::from_str(text).map_err(|error| Error::scene(error.to_string().trim_end()))?;
     let mut modules = file.ring.modules()?;
-    for initial in &file.initial {
+    for (i, initial) in file.initial.iter().enumerate() {
+        if file.initial[..i].iter().any(|other| other.module == initial.module) {
+            return Err(Error::scene(format!(
+                "initial.module = {} stands twice; give all its values in one [[initial]]",
+                initial.module
+            )));
+        }
         initial.apply(&mut modules)?;
     }
     let scene = Scene {

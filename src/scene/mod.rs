@@ -110,7 +110,7 @@ impl Scene {
         };
         let named = |name: &'static str| move || name.to_owned();
         check(&named("slider.velocity"), self.slider.velocity, Rule::Finite);
-        check(&named("slider.angle"), self.slider.angle, Rule::Finite);
+        check(&named("slider.angle"), self.slider.angle, Rule::QuarterTurn);
         check(&named("friction.coefficient"), self.friction_coefficient, Rule::NotNegative);
         check(&named("damping.alpha"), self.damping.alpha, Rule::NotNegative);
         check(&named("damping.beta"), self.damping.beta, Rule::NotNegative);
@@ -173,6 +173,7 @@ enum Rule {
     NotNegative,
     Positive,
     NotInsideSlider,
+    QuarterTurn,
 }
 
 impl Rule {
@@ -186,6 +187,9 @@ impl Rule {
             Self::Positive if value <= 0.0 => Some("must be above zero"),
             Self::NotInsideSlider if value < 0.0 => {
                 Some("starts inside the slider; a displacement along the normal must be ≥ 0")
+            }
+            Self::QuarterTurn if value.abs() > std::f64::consts::FRAC_PI_2 => {
+                Some("must be between −π/2 and π/2 rad (30° are 0.5236)")
             }
             _ => None,
         }

@@ -1,5 +1,43 @@
-//! Stability of the contact states: here, the largest step that the explicit scheme can take.
+//! Stability of the contact states: complex eigenvalues, and the largest step of the scheme.
+//!
+//! | file | what it finds |
+//! | --- | --- |
+//! | `critical_step` | the largest step of the explicit scheme |
+//! | `modes` | eigenvalues and shapes of one contact state |
+//! | `symmetry` | which states of a ring are alike; waves in place of the whole ring |
+//! | `states` | the eigenvalues of all contact states |
+//! | `departure` | how large a mode may become before a contact leaves sliding |
+//! | `locus` | modes over a parameter: where they merge, where they begin to grow |
+//! | `candidates` | ranges of µ that can be bi-stable |
+//! | `map` | the verdict over two parameters |
+//!
+//! All but the critical step need the feature `tools`.
 
 mod critical_step;
 
 pub use critical_step::{CriticalStep, Origin, StepGuard, critical_step};
+
+#[cfg(feature = "tools")]
+pub mod candidates;
+#[cfg(feature = "tools")]
+mod departure;
+#[cfg(feature = "tools")]
+pub mod locus;
+#[cfg(feature = "tools")]
+pub mod map;
+#[cfg(feature = "tools")]
+mod modes;
+#[cfg(feature = "tools")]
+mod parallel;
+#[cfg(feature = "tools")]
+mod states;
+#[cfg(feature = "tools")]
+mod symmetry;
+
+#[cfg(feature = "tools")]
+pub use {
+    departure::{Departure, departure},
+    modes::{Mode, Modes, Spectrum, modes},
+    states::{MAX_CONTACTS, StateClasses},
+    symmetry::{Symmetry, uniform_ring_spectrum},
+};

@@ -77,7 +77,8 @@ fn write_run(
     loop {
         #[allow(clippy::cast_precision_loss)]
         let planned = row as f64 * interval;
-        let last = planned >= stop || simulation.same_time(planned, stop);
+        // The stop time may be a whole number of intervals but for rounding.
+        let last = planned >= stop - 1e-9 * interval;
         let time = if last { stop } else { planned };
         simulation.advance_to(time)?;
         write_row(simulation, time, &outputs, out)?;

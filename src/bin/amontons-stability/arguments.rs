@@ -1,0 +1,216 @@
+//! What the command line understands.
+
+use amontons::Error;
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Complex eigenvalues of a scene in its contact states: which modes grow, and from which friction
+/// coefficient on?
+#[derive(Parser)]
+#[command(version, arg_required_else_help = true, after_help = EXIT_CODES)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be written, 2 the command line \
+makes no sense, 3 the scene is impossible or cannot be analysed";
+
+/// The exit code that belongs to an error.
+pub fn exit_code(error: &Error) -> u8 {
+    if error.is_picture() || error.is_file() { 1 } else { 3 }
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Eigenvalues of all contact states (the paper's Tables 2 and 3)
+    States(States),
+    /// Modes over the friction coefficient or any other parameter (Fig. 2a and b)
+    Locus(Locus),
+    /// Mode shapes of one contact state (Fig. 2c)
+    Modes(Modes),
+    /// Ranges of the friction coefficient that can be bi-stable
+    Bistable(Bistable),
+    /// Stable, candidate, unstable over two parameters
+    Map(Map),
+}
+
+#[derive(Args)]
+pub struct Common {
+    /// A scene file (TOML), or the name of a built-in scene
+    pub scene: String,
+    /// Give a parameter or input another value; the names are those of the FMU
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, f64)>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Format {
+    Table,
+    Csv,
+    Json,
+}
+
+#[derive(Args)]
+pub struct States {
+    #[command(flatten)]
+    pub common: Common,
+    /// Friction coefficient [default: the scene's]
+    #[arg(long, value_name = "MU", allow_hyphen_values = true)]
+    pub friction: Option<f64>,
+    /// Only this contact state: one for all contacts (Sl), or one for each (Sl-St)
+    #[arg(long, value_name = "STATE")]
+    pub state: Option<String>,
+    /// How to print
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: Format,
+}
+
+#[derive(Args)]
+pub struct Locus {
+    #[command(flatten)]
+    pub common: Common,
+    /// Friction coefficients, first:last:step
+    #[arg(long, value_name = "A:B:STEP", value_parser = steps, required_unless_present = "parameter")]
+    pub friction: Option<Values>,
+    /// Another parameter; with --friction, one locus over µ for each of its values
+    #[arg(long, value_name = "NAME=A:B:STEP", value_parser = named_steps)]
+    pub parameter: Option<(String, Values)>,
+    /// Contact state [default: uniform sliding]
+    #[arg(long, value_name = "STATE")]
+    pub state: Option<String>,
+    /// Print the points of all branches as CSV instead of the events
+    #[arg(long)]
+    pub csv: bool,
+    /// Draw the locus
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Modes {
+    #[command(flatten)]
+    pub common: Common,
+    /// Friction coefficient [default: the scene's]
+    #[arg(long, value_name = "MU", allow_hyphen_values = true)]
+    pub friction: Option<f64>,
+    /// Contact state [default: uniform sliding]
+    #[arg(long, value_name = "STATE")]
+    pub state: Option<String>,
+    /// Draw the shapes; an SVG moves
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Bistable {
+    #[command(flatten)]
+    pub common: Common,
+    /// Friction coefficients, first:last
+    #[arg(long, value_name = "A:B", value_parser = range)]
+    pub friction: [f64; 2],
+}
+
+#[derive(Args)]
+pub struct Map {
+    #[command(flatten)]
+    pub common: Common,
+    /// The parameter along x and its values: first, last, how many
+    #[arg(long, value_name = "NAME=A:B:N", value_parser = named_grid)]
+    pub x: (String, Values),
+    /// The parameter along y and its values: first, last, how many
+    #[arg(long, value_name = "NAME=A:B:N", value_parser = named_grid)]
+    pub y: (String, Values),
+    /// Draw the map
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: PathBuf,
+}
+
+/// Values of a parameter, ascending.
+#[derive(Clone, Debug)]
+pub struct Values(pub Vec<f64>);
+
+/// The most values of one parameter.
+const MAX_VALUES: f64 = 1e6;
+
+fn number(text: &str) -> Result<f64, String> {
+    match text.trim().parse::<f64>() {
+        Ok(value) if value.is_finite() => Ok(value),
+        _ => Err(format!("{text} is not a number")),
+    }
+}
+
+fn assignment(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
+    Ok((name.trim().to_owned(), number(value)?))
+}
+
+fn range(text: &str) -> Result<[f64; 2], String> {
+    let (first, last) = text.split_once(':').ok_or("write it as A:B, such as 0:2.5")?;
+    let (first, last) = (number(first)?, number(last)?);
+    if first < last {
+        Ok([first, last])
+    } else {
+        Err("the first value must be below the last".into())
+    }
+}
+
+fn three(text: &str, wish: &str) -> Result<[f64; 3], String> {
+    let parts: Vec<&str> = text.split(':').collect();
+    let [first, last, third] = parts[..] else { return Err(wish.to_owned()) };
+    let [first, last, third] = [number(first)?, number(last)?, number(third)?];
+    if first < last {
+        Ok([first, last, third])
+    } else {
+        Err("the first value must be below the last".into())
+    }
+}
+
+/// Values counted from the first, never accumulated; the last is met if it lies on the grid.
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn steps(text: &str) -> Result<Values, String> {
+    let [first, last, step] = three(text, "write it as A:B:STEP, such as 0:3.5:0.005")?;
+    let count = ((last - first) / step * (1.0 + 1e-12)).floor();
+    if step <= 0.0 || count > MAX_VALUES {
+        return Err(format!("the step must be above zero and give at most {MAX_VALUES:e} values"));
+    }
+    Ok(Values((0..=count as usize).map(|i| first + i as f64 * step).collect()))
+}
+
+fn named<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<(String, T), String> {
+    let (name, values) = text.split_once('=').ok_or("write it as NAME=A:B:…")?;
+    Ok((name.trim().to_owned(), parse(values)?))
+}
+
+fn named_steps(text: &str) -> Result<(String, Values), String> {
+    named(text, steps)
+}
+
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn named_grid(text: &str) -> Result<(String, Values), String> {
+    named(text, |values| {
+        let [first, last, count] = three(values, "write it as A:B:N, such as 0:3.5:100")?;
+        if count.fract() != 0.0 || !(2.0..=10_000.0).contains(&count) {
+            return Err("N must be a whole number from 2 to 10000".to_owned());
+        }
+        let at = |i: usize| first + (last - first) * (i as f64 / (count - 1.0));
+        Ok(Values((0..count as usize).map(at).collect()))
+    })
+}
+
+impl Common {
+    /// Which state a command is to look at.
+    pub fn state(
+        &self,
+        name: Option<&str>,
+        scene: &amontons::scene::Scene,
+        model: &amontons::model::LumpedModel,
+    ) -> Result<Vec<amontons::contact::ContactState>, Error> {
+        match name {
+            Some(name) => amontons::contact::parse_states(name, model.contacts.len()),
+            None => {
+                Ok(amontons::stability::candidates::uniform_sliding(model, scene.slider.velocity))
+            }
+        }
+    }
+}

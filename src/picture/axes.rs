@@ -1,0 +1,149 @@
+//! Axes: ranges, ticks and the frame that charts and maps have in common.
+
+use super::canvas::{Canvas, Failure, Point};
+use super::palette::{GRID, INK};
+use plotters::backend::DrawingBackend;
+use plotters::chart::ChartBuilder;
+
+/// Where frames begin and end, px.
+pub(super) const LEFT: f64 = 84.0;
+pub(super) const RIGHT: f64 = 876.0;
+/// Free at the left of the y label, px.
+const EDGE: f64 = 8.0;
+/// What the ticks and the label of the x axis take below a frame, px.
+pub(super) const X_AXIS: f64 = 52.0;
+/// Size of ticks and marks, px.
+pub(super) const SMALL: f64 = 15.0;
+/// Size of axis labels and legends, px.
+pub(super) const MEDIUM: f64 = 16.0;
+/// Size of titles, px.
+pub(super) const LARGE: f64 = 20.0;
+
+/// A frame of a picture and the values that it shows.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Frame<'a> {
+    pub(super) top: f64,
+    pub(super) bottom: f64,
+    pub(super) x: [f64; 2],
+    pub(super) y: [f64; 2],
+    pub(super) y_label: &'a str,
+    /// None leaves the ticks of the x axis without numbers.
+    pub(super) x_label: Option<&'a str>,
+    /// Lines from the ticks across?
+    pub(super) grid: bool,
+}
+
+impl Frame<'_> {
+    pub(super) fn at_x(&self, value: f64) -> f64 {
+        LEFT + (value - self.x[0]) / (self.x[1] - self.x[0]) * (RIGHT - LEFT)
+    }
+
+    pub(super) fn at_y(&self, value: f64) -> f64 {
+        self.bottom + (value - self.y[0]) / (self.y[1] - self.y[0]) * (self.top - self.bottom)
+    }
+
+    pub(super) fn at(&self, [x, y]: Point) -> Point {
+        [self.at_x(x), self.at_y(y)]
+    }
+
+    /// Axes, ticks, numbers and labels.
+    pub(super) fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure> {
+        let below = if self.x_label.is_some() { X_AXIS } else { 0.0 };
+        let pixels = |length: f64| canvas.pixels(length);
+        let corner = (pixels(EDGE), pixels(self.top));
+        let size = (pixels(RIGHT - EDGE), pixels(self.bottom + below - self.top));
+        let part = canvas.area.clone().shrink(corner, size);
+        let mut chart = ChartBuilder::on(&part)
+            .x_label_area_size(pixels(below))
+            .y_label_area_size(pixels(LEFT - EDGE))
+            .build_cartesian_2d(self.x[0]..self.x[1], self.y[0]..self.y[1])?;
+        let number_x = |value: &f64| number(*value, self.x);
+        let number_y = |value: &f64| number(*value, self.y);
+        let rows = if self.bottom - self.top > 200.0 { 7 } else { 5 };
+        let mut mesh = chart.configure_mesh();
+        mesh.axis_style(canvas.pen(INK, 1.0))
+            .bold_line_style(canvas.pen(GRID, 1.0))
+            .max_light_lines(0)
+            .label_style(canvas.font(SMALL))
+            .axis_desc_style(canvas.font(MEDIUM))
+            .set_all_tick_mark_size(pixels(5.0))
+            .x_labels(10)
+            .y_labels(rows)
+            .x_label_formatter(&number_x)
+            .y_label_formatter(&number_y)
+            .y_desc(self.y_label);
+        if let Some(label) = self.x_label {
+            mesh.x_desc(label);
+        }
+        if !self.grid {
+            mesh.disable_mesh();
+        }
+        Ok(mesh.draw()?)
+    }
+}
+
+/// From the smallest to the largest finite value, and what there is to show where they are one.
+pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
+    let found = values.filter(|value| value.is_finite()).fold(None, |range, value| {
+        let [from, to] = range.unwrap_or([value; 2]);
+        Some([f64::min(from, value), f64::max(to, value)])
+    });
+    found.map(|[from, to]| {
+        // Closer values than these are one for the ticks, too.
+        if to - from > 1e-9 * from.abs().max(to.abs()) {
+            return [from, to];
+        }
+        let around = if from == 0.0 { 1.0 } else { 0.1 * from.abs() };
+        [from - around, to + around]
+    })
+}
+
+/// A range with room at both ends.
+pub(super) fn roomy([from, to]: [f64; 2]) -> [f64; 2] {
+    let room = 0.05 * (to - from);
+    [from - room, to + room]
+}
+
+/// A tick's number: without the digits that rounding left, with a minus sign that is one.
+fn number(value: f64, [from, to]: [f64; 2]) -> String {
+    let largest = from.abs().max(to.abs());
+    // Ticks are further apart than this; in digits, because a power of ten may not be exact.
+    let finest = 1e-4 * (to - from);
+    let digits = largest.log10().floor() - finest.log10().floor();
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let digits = digits.clamp(0.0, 15.0) as usize;
+    let short = if value.abs() < finest { 0.0 } else { parsed(&format!("{value:.digits$e}")) };
+    let text = if short == 0.0 || (1e-3..1e6).contains(&largest) {
+        format!("{short}")
+    } else {
+        format!("{short:e}")
+    };
+    text.replace('-', "−")
+}
+
+fn parsed(number: &str) -> f64 {
+    number.parse().expect("a number as Rust writes it")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_are_short() {
+        assert_eq!(number(0.1 + 0.2, [0.0, 1.0]), "0.3");
+        assert_eq!(number(-0.0, [-1.0, 1.0]), "0");
+        assert_eq!(number(-20.0, [-20.0, 40.0]), "−20");
+        assert_eq!(number(-2.5e-7, [-1e-6, 1e-6]), "−2.5e−7");
+        assert_eq!(number(163.905, [163.9, 163.91]), "163.905");
+    }
+
+    #[test]
+    fn ranges_leave_out_what_is_not_finite_and_are_never_empty() {
+        let values = [f64::NAN, 2.0, f64::INFINITY, -1.0];
+        assert_eq!(range(values.into_iter()), Some([-1.0, 2.0]));
+        assert_eq!(range([f64::NAN].into_iter()), None);
+        assert_eq!(range([0.0].into_iter()), Some([-1.0, 1.0]));
+        assert_eq!(range([10.0, 10.0].into_iter()), Some([9.0, 11.0]));
+    }
+}

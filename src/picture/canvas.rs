@@ -1,0 +1,307 @@
+//! What pictures are drawn on: one set of strokes, fills and texts, for SVG and for bitmaps.
+//!
+//! All lengths are in px of a picture 900 px wide. The drawing library knows whole pixels only, so
+//! it is given a larger picture: an SVG is told its true size afterwards, a bitmap is reduced, which
+//! also smooths its edges.
+
+use super::file::{Format, save};
+use super::palette::INK;
+use crate::Error;
+use plotters::backend::{BitMapBackend, DrawingBackend, SVGBackend};
+use plotters::coord::Shift;
+use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
+use plotters::element::{Circle, PathElement, Polygon};
+use plotters::style::text_anchor::{HPos, Pos, VPos};
+use plotters::style::{
+    Color, FontStyle, IntoFont, IntoTextStyle, RGBColor, ShapeStyle, TextStyle, WHITE,
+};
+use quick_xml::escape::escape;
+use std::path::Path;
+use std::sync::Once;
+
+/// Every picture is this wide, px.
+pub(super) const WIDTH: f64 = 900.0;
+/// A font of every system; in bitmaps it is the one that this program carries.
+const FONT: &str = "sans-serif";
+/// An SVG's coordinates are tenths of a px.
+const SVG_UNIT: u32 = 10;
+/// Bitmaps have two pixels a px, for screens and print, each the mean of two by two.
+const PNG_UNIT: u32 = 4;
+const PNG_REDUCED: u32 = 2;
+
+pub(super) type Point = [f64; 2];
+
+/// Why a picture cannot be drawn.
+#[derive(Debug)]
+pub(super) struct Failure(pub(super) String);
+
+impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for Failure {
+    fn from(error: DrawingAreaErrorKind<E>) -> Self {
+        Self(error.to_string())
+    }
+}
+
+/// A picture that can paint itself.
+pub(super) trait Drawing {
+    fn title(&self) -> &str;
+
+    /// What there is to see, for those who cannot.
+    fn description(&self) -> String;
+
+    /// px.
+    fn height(&self) -> f64;
+
+    fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure>;
+}
+
+/// Draws and writes as the path's ending asks.
+pub(super) fn write(drawing: &impl Drawing, path: &Path) -> Result<(), Error> {
+    let content = match Format::of(path)? {
+        Format::Svg => svg(drawing).map(String::into_bytes),
+        Format::Png => png(drawing),
+    };
+    save(path, &content.map_err(|failure| cannot_draw(path, &failure))?)
+}
+
+pub(super) fn cannot_draw(path: &Path, Failure(reason): &Failure) -> Error {
+    Error::picture(format!("cannot draw {}: {reason}", path.display()))
+}
+
+/// The start of an SVG file up to what is drawn; `height` in px, the view box as given.
+pub(super) fn svg_head(drawing: &impl Drawing, view_box: &str) -> String {
+    format!(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{WIDTH}\" height=\"{}\" \
+         viewBox=\"{view_box}\">\n<title>{}</title>\n<desc>{}</desc>\n",
+        drawing.height(),
+        escape(drawing.title()),
+        escape(drawing.description())
+    )
+}
+
+fn svg(drawing: &impl Drawing) -> Result<String, Failure> {
+    let size = size(drawing, SVG_UNIT);
+    let mut text = String::new();
+    let backend = SVGBackend::with_string(&mut text, size);
+    paint(drawing, backend, SVG_UNIT, false)?;
+    let body = text.split_once('>').map_or("", |(_head, body)| body.trim_start());
+    Ok(svg_head(drawing, &format!("0 0 {} {}", size.0, size.1)) + body)
+}
+
+fn png(drawing: &impl Drawing) -> Result<Vec<u8>, Failure> {
+    let (width, height) = size(drawing, PNG_UNIT);
+    let mut pixels = vec![0; 3 * width as usize * height as usize];
+    paint(drawing, BitMapBackend::with_buffer(&mut pixels, (width, height)), PNG_UNIT, true)?;
+    let reduced = reduce(&pixels, 3 * width as usize);
+    let mut content = Vec::new();
+    let mut encoder = png::Encoder::new(&mut content, width / PNG_REDUCED, height / PNG_REDUCED);
+    encoder.set_color(png::ColorType::Rgb);
+    encoder.set_depth(png::BitDepth::Eight);
+    let failed = |error: png::EncodingError| Failure(error.to_string());
+    encoder.write_header().and_then(|mut w| w.write_image_data(&reduced)).map_err(failed)?;
+    Ok(content)
+}
+
+/// The means of two by two pixels of three bytes; `row` bytes are a row of them.
+fn reduce(pixels: &[u8], row: usize) -> Vec<u8> {
+    let mut reduced = Vec::with_capacity(pixels.len() / 4);
+    for rows in pixels.chunks_exact(2 * row) {
+        for column in (0..row).step_by(6) {
+            for at in column..column + 3 {
+                let four = [at, at + 3, at + row, at + row + 3];
+                let sum: u16 = four.iter().map(|&place| u16::from(rows[place])).sum();
+                reduced.push(u8::try_from((sum + 2) / 4).unwrap_or(u8::MAX));
+            }
+        }
+    }
+    reduced
+}
+
+fn size(drawing: &impl Drawing, unit: u32) -> (u32, u32) {
+    (whole(WIDTH) * unit, whole(drawing.height()) * unit)
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn whole(length: f64) -> u32 {
+    length.ceil() as u32
+}
+
+fn paint<B: DrawingBackend>(
+    drawing: &impl Drawing,
+    backend: B,
+    unit: u32,
+    bitmap: bool,
+) -> Result<(), Failure> {
+    register_font();
+    let canvas = Canvas { area: backend.into_drawing_area(), unit: f64::from(unit), bitmap };
+    canvas.area.fill(&WHITE)?;
+    drawing.paint(&canvas)?;
+    Ok(canvas.area.present()?)
+}
+
+fn register_font() {
+    static REGISTERED: Once = Once::new();
+    REGISTERED.call_once(|| {
+        let font = plotters::style::register_font(FONT, FontStyle::Normal, notosans::REGULAR_TTF);
+        assert!(font.is_ok(), "the font that this program carries is a font");
+    });
+}
+
+/// How wide a text is, px; exact in bitmaps, near in SVGs, whose font is the reader's.
+pub(super) fn text_width(text: &str, size: f64) -> f64 {
+    register_font();
+    // Measured large: the library counts whole pixels.
+    let large = 100.0;
+    let width = (FONT, large).into_font().box_size(text).map_or(0, |(width, _)| width);
+    f64::from(width) * size / large
+}
+
+/// Where a text stands against its point.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Align {
+    Left,
+    Right,
+}
+
+pub(super) struct Canvas<B: DrawingBackend> {
+    pub(super) area: DrawingArea<B, Shift>,
+    unit: f64,
+    bitmap: bool,
+}
+
+impl<B: DrawingBackend> Canvas<B> {
+    /// A length or coordinate in the drawing library's pixels.
+    #[allow(clippy::cast_possible_truncation)]
+    pub(super) fn pixels(&self, length: f64) -> i32 {
+        (length * self.unit).round() as i32
+    }
+
+    fn place(&self, [x, y]: Point) -> (i32, i32) {
+        (self.pixels(x), self.pixels(y))
+    }
+
+    pub(super) fn pen(&self, colour: RGBColor, width: f64) -> ShapeStyle {
+        colour.stroke_width(self.pixels(width).unsigned_abs().max(1))
+    }
+
+    pub(super) fn font(&self, size: f64) -> TextStyle<'static> {
+        (FONT, size * self.unit).with_color(INK).into_text_style(&self.area)
+    }
+
+    /// A line of text, its middle at the point's height.
+    pub(super) fn text(
+        &self,
+        text: &str,
+        at: Point,
+        size: f64,
+        align: Align,
+    ) -> Result<(), Failure> {
+        let across = match align {
+            Align::Left => HPos::Left,
+            Align::Right => HPos::Right,
+        };
+        let style = self.font(size).pos(Pos::new(across, VPos::Center));
+        Ok(self.area.draw_text(text, &style, self.place(at))?)
+    }
+
+    /// A line through points; lengths of dashes and gaps, px, in turn.
+    pub(super) fn line(
+        &self,
+        points: &[Point],
+        colour: RGBColor,
+        width: f64,
+        dashes: &[f64],
+    ) -> Result<(), Failure> {
+        if dashes.is_empty() {
+            return self.stroke(points, colour, width);
+        }
+        dashed(points, dashes).iter().try_for_each(|dash| self.stroke(dash, colour, width))
+    }
+
+    fn stroke(&self, points: &[Point], colour: RGBColor, width: f64) -> Result<(), Failure> {
+        let mut places: Vec<(i32, i32)> = points.iter().map(|&point| self.place(point)).collect();
+        places.dedup();
+        let style = self.pen(colour, width);
+        if !self.bitmap {
+            return Ok(self.area.draw(&PathElement::new(places, style))?);
+        }
+        // The library's own thick lines tear at sharp bends, so joints are drawn round.
+        let radius = self.pixels(0.5 * width);
+        for pair in places.windows(2) {
+            self.area.draw(&PathElement::new(pair, style))?;
+        }
+        for &joint in places.iter().skip(1).take(places.len().saturating_sub(2)) {
+            self.area.draw(&Circle::new(joint, radius, colour.filled()))?;
+        }
+        Ok(())
+    }
+
+    /// A filled polygon.
+    pub(super) fn fill(&self, corners: &[Point], colour: RGBColor) -> Result<(), Failure> {
+        let places: Vec<(i32, i32)> = corners.iter().map(|&corner| self.place(corner)).collect();
+        Ok(self.area.draw(&Polygon::new(places, colour.filled()))?)
+    }
+
+    /// A filled circle.
+    pub(super) fn dot(&self, at: Point, radius: f64, colour: RGBColor) -> Result<(), Failure> {
+        let radius = self.pixels(radius);
+        Ok(self.area.draw(&Circle::new(self.place(at), radius, colour.filled()))?)
+    }
+}
+
+/// Cuts a line into its dashes.
+fn dashed(points: &[Point], dashes: &[f64]) -> Vec<Vec<Point>> {
+    let mut found = Vec::new();
+    let Some(&first) = points.first() else { return found };
+    let (mut turn, mut left) = (0, dashes[0]);
+    let mut dash = vec![first];
+    for pair in points.windows(2) {
+        let [from, to] = [pair[0], pair[1]];
+        let length = (to[0] - from[0]).hypot(to[1] - from[1]);
+        let mut done = 0.0;
+        while length - done > left {
+            done += left;
+            let part = done / length;
+            let at = [0, 1].map(|axis| from[axis] + part * (to[axis] - from[axis]));
+            if turn % 2 == 0 {
+                dash.push(at);
+                found.push(std::mem::take(&mut dash));
+            } else {
+                dash = vec![at];
+            }
+            turn += 1;
+            left = dashes[turn % dashes.len()];
+        }
+        left -= length - done;
+        if turn % 2 == 0 {
+            dash.push(to);
+        }
+    }
+    if dash.len() > 1 {
+        found.push(dash);
+    }
+    found
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn dashes_go_round_corners_and_leave_gaps() {
+        let bent = [[0.0, 0.0], [5.0, 0.0], [5.0, 5.0]];
+        let dashes = dashed(&bent, &[3.0, 1.0]);
+        let expected: [&[Point]; 3] = [
+            &[[0.0, 0.0], [3.0, 0.0]],
+            &[[4.0, 0.0], [5.0, 0.0], [5.0, 2.0]],
+            &[[5.0, 3.0], [5.0, 5.0]],
+        ];
+        assert_eq!(dashes, expected);
+    }
+
+    #[test]
+    fn reduced_pixels_are_means_of_two_by_two() {
+        let upper = [0, 10, 20, 4, 10, 20];
+        let lower = [4, 10, 20, 8, 10, 24];
+        assert_eq!(reduce(&[upper, lower].concat(), 6), [4, 10, 21]);
+    }
+}

@@ -1,0 +1,288 @@
+//! Curves in panels, one above the other, over one x axis.
+
+use super::axes::{Frame, LARGE, LEFT, RIGHT, SMALL, X_AXIS, range, roomy};
+use super::canvas::{self, Align, Canvas, Drawing, Failure, Point, text_width};
+use super::legend::{Entry, Legend, Sample};
+use super::palette::{GREY, INK, colour, dashes, faint};
+use crate::Error;
+use plotters::backend::DrawingBackend;
+use plotters::style::RGBColor;
+use std::path::Path;
+
+const TITLE: f64 = 38.0;
+const MARK_ROW: f64 = 18.0;
+/// Rows of marks' labels that a panel has room for.
+const MARK_ROWS: u32 = 8;
+/// Between panels, px, of which this is above the marks' labels.
+const GAP: f64 = 18.0;
+const ABOVE: f64 = 8.0;
+
+/// Panels over one x axis.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Chart {
+    /// What is to be seen.
+    pub title: String,
+    /// The quantity along x, with its unit.
+    pub x_label: String,
+    /// From top to bottom.
+    pub panels: Vec<Panel>,
+}
+
+/// Curves of one quantity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Panel {
+    /// The quantity along y, with its unit.
+    pub y_label: String,
+    /// Drawn in this order, later ones over earlier ones.
+    pub series: Vec<Series>,
+    /// Drawn below the curves.
+    pub marks: Vec<Mark>,
+    /// Show y = 0, with a line?
+    pub zero_line: bool,
+}
+
+/// A curve.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Series {
+    /// For the legend, which equal labels in the same colour and style share.
+    pub label: Option<String>,
+    /// (x, y); one that is not finite breaks the curve.
+    pub points: Vec<[f64; 2]>,
+    /// Place in the [palette](super::PALETTE); beyond its end the colours come again, dashed.
+    pub colour: usize,
+    /// How it is drawn.
+    pub style: Style,
+}
+
+/// How a curve is drawn.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Style {
+    /// In full.
+    #[default]
+    Line,
+    /// With short dashes.
+    Dashed,
+    /// Thin and pale: context for others.
+    Faint,
+}
+
+/// A place on the x axis worth a vertical line.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mark {
+    /// Where.
+    pub x: f64,
+    /// Written above its panel, where there is room: at most eight labels stand above each other.
+    pub label: Option<String>,
+}
+
+impl Chart {
+    /// Writes the chart as the path's ending asks, `.svg` or `.png`.
+    ///
+    /// # Errors
+    /// Another ending, nothing finite to draw in a panel, or a file that cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        let layout = Layout::of(self).map_err(|failure| canvas::cannot_draw(path, &failure))?;
+        canvas::write(&layout, path)
+    }
+}
+
+impl Series {
+    fn pen(&self) -> (RGBColor, f64, &'static [f64]) {
+        let (colour, gaps) = (colour(self.colour), dashes(self.colour));
+        match self.style {
+            Style::Line => (colour, 1.8, gaps),
+            Style::Dashed => (colour, 1.8, &[6.0, 4.0]),
+            Style::Faint => (faint(colour), 1.0, gaps),
+        }
+    }
+
+    fn entry(&self) -> Option<Entry> {
+        let (colour, _, dashes) = self.pen();
+        let sample = Sample::Line { colour, dashes: dashes.to_vec() };
+        self.label.clone().map(|label| Entry { label, sample })
+    }
+}
+
+/// A chart with places for everything, px.
+struct Layout<'a> {
+    chart: &'a Chart,
+    legend: Legend,
+    frames: Vec<Frame<'a>>,
+    labels: Vec<Vec<Label<'a>>>,
+}
+
+/// A mark's label.
+struct Label<'a> {
+    text: &'a str,
+    x: f64,
+    row: u32,
+    /// Does it end at its line, because the frame does?
+    ends: bool,
+}
+
+impl<'a> Layout<'a> {
+    fn of(chart: &'a Chart) -> Result<Self, Failure> {
+        let series = chart.panels.iter().flat_map(|panel| &panel.series);
+        let legend = Legend::new(series.clone().filter_map(Series::entry));
+        let marks = chart.panels.iter().flat_map(|panel| &panel.marks);
+        let x = range(series.flat_map(finite).map(|[x, _]| x).chain(marks.map(|mark| mark.x)))
+            .ok_or_else(|| Failure("a chart needs at least one finite point".into()))?;
+        let height = match chart.panels.len() {
+            1 => 400.0,
+            2 => 260.0,
+            _ => 190.0,
+        };
+        let mut top = TITLE + legend.height;
+        let (mut frames, mut labels) = (Vec::new(), Vec::new());
+        for (place, panel) in chart.panels.iter().enumerate() {
+            let last = place + 1 == chart.panels.len();
+            let zero = panel.zero_line.then_some(0.0);
+            let values = panel.series.iter().flat_map(finite).map(|[_, y]| y);
+            let y = range(values.chain(zero)).ok_or_else(|| {
+                Failure(format!("the panel {:?} has no finite point", panel.y_label))
+            })?;
+            let mut frame = Frame {
+                top: 0.0,
+                bottom: 0.0,
+                x,
+                y: roomy(y),
+                y_label: &panel.y_label,
+                x_label: last.then_some(&chart.x_label),
+                grid: true,
+            };
+            let above = mark_labels(&frame, &panel.marks);
+            let rows = above.iter().map(|label| label.row + 1).max().unwrap_or(0);
+            frame.top = top + ABOVE + MARK_ROW * f64::from(rows);
+            frame.bottom = frame.top + height;
+            top = frame.bottom + if last { X_AXIS } else { GAP - ABOVE };
+            frames.push(frame);
+            labels.push(above);
+        }
+        Ok(Self { chart, legend, frames, labels })
+    }
+}
+
+fn finite(series: &Series) -> impl Iterator<Item = Point> + '_ {
+    series.points.iter().copied().filter(|[x, y]| x.is_finite() && y.is_finite())
+}
+
+/// Labels to the right of their lines, or at the right end to the left, in rows such that neither
+/// labels nor lines cross a label.
+fn mark_labels<'a>(frame: &Frame<'_>, marks: &'a [Mark]) -> Vec<Label<'a>> {
+    let finite = marks.iter().filter(|mark| mark.x.is_finite());
+    let mut labelled: Vec<(f64, &str)> =
+        finite.filter_map(|mark| Some((frame.at_x(mark.x), mark.label.as_deref()?))).collect();
+    labelled.sort_by(|a, b| b.0.total_cmp(&a.0));
+    let mut edge = f64::INFINITY;
+    let (mut ending, mut starting) = (Vec::new(), Vec::new());
+    for (x, text) in labelled {
+        let width = 1.1 * text_width(text, SMALL) + 12.0;
+        if (x + width > RIGHT + 10.0 || x > edge) && x > width {
+            edge = edge.min(x - width);
+            ending.push(([x - width, x], Label { text, x, row: 0, ends: true }));
+        } else {
+            starting.push(([x, x + width], Label { text, x, row: 0, ends: false }));
+        }
+    }
+    let mut placed: Vec<([f64; 2], Label<'a>)> = Vec::new();
+    // A line stands at its label's outer end and goes down past the labels placed before it, so
+    // the labels farthest in the direction of writing come first.
+    for (span, mut label) in ending.into_iter().rev().chain(starting) {
+        let meets = |other: &[f64; 2]| span[0] < other[1] && other[0] < span[1];
+        let below = placed.iter().filter(|(other, _)| meets(other)).map(|(_, label)| label.row);
+        label.row = below.max().map_or(0, |row| row + 1);
+        if label.row < MARK_ROWS {
+            placed.push((span, label));
+        }
+    }
+    placed.into_iter().map(|(_, label)| label).collect()
+}
+
+impl Drawing for Layout<'_> {
+    fn title(&self) -> &str {
+        &self.chart.title
+    }
+
+    fn description(&self) -> String {
+        let quoted = |label: &str| format!("“{label}”");
+        let list = |labels: Vec<String>| labels.join(", ");
+        let mut text = String::new();
+        for panel in &self.chart.panels {
+            let curves = panel.series.iter().filter_map(|series| series.label.as_deref());
+            let marks = panel.marks.iter().filter_map(|mark| mark.label.as_deref());
+            text += &format!("{} over {}", quoted(&panel.y_label), quoted(&self.chart.x_label));
+            text += &format!(", {} curves", panel.series.len());
+            let (curves, marks) =
+                (list(curves.map(quoted).collect()), list(marks.map(quoted).collect()));
+            for (what, names) in [(": ", curves), ("; marked: ", marks)] {
+                if !names.is_empty() {
+                    text += what;
+                    text += &names;
+                }
+            }
+            text += ". ";
+        }
+        text.trim_end().to_owned()
+    }
+
+    fn height(&self) -> f64 {
+        self.frames.last().map_or(TITLE, |frame| frame.bottom + X_AXIS + 8.0).ceil()
+    }
+
+    fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure> {
+        canvas.text(&self.chart.title, [LEFT, 0.5 * TITLE], LARGE, Align::Left)?;
+        self.legend.paint(canvas, TITLE)?;
+        for ((panel, frame), labels) in self.chart.panels.iter().zip(&self.frames).zip(&self.labels)
+        {
+            frame.paint(canvas)?;
+            if panel.zero_line {
+                let y = frame.at_y(0.0);
+                canvas.line(&[[LEFT, y], [RIGHT, y]], INK, 1.0, &[])?;
+            }
+            for mark in panel.marks.iter().filter(|mark| mark.x.is_finite()) {
+                let x = frame.at_x(mark.x);
+                canvas.line(&[[x, frame.top], [x, frame.bottom]], GREY, 1.0, &[5.0, 4.0])?;
+            }
+            for label in labels {
+                paint_label(canvas, frame, label)?;
+            }
+            for series in &panel.series {
+                paint_series(canvas, frame, series)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn paint_label<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    frame: &Frame<'_>,
+    label: &Label<'_>,
+) -> Result<(), Failure> {
+    let bottom = frame.top - MARK_ROW * f64::from(label.row);
+    let (x, middle) = (label.x, bottom - 0.5 * MARK_ROW);
+    canvas.line(&[[x, bottom - MARK_ROW + 2.0], [x, frame.top]], GREY, 1.0, &[])?;
+    if label.ends {
+        canvas.text(label.text, [x - 4.0, middle], SMALL, Align::Right)
+    } else {
+        canvas.text(label.text, [x + 4.0, middle], SMALL, Align::Left)
+    }
+}
+
+fn paint_series<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    frame: &Frame<'_>,
+    series: &Series,
+) -> Result<(), Failure> {
+    let (colour, width, dashes) = series.pen();
+    let broken = |[x, y]: &Point| !(x.is_finite() && y.is_finite());
+    for run in series.points.split(broken) {
+        let places: Vec<Point> = run.iter().map(|&point| frame.at(point)).collect();
+        match places[..] {
+            [] => {}
+            [alone] => canvas.dot(alone, 0.8 * width + 0.5, colour)?,
+            _ => canvas.line(&places, colour, width, dashes)?,
+        }
+    }
+    Ok(())
+}

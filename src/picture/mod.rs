@@ -1,0 +1,19 @@
+//! Pictures: curves over a common axis, maps of classes, and the modes of a ring in motion.
+//!
+//! Each kind of picture is plain data with a `write`; the name's ending says what is written,
+//! `.svg` or `.png`. A picture appears whole or not at all, and the same data give the same bytes.
+
+mod axes;
+mod canvas;
+mod chart;
+mod file;
+mod legend;
+mod map;
+mod mode_shapes;
+mod moving;
+mod palette;
+
+pub use chart::{Chart, Mark, Panel, Series, Style};
+pub use map::{Class, Map};
+pub use mode_shapes::{ModeShape, ModeShapes};
+pub use palette::PALETTE;

@@ -1,0 +1,43 @@
+//! Colours that readers with any colour vision can tell apart.
+
+use plotters::style::RGBColor;
+
+/// Okabe and Ito's colours, the ones that stand out on white first: blue, vermilion, bluish green,
+/// reddish purple, orange, sky blue, black, yellow. Pictures name them by their place here.
+pub const PALETTE: [[u8; 3]; 8] = [
+    [0x00, 0x72, 0xB2],
+    [0xD5, 0x5E, 0x00],
+    [0x00, 0x9E, 0x73],
+    [0xCC, 0x79, 0xA7],
+    [0xE6, 0x9F, 0x00],
+    [0x56, 0xB4, 0xE9],
+    [0x00, 0x00, 0x00],
+    [0xF0, 0xE4, 0x42],
+];
+
+/// Text, axes and zero lines.
+pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
+/// Marks, springs and what else is not to be looked at first.
+pub(super) const GREY: RGBColor = RGBColor(0x66, 0x66, 0x66);
+/// Rest positions.
+pub(super) const PALE: RGBColor = RGBColor(0xBB, 0xBB, 0xBB);
+/// Grids.
+pub(super) const GRID: RGBColor = RGBColor(0xE6, 0xE6, 0xE6);
+
+/// The colour at a place of the palette, which repeats.
+pub(super) fn colour(place: usize) -> RGBColor {
+    let [red, green, blue] = PALETTE[place % PALETTE.len()];
+    RGBColor(red, green, blue)
+}
+
+/// What a colour is on white at a third of its strength.
+pub(super) fn faint(RGBColor(red, green, blue): RGBColor) -> RGBColor {
+    let mix = |part: u8| u8::try_from((u16::from(part) + 2 * 255) / 3).unwrap_or(u8::MAX);
+    RGBColor(mix(red), mix(green), mix(blue))
+}
+
+/// Lengths of dashes and gaps, px, for colours that come again; none is a line without gaps.
+pub(super) fn dashes(place: usize) -> &'static [f64] {
+    const DASHES: [&[f64]; 4] = [&[], &[12.0, 4.0], &[2.0, 3.0], &[10.0, 3.0, 2.0, 3.0]];
+    DASHES[place / PALETTE.len() % DASHES.len()]
+}

@@ -1,0 +1,72 @@
+//! From the linear answer to the non-linear one: how large a mode of uniform sliding may become
+//! before a contact leaves sliding.
+
+use super::modes::Mode;
+use crate::contact::ContactState;
+use crate::model::{Equilibrium, LumpedModel};
+use nalgebra::{Complex, DMatrix, DVector};
+
+/// The first contact that a growing mode makes leave sliding.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Departure {
+    /// The contact, from 0.
+    pub contact: usize,
+    /// The state that it enters: it sticks where its slip velocity reaches zero (friction then has
+    /// force to spare), it detaches where its normal force does.
+    pub into: ContactState,
+    /// Amplitude at which it does, m, of the degree of freedom that moves most.
+    pub amplitude: f64,
+    /// That degree of freedom.
+    pub dof: usize,
+}
+
+/// The smallest amplitude of `mode`, a mode of uniform sliding, at which a contact leaves sliding.
+/// The mode is taken as harmonic over a cycle. `None` where it moves no contact at all, or a contact
+/// could not be solved for.
+#[must_use]
+pub fn departure(
+    model: &LumpedModel,
+    equilibrium: &Equilibrium,
+    friction_coefficient: f64,
+    slider_velocity: f64,
+    mode: &Mode,
+) -> Option<Departure> {
+    let slope = slider_velocity.signum() * friction_coefficient;
+    let normal = normal_force_amplitudes(model, slope, mode)?;
+    let along = |direction: &crate::model::Direction| -> Complex<f64> {
+        direction.0.iter().map(|&(dof, value)| mode.shape[dof] * value).sum()
+    };
+    let dof = (0..mode.shape.len())
+        .max_by(|&a, &b| mode.shape[a].norm().total_cmp(&mode.shape[b].norm()))?;
+    let first = model.contacts.iter().enumerate().flat_map(|(contact, rows)| {
+        let speed = (mode.eigenvalue * along(&rows.tangent)).norm();
+        let stick = (ContactState::Stick, slider_velocity.abs() / speed);
+        let open = (ContactState::Detached, equilibrium.normal_force[contact] / normal[contact]);
+        [stick, open].map(|(into, amplitude)| Departure { contact, into, amplitude, dof })
+    });
+    first.filter(|d| d.amplitude.is_finite()).min_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
+}
+
+/// |N| of each contact for the shape as it is: (λ² M + λ C + K) x = Σ (G_N + s µ G_T)ᵀ N.
+fn normal_force_amplitudes(model: &LumpedModel, slope: f64, mode: &Mode) -> Option<Vec<f64>> {
+    let (lambda, dofs) = (mode.eigenvalue, model.dofs());
+    let damping = model.damping;
+    let rest = DVector::from_fn(dofs, |row, _| {
+        let times = |matrix: &crate::model::SparseMatrix| -> Complex<f64> {
+            matrix.row(row).map(|(column, value)| mode.shape[column] * value).sum()
+        };
+        times(&model.mass) * (lambda * lambda + lambda * damping.alpha)
+            + times(&model.stiffness) * (lambda * damping.beta + 1.0)
+    });
+    let mut forces = DMatrix::<Complex<f64>>::zeros(dofs, model.contacts.len());
+    for (column, contact) in model.contacts.iter().enumerate() {
+        for (direction, factor) in [(&contact.normal, 1.0), (&contact.tangent, slope)] {
+            for &(dof, value) in &direction.0 {
+                forces[(dof, column)] += Complex::new(factor * value, 0.0);
+            }
+        }
+    }
+    let square = forces.adjoint() * &forces;
+    let solved = square.lu().solve(&(forces.adjoint() * rest))?;
+    Some(solved.iter().map(|force| force.norm()).collect())
+}

@@ -1,0 +1,407 @@
+//! Root loci: the modes of a contact state followed while a parameter changes.
+//!
+//! What is followed are the eigenvalues σ of M̃⁻¹ K̃, whose number never changes; each has one
+//! eigenvalue λ with Im λ ≥ 0. Real σ may cross (symmetric structures) or merge into a pair; the
+//! merging is exact, damped or not, because C̃ = α M̃ + β K̃ has the same eigenvectors.
+
+use super::modes::{quadratic_roots, stiffness_eigenvalues};
+use crate::Error;
+use crate::contact::ContactState;
+use crate::model::LumpedModel;
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+
+/// Halvings of a step at most, where modes cannot be told apart by continuity.
+const MAX_HALVINGS: u32 = 24;
+/// σ closer than this part of themselves are a double one, whichever is which.
+const DOUBLE: f64 = 1e-8;
+
+/// One eigenvalue of a contact state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    /// σ, 1/s².
+    pub sigma: Complex<f64>,
+    /// λ, 1/s: the one of σ's two with the larger imaginary or, if both are real, real part.
+    pub lambda: Complex<f64>,
+}
+
+impl Root {
+    fn is_real(self) -> bool {
+        self.sigma.im == 0.0
+    }
+}
+
+/// All roots of a contact state, by σ.
+///
+/// # Errors
+/// As [`modes`](super::modes()).
+pub fn roots(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec<Root>, Error> {
+    let mut sigmas = stiffness_eigenvalues(model, states, mu)?;
+    sigmas.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
+    let upper = |sigma| {
+        let [a, b] = quadratic_roots(model, sigma);
+        if (a.im, a.re) >= (b.im, b.re) { a } else { b }
+    };
+    Ok(sigmas.into_iter().map(|sigma| Root { sigma, lambda: upper(sigma) }).collect())
+}
+
+/// The modes of a contact state over the values of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Locus {
+    /// The values of the parameter, ascending.
+    pub values: Vec<f64>,
+    /// One branch a mode, numbered by σ at the first value; one root a value of the parameter.
+    pub branches: Vec<Vec<Root>>,
+    /// Where two modes merge or part.
+    pub coalescences: Vec<Coalescence>,
+    /// Where a mode begins or ceases to grow.
+    pub crossings: Vec<Crossing>,
+}
+
+/// Two modes with one eigenvalue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coalescence {
+    /// The value of the parameter.
+    pub value: f64,
+    /// The two modes, from 0.
+    pub modes: [usize; 2],
+    /// Their common frequency, Hz.
+    pub frequency_hz: f64,
+    /// Do they merge (or part) as the parameter grows?
+    pub merge: bool,
+}
+
+/// A mode whose growth rate changes its sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The value of the parameter: with Re λ ≤ 0 to its stable side.
+    pub value: f64,
+    /// The mode, from 0.
+    pub mode: usize,
+    /// Its frequency there, Hz.
+    pub frequency_hz: f64,
+    /// Does it grow above the value (or below)?
+    pub becomes_unstable: bool,
+}
+
+/// Gives the roots at a value of the parameter; always the same number of them.
+pub type Evaluate<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + Sync + 'a;
+
+/// Follows all modes over ascending values of a parameter.
+///
+/// # Errors
+/// What `evaluate` fails with.
+pub fn locus(evaluate: &Evaluate<'_>, values: &[f64]) -> Result<Locus, Error> {
+    let Some(&start) = values.first() else {
+        return Err(Error::analysis("a root locus needs at least one value of its parameter"));
+    };
+    let first = evaluate(start)?;
+    let mut tracker = Tracker {
+        evaluate,
+        value: start,
+        rates: vec![Complex::new(0.0, 0.0); first.len()],
+        roots: first,
+        coalescences: Vec::new(),
+        crossings: Vec::new(),
+    };
+    let mut branches: Vec<Vec<Root>> = tracker.roots.iter().map(|&root| vec![root]).collect();
+    for &value in &values[1..] {
+        tracker.follow_to(value, 0)?;
+        for (branch, &root) in branches.iter_mut().zip(&tracker.roots) {
+            branch.push(root);
+        }
+    }
+    let Tracker { coalescences, crossings, .. } = tracker;
+    Ok(Locus { values: values.to_vec(), branches, coalescences, crossings })
+}
+
+struct Tracker<'a> {
+    evaluate: &'a Evaluate<'a>,
+    value: f64,
+    roots: Vec<Root>,
+    /// dσ/dp of each branch over the last step.
+    rates: Vec<Complex<f64>>,
+    coalescences: Vec<Coalescence>,
+    crossings: Vec<Crossing>,
+}
+
+impl Tracker<'_> {
+    /// Moves to another value, in halves where the modes there cannot be told apart.
+    fn follow_to(&mut self, value: f64, halvings: u32) -> Result<(), Error> {
+        let found = (self.evaluate)(value)?;
+        if found.len() != self.roots.len() {
+            return Err(Error::analysis("the number of modes changes with the parameter"));
+        }
+        let step = value - self.value;
+        let predicted: Vec<Complex<f64>> = self
+            .roots
+            .iter()
+            .zip(&self.rates)
+            .map(|(root, rate)| root.sigma + rate * step)
+            .collect();
+        let mut order = assign(&predicted, &found);
+        self.number_merged(&found, &mut order);
+        if halvings < MAX_HALVINGS && is_ambiguous(&predicted, &found, &order) {
+            self.follow_to(self.value + 0.5 * step, halvings + 1)?;
+            return self.follow_to(value, halvings + 1);
+        }
+        let next: Vec<Root> = order.iter().map(|&place| found[place]).collect();
+        self.note_events(value, &next)?;
+        for (rate, (now, next)) in self.rates.iter_mut().zip(self.roots.iter().zip(&next)) {
+            // Across a merging the rate is that of a root: it foretells nothing.
+            let smooth = now.is_real() == next.is_real();
+            *rate = if smooth { (next.sigma - now.sigma) / step } else { Complex::new(0.0, 0.0) };
+        }
+        self.roots = next;
+        self.value = value;
+        Ok(())
+    }
+
+    /// Two modes that have just merged are alike; the one with the higher number becomes the one with
+    /// the higher frequency, as the paper numbers them.
+    fn number_merged(&self, found: &[Root], order: &mut [usize]) {
+        for i in 0..order.len() {
+            for j in i + 1..order.len() {
+                let (a, b) = (found[order[i]], found[order[j]]);
+                let merged = self.roots[i].is_real()
+                    && self.roots[j].is_real()
+                    && !a.is_real()
+                    && a.sigma == b.sigma.conj();
+                if merged && a.lambda.im > b.lambda.im {
+                    order.swap(i, j);
+                }
+            }
+        }
+    }
+
+    fn note_events(&mut self, value: f64, next: &[Root]) -> Result<(), Error> {
+        for i in 0..next.len() {
+            let changed = self.roots[i].is_real() != next[i].is_real();
+            let merge = self.roots[i].is_real();
+            let pair = if merge { next } else { &self.roots };
+            let partner =
+                (0..next.len()).find(|&j| j != i && pair[j].sigma == pair[i].sigma.conj());
+            if let Some(j) = partner.filter(|&j| changed && i < j) {
+                let sum = |roots: &[Root]| 0.5 * (roots[i].sigma + roots[j].sigma);
+                let centre = [sum(&self.roots), sum(next)];
+                let at = self.locate_coalescence([self.value, value], centre, merge)?;
+                let lambda = nearest((self.evaluate)(at)?, centre[0]).lambda;
+                self.coalescences.push(Coalescence {
+                    value: at,
+                    modes: [i, j],
+                    frequency_hz: lambda.im / TAU,
+                    merge,
+                });
+            }
+            let grows = |root: &Root| root.lambda.re > 0.0;
+            if grows(&self.roots[i]) != grows(&next[i]) {
+                let (at, root) = self.locate_crossing(value, self.roots[i], next[i])?;
+                self.crossings.push(Crossing {
+                    value: at,
+                    mode: i,
+                    frequency_hz: root.lambda.im / TAU,
+                    becomes_unstable: grows(&next[i]),
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Bisects on the sign of (σ_i − σ_j)², which is smooth through a merging where the σ are not.
+    fn locate_coalescence(
+        &self,
+        [mut low, mut high]: [f64; 2],
+        centre: [Complex<f64>; 2],
+        merge: bool,
+    ) -> Result<f64, Error> {
+        let width = high - low;
+        let start = low;
+        while let Some(middle) = between(low, high) {
+            let part = (middle - start) / width;
+            let expected = centre[0] + (centre[1] - centre[0]) * part;
+            let mut roots = (self.evaluate)(middle)?;
+            roots.sort_by(|a, b| {
+                (a.sigma - expected).norm().total_cmp(&(b.sigma - expected).norm())
+            });
+            let difference = roots[0].sigma - roots[1].sigma;
+            let real = (difference * difference).re > 0.0;
+            if real == merge { low = middle } else { high = middle }
+        }
+        Ok(0.5 * (low + high))
+    }
+
+    /// Bisects on the sign of Re λ along one branch.
+    fn locate_crossing(&self, end: f64, from: Root, to: Root) -> Result<(f64, Root), Error> {
+        let (mut low, mut high) = ((self.value, from), (end, to));
+        while let Some(middle) = between(low.0, high.0) {
+            let part = (middle - low.0) / (high.0 - low.0);
+            let expected = low.1.sigma + (high.1.sigma - low.1.sigma) * part;
+            let root = nearest((self.evaluate)(middle)?, expected);
+            let side =
+                if (root.lambda.re > 0.0) == (from.lambda.re > 0.0) { &mut low } else { &mut high };
+            *side = (middle, root);
+        }
+        Ok(if from.lambda.re > 0.0 { high } else { low })
+    }
+}
+
+/// The middle of an interval, until none is left.
+fn between(low: f64, high: f64) -> Option<f64> {
+    let middle = 0.5 * (low + high);
+    (low < middle && middle < high).then_some(middle)
+}
+
+fn nearest(roots: Vec<Root>, expected: Complex<f64>) -> Root {
+    let distance = |root: &Root| (root.sigma - expected).norm();
+    roots.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("there are roots")
+}
+
+/// Which found root continues which branch: the assignment that a swap of no two improves.
+fn assign(predicted: &[Complex<f64>], found: &[Root]) -> Vec<usize> {
+    let cost = |branch: usize, place: usize| (predicted[branch] - found[place].sigma).norm_sqr();
+    let mut order: Vec<usize> = (0..found.len()).collect();
+    let mut improved = true;
+    while improved {
+        improved = false;
+        for i in 0..order.len() {
+            for j in i + 1..order.len() {
+                let kept = cost(i, order[i]) + cost(j, order[j]);
+                let swapped = cost(i, order[j]) + cost(j, order[i]);
+                if swapped < kept * (1.0 - 1e-12) {
+                    order.swap(i, j);
+                    improved = true;
+                }
+            }
+        }
+    }
+    order
+}
+
+/// Might a branch as well continue in another root? Roots that are double are one.
+fn is_ambiguous(predicted: &[Complex<f64>], found: &[Root], order: &[usize]) -> bool {
+    predicted.iter().zip(order).any(|(predicted, &place)| {
+        let own = found[place].sigma;
+        let miss = (predicted - own).norm();
+        found.iter().any(|other| {
+            let apart = (other.sigma - own).norm();
+            apart > DOUBLE * own.norm() && miss > 0.2 * apart
+        })
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    fn sliding(name: &'static str) -> impl Fn(f64) -> Result<Vec<Root>, Error> + Sync {
+        let model = LumpedModel::from(&builtin(name).unwrap().scene());
+        move |mu| roots(&model, &[ContactState::Slide; 2], mu)
+    }
+
+    fn grid(end: f64, step: f64) -> Vec<f64> {
+        (0..).map(|i| f64::from(i) * step).take_while(|value| *value <= end).collect()
+    }
+
+    #[test]
+    fn set_1_has_two_coalescences_5_6_before_3_4_and_set_2_the_other_order() {
+        for (name, order) in [("set1", [[4, 5], [2, 3]]), ("set2", [[2, 3], [4, 5]])] {
+            let found = locus(&sliding(name), &grid(3.5, 0.005)).unwrap();
+            let modes: Vec<[usize; 2]> = found.coalescences.iter().map(|c| c.modes).collect();
+            assert_eq!(modes, order, "{name}");
+            assert!(found.coalescences.iter().all(|c| c.merge));
+            // "The real part of the mode 6 is positive": the higher of the merged modes grows.
+            let growing: Vec<usize> = found.crossings.iter().map(|c| c.mode).collect();
+            assert_eq!(growing, if name == "set1" { [5, 3] } else { [3, 5] }, "{name}");
+        }
+    }
+
+    #[test]
+    fn coalescences_are_where_the_discriminant_of_the_symmetric_halves_vanishes() {
+        // Two equal modules move in phase or out of phase: K_± of one module with its links as
+        // ground springs (none in phase, four times k1 and k2 out of phase). In uniform sliding x4 = 0,
+        // so σ are the roots of a cubic whose discriminant changes sign where two of them merge.
+        let scene = builtin("set1").unwrap().scene();
+        let [k1, k2, k3, k4, k5, k6] = scene.modules[0].stiffness;
+        let [m1, m2] = scene.modules[0].mass;
+        let (s, c) = scene.slider.angle.sin_cos();
+        let discriminant = |links: f64, mu: f64| {
+            let (kx, ky) = (k4 + k6 + links * k1, k3 + k5 + links * k2);
+            // Rows x1, x2 and x3 − µ x4 of M⁻¹ K, columns x1, x2, x3.
+            let a = [
+                [kx / m1, 0.0, -k6 * c / m1],
+                [0.0, ky / m1, -k5 * s / m1],
+                [
+                    (-k6 * c - mu * k6 * s) / m2,
+                    (-k5 * s + mu * k5 * c) / m2,
+                    (k6 * c * c + k5 * s * s - mu * (k5 - k6) * s * c) / m2,
+                ],
+            ];
+            let trace = a[0][0] + a[1][1] + a[2][2];
+            let minor = |i: usize, j: usize| a[i][i] * a[j][j] - a[i][j] * a[j][i];
+            let minors = minor(0, 1) + minor(0, 2) + minor(1, 2);
+            let determinant = a[0][0] * (a[1][1] * a[2][2] - a[1][2] * a[2][1])
+                + a[0][2] * (a[1][0] * a[2][1] - a[1][1] * a[2][0]);
+            let (b, c, d) = (-trace, minors, -determinant);
+            18.0 * b * c * d - 4.0 * b.powi(3) * d + b * b * c * c - 4.0 * c.powi(3) - 27.0 * d * d
+        };
+        let found = locus(&sliding("set1"), &grid(3.5, 0.005)).unwrap();
+        // Modes 5 and 6 move the modules out of phase, modes 3 and 4 in phase (Fig. 2c).
+        for (coalescence, links) in found.coalescences.iter().zip([4.0, 0.0]) {
+            let (mut low, mut high) = (coalescence.value - 0.01, coalescence.value + 0.01);
+            assert!(discriminant(links, low) > 0.0 && discriminant(links, high) < 0.0);
+            while high - low > 1e-12 {
+                let middle = 0.5 * (low + high);
+                if discriminant(links, middle) > 0.0 { low = middle } else { high = middle }
+            }
+            assert!((coalescence.value - low).abs() < 1e-9, "{coalescence:?} {low}");
+        }
+    }
+
+    #[test]
+    fn the_locus_does_not_depend_on_its_grid() {
+        let fine = locus(&sliding("set1"), &grid(3.5, 0.005)).unwrap();
+        let coarse = locus(&sliding("set1"), &grid(3.5, 0.25)).unwrap();
+        for (a, b) in fine.crossings.iter().zip(&coarse.crossings) {
+            assert_eq!((a.mode, a.becomes_unstable), (b.mode, b.becomes_unstable));
+            assert!((a.value - b.value).abs() < 1e-9);
+        }
+        assert_eq!(fine.crossings.len(), coarse.crossings.len());
+        for (a, b) in fine.branches.iter().zip(&coarse.branches) {
+            let (a, b) = (a.last().unwrap(), b.last().unwrap());
+            assert!((a.sigma - b.sigma).norm() < 1e-9 * a.sigma.norm());
+        }
+    }
+
+    #[test]
+    fn double_modes_of_a_ring_of_five_merge_in_pairs_and_never_part() {
+        let mut scene = builtin("set1").unwrap().scene();
+        scene.modules = vec![scene.modules[0]; 5];
+        let model = LumpedModel::from(&scene);
+        let evaluate = |mu| roots(&model, &[ContactState::Slide; 5], mu);
+        let found = locus(&evaluate, &grid(3.5, 0.02)).unwrap();
+        // Waves 0, 1 and 2 around the ring; waves 1 and 2 come twice. Each family of three modes
+        // has at most one merging below µ = 3.5 and a double family merges twice at one place.
+        assert!((1..=5).contains(&found.coalescences.len()), "{:?}", found.coalescences);
+        assert!(found.coalescences.iter().all(|event| event.merge));
+    }
+
+    #[test]
+    fn modes_that_cross_without_merging_keep_their_numbers() {
+        // σ = 1 + p and 2 − p cross at p = ½.
+        let crossing = |p: f64| {
+            let root = |sigma: f64| Root {
+                sigma: Complex::new(sigma, 0.0),
+                lambda: Complex::new(0.0, sigma.sqrt()),
+            };
+            let mut roots = vec![root(1.0 + p), root(2.0 - p)];
+            roots.sort_by(|a, b| a.sigma.re.total_cmp(&b.sigma.re));
+            Ok(roots)
+        };
+        let found = locus(&crossing, &grid(1.0, 0.07)).unwrap();
+        assert!(found.coalescences.is_empty());
+        for (value, root) in found.values.iter().zip(&found.branches[0]) {
+            assert!((root.sigma.re - (1.0 + value)).abs() < 1e-15);
+        }
+    }
+}

@@ -1,0 +1,107 @@
+//! Maps of stability over two parameters.
+
+use super::candidates::uniform_sliding;
+use super::modes::Spectrum;
+use super::parallel;
+use super::states::StateClasses;
+use crate::Error;
+use crate::model::{LumpedModel, ring};
+use crate::scene::Scene;
+
+/// What uniform sliding is for one scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// No contact state grows.
+    Stable,
+    /// Uniform sliding does not grow, another contact state does.
+    Candidate,
+    /// Uniform sliding itself grows.
+    Unstable,
+    /// There is no equilibrium in uniform sliding (jamming, or a contact that opens).
+    NoEquilibrium,
+}
+
+impl Verdict {
+    /// All of them, in the order of the numbers that stand for them.
+    pub const ALL: [Self; 4] = [Self::Stable, Self::Candidate, Self::Unstable, Self::NoEquilibrium];
+}
+
+/// As a person reads it.
+impl std::fmt::Display for Verdict {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.pad(match self {
+            Self::Stable => "stable",
+            Self::Candidate => "candidate",
+            Self::Unstable => "unstable",
+            Self::NoEquilibrium => "no equilibrium",
+        })
+    }
+}
+
+/// The verdict on a scene.
+///
+/// # Errors
+/// Impossible values, too many contacts, or a state that cannot be analysed.
+pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
+    scene.check()?;
+    let model = LumpedModel::from(scene);
+    if let Err(error) = ring::equilibrium(scene, &model) {
+        return if error.is_equilibrium() { Ok(Verdict::NoEquilibrium) } else { Err(error) };
+    }
+    let mu = scene.friction_coefficient;
+    let uniform = uniform_sliding(&model, scene.slider.velocity);
+    if Spectrum::of(&model, &uniform, mu)?.unstable() {
+        return Ok(Verdict::Unstable);
+    }
+    for states in &StateClasses::of(&model)?.representatives {
+        if Spectrum::of(&model, states, mu)?.unstable() {
+            return Ok(Verdict::Candidate);
+        }
+    }
+    Ok(Verdict::Stable)
+}
+
+/// Verdicts on a grid of scenes, row by row, on all cores; `done` hears the number of rows done.
+///
+/// # Errors
+/// The first that `scene_at` or a verdict gave.
+pub fn map(
+    columns: usize,
+    rows: usize,
+    scene_at: &(dyn Fn(usize, usize) -> Result<Scene, Error> + Sync),
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Vec<Vec<Verdict>>, Error> {
+    let row = |row: usize| (0..columns).map(|column| verdict(&scene_at(column, row)?)).collect();
+    parallel::collect(rows, &row, done)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    fn at(name: &str, mu: f64) -> Scene {
+        let mut scene = builtin(name).unwrap().scene();
+        scene.friction_coefficient = mu;
+        scene
+    }
+
+    #[test]
+    fn the_papers_own_points_have_the_papers_verdicts() {
+        // Set 1 is unstable at 1.5 and 1.96 (Figs. 3, 4); Set 2 at 1.96 is stable in uniform sliding
+        // and unstable with one contact stuck (Fig. 5, Table 3).
+        assert_eq!(verdict(&at("set1", 1.5)), Ok(Verdict::Unstable));
+        assert_eq!(verdict(&at("set1", 1.96)), Ok(Verdict::Unstable));
+        assert_eq!(verdict(&at("set2", 1.96)), Ok(Verdict::Candidate));
+        assert_eq!(verdict(&at("set2", 0.0)), Ok(Verdict::Stable));
+    }
+
+    #[test]
+    fn a_map_has_every_point_at_its_place() {
+        let scene_at =
+            |column: usize, row: usize| Ok(at(["set1", "set2"][row], [0.0, 1.96, 1.96][column]));
+        let found = map(3, 2, &scene_at, &|_| {}).unwrap();
+        use Verdict::{Candidate, Stable, Unstable};
+        assert_eq!(found, [[Stable, Unstable, Unstable], [Stable, Candidate, Candidate]]);
+    }
+}

@@ -1,0 +1,321 @@
+//! Pictures: what their files hold, and what is refused.
+
+use amontons::Error;
+use amontons::picture::{Chart, Class, Map, Mark, ModeShape, ModeShapes, Panel, Series, Style};
+use nalgebra::Complex;
+use quick_xml::Reader;
+use quick_xml::events::{BytesStart, Event};
+use std::fs;
+use std::path::Path;
+
+/// An element of an SVG: its name, attributes and text.
+struct Element {
+    name: String,
+    attributes: Vec<(String, String)>,
+    text: String,
+}
+
+impl Element {
+    fn new(start: &BytesStart<'_>) -> Self {
+        let attributes = start.attributes().map(|attribute| {
+            let attribute = attribute.unwrap();
+            (attribute.key.as_ref().to_owned(), attribute.value.into_owned())
+        });
+        let attributes = attributes.collect();
+        Self { name: start.name().as_ref().to_owned(), attributes, text: String::new() }
+    }
+
+    fn get(&self, key: &str) -> &str {
+        let found = self.attributes.iter().find(|(name, _)| name == key);
+        found.map_or("", |(_, value)| value)
+    }
+
+    fn points(&self) -> usize {
+        self.get("points").split_whitespace().count()
+    }
+}
+
+/// All elements of a well-formed document, in order.
+fn elements(path: &Path) -> Vec<Element> {
+    let text = fs::read_to_string(path).unwrap();
+    let mut reader = Reader::from_str(&text);
+    let (mut found, mut open): (Vec<Element>, Vec<usize>) = (Vec::new(), Vec::new());
+    loop {
+        match reader.read_event().unwrap() {
+            Event::Start(start) => {
+                open.push(found.len());
+                found.push(Element::new(&start));
+            }
+            Event::Empty(start) => found.push(Element::new(&start)),
+            Event::End(_) => {
+                open.pop().unwrap();
+            }
+            Event::Text(part) => {
+                if let Some(&place) = open.last() {
+                    found[place].text += &part;
+                }
+            }
+            Event::GeneralRef(part) => {
+                let place = *open.last().unwrap();
+                found[place].text += &format!("&{};", &*part);
+            }
+            Event::Eof => break,
+            _ => {}
+        }
+    }
+    assert!(open.is_empty(), "all elements are closed");
+    found.iter_mut().for_each(|element| element.text = element.text.trim().to_owned());
+    found
+}
+
+fn drawn(write: impl Fn(&Path) -> Result<(), Error>) -> Vec<Element> {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.svg");
+    write(&path).unwrap();
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left beside it");
+    elements(&path)
+}
+
+/// Width and height of a PNG, and its pixels, three bytes each.
+fn decoded(path: &Path) -> (u32, u32, Vec<u8>) {
+    let file = std::io::BufReader::new(fs::File::open(path).unwrap());
+    let mut reader = png::Decoder::new(file).read_info().unwrap();
+    let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
+    let info = reader.next_frame(&mut pixels).unwrap();
+    assert_eq!(info.color_type, png::ColorType::Rgb);
+    (info.width, info.height, pixels)
+}
+
+fn texts(elements: &[Element]) -> Vec<&str> {
+    elements.iter().filter(|e| e.name == "text").map(|e| &*e.text).collect()
+}
+
+fn curves<'a>(elements: &'a [Element], colour: &str) -> Vec<&'a Element> {
+    let lines = elements.iter().filter(|e| e.name == "polyline" && e.points() > 2);
+    lines.filter(|e| e.get("stroke") == colour).collect()
+}
+
+const BLUE: &str = "#0072B2";
+const VERMILION: &str = "#D55E00";
+
+fn chart() -> Chart {
+    let curve = |label: &str, colour, break_at: Option<i32>| Series {
+        label: Some(label.into()),
+        points: (0..=50)
+            .map(|i| [f64::from(i), if break_at == Some(i) { f64::NAN } else { f64::from(i * i) }])
+            .collect(),
+        colour,
+        style: Style::Line,
+    };
+    let mark = Mark { x: 20.0, label: Some("critical µ".into()) };
+    Chart {
+        title: "Growth < decay & more".into(),
+        x_label: "Friction coefficient µ [–]".into(),
+        panels: vec![
+            Panel {
+                y_label: "Growth rate [1/s]".into(),
+                series: vec![curve("whole", 0, None), curve("broken", 1, Some(25))],
+                marks: vec![mark.clone()],
+                zero_line: true,
+            },
+            Panel {
+                y_label: "Frequency [Hz]".into(),
+                series: vec![curve("whole", 0, None)],
+                marks: vec![Mark { label: None, ..mark }],
+                zero_line: false,
+            },
+        ],
+    }
+}
+
+fn map() -> Map {
+    let class = |name: &str, colour| Class { name: name.into(), colour };
+    Map {
+        title: "Stability".into(),
+        x_label: "µ [–]".into(),
+        y_label: "k6 [kN/m]".into(),
+        x: [0.0, 3.0],
+        y: [100.0, 300.0],
+        cells: vec![vec![0, 0, 1], vec![0, 1, 1]],
+        classes: vec![class("stable", 0), class("flutter", 1)],
+    }
+}
+
+fn mode_shapes() -> ModeShapes {
+    let shape = (0..8).map(|i| Complex::from_polar(1.0, f64::from(i))).collect();
+    let second = ModeShape { title: "Mode 2: 66 Hz".into(), shape };
+    let mut first = ModeShape { title: "Mode 1: 34 Hz".into(), ..second.clone() };
+    // The second mass of the first module is at rest.
+    first.shape[2..4].fill(Complex::new(0.0, 0.0));
+    ModeShapes { title: "Modes".into(), angle: 0.5, modes: vec![first, second] }
+}
+
+#[test]
+fn a_chart_has_one_line_a_curve_and_one_more_after_a_break() {
+    let elements = drawn(|path| chart().write(path));
+    let blue = curves(&elements, BLUE);
+    assert_eq!(blue.iter().map(|line| line.points()).collect::<Vec<_>>(), [51, 51]);
+    let vermilion = curves(&elements, VERMILION);
+    assert_eq!(vermilion.iter().map(|line| line.points()).collect::<Vec<_>>(), [25, 25]);
+}
+
+#[test]
+fn a_chart_has_its_labels_once_and_escapes_them() {
+    let elements = drawn(|path| chart().write(path));
+    let texts = texts(&elements);
+    for label in [
+        "Growth &lt; decay &amp; more",
+        "Friction coefficient µ [–]",
+        "Growth rate [1/s]",
+        "Frequency [Hz]",
+        "whole",
+        "broken",
+        "critical µ",
+    ] {
+        assert_eq!(texts.iter().filter(|text| **text == label).count(), 1, "{label}: {texts:?}");
+    }
+    let named = |name: &str| elements.iter().find(|e| e.name == name).unwrap();
+    assert_eq!(named("title").text, "Growth &lt; decay &amp; more");
+    assert!(named("desc").text.contains("“critical µ”"), "{}", named("desc").text);
+    assert_eq!(named("svg").get("width"), "900");
+}
+
+#[test]
+fn a_mark_is_a_dashed_line_over_its_panel() {
+    let dashes = |chart: &Chart| {
+        let elements = drawn(|path| chart.write(path));
+        elements.iter().filter(|e| e.name == "polyline" && e.get("stroke") == "#666666").count()
+    };
+    let with = chart();
+    let mut without = chart();
+    without.panels.iter_mut().for_each(|panel| panel.marks.clear());
+    assert_eq!(dashes(&without), 0);
+    // Two panels of 260 px, dashes of 5 px after each 9, and the line to the label.
+    assert_eq!(dashes(&with), 2 * 29 + 1);
+}
+
+#[test]
+fn a_map_has_a_legend_and_the_colours_of_its_cells() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.png");
+    map().write(&path).unwrap();
+    let (width, height, pixels) = decoded(&path);
+    assert_eq!(width, 1800);
+    // The plane is between 84 and 876 px across and 480 px up, above 60 px of the x axis.
+    let at = |column: u32, row: u32| {
+        let x = 2 * (84 + 792 * (2 * column + 1) / 6);
+        let y = height - 2 * (60 + 480 * (2 * row + 1) / 4);
+        let place = 3 * (y * width + x) as usize;
+        [pixels[place], pixels[place + 1], pixels[place + 2]]
+    };
+    let (stable, flutter) = ([0x00, 0x72, 0xB2], [0xD5, 0x5E, 0x00]);
+    assert_eq!([at(0, 0), at(1, 0), at(2, 0)], [stable, stable, flutter]);
+    assert_eq!([at(0, 1), at(1, 1), at(2, 1)], [stable, flutter, flutter]);
+    let elements = drawn(|path| map().write(path));
+    let texts = texts(&elements);
+    for label in ["stable", "flutter", "µ [–]", "k6 [kN/m]"] {
+        assert!(texts.contains(&label), "{label}: {texts:?}");
+    }
+}
+
+#[test]
+fn modes_move_without_scripts_and_stand_still_where_that_is_preferred() {
+    let elements = drawn(|path| mode_shapes().write(path));
+    let count = |name: &str| elements.iter().filter(|e| e.name == name).count();
+    assert_eq!(count("script"), 0);
+    // Springs once a mode; eight masses, of which seven have a hand.
+    assert_eq!(count("animate"), 2);
+    assert_eq!(count("animateTransform"), 8 + 7);
+    assert_eq!(count("circle"), 2 * 7);
+    for element in elements.iter().filter(|e| e.name.starts_with("animate")) {
+        assert_eq!(element.get("dur"), "2s");
+        let values: Vec<&str> = element.get("values").split(';').collect();
+        assert_eq!(values.first(), values.last(), "a cycle ends where it began");
+    }
+    let style = elements.iter().find(|e| e.name == "style").unwrap();
+    assert!(style.text.contains("prefers-reduced-motion"));
+    let texts = texts(&elements);
+    assert!(texts.contains(&"Mode 1: 34 Hz") && texts.contains(&"Mode 2: 66 Hz"));
+}
+
+#[test]
+fn bitmaps_are_twice_as_wide_as_drawn_and_show_something() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.PNG");
+    for write in [|path: &Path| chart().write(path), |path: &Path| mode_shapes().write(path)] {
+        write(&path).unwrap();
+        let (width, height, pixels) = decoded(&path);
+        assert!(width == 1800 && height > 400, "{width} × {height}");
+        assert!(pixels.chunks(3).any(|pixel| pixel == [0x00, 0x72, 0xB2]));
+    }
+}
+
+#[test]
+fn the_same_data_give_the_same_bytes() {
+    let folder = tempfile::tempdir().unwrap();
+    for ending in ["svg", "png"] {
+        let [a, b] = ["a", "b"].map(|name| folder.path().join(format!("{name}.{ending}")));
+        for path in [&a, &b] {
+            map().write(path).unwrap();
+        }
+        assert_eq!(fs::read(a).unwrap(), fs::read(b).unwrap());
+    }
+}
+
+#[test]
+fn another_ending_is_refused_with_the_right_ones() {
+    for name in ["chart.pdf", "chart", "svg"] {
+        let error = chart().write(Path::new(name)).unwrap_err();
+        let text = error.to_string();
+        assert!(error.is_picture() && text.contains(name), "{text}");
+        assert!(text.contains(".svg or .png"), "{text}");
+        assert!(!Path::new(name).exists());
+    }
+}
+
+#[test]
+fn what_cannot_be_written_is_named_and_leaves_what_was_there() {
+    let folder = tempfile::tempdir().unwrap();
+    let missing = folder.path().join("missing").join("chart.svg");
+    let error = chart().write(&missing).unwrap_err();
+    assert!(error.is_picture() && error.to_string().contains(&*missing.to_string_lossy()));
+
+    // The partial file cannot be made where a folder has its name: so even for a superuser.
+    let path = folder.path().join("chart.svg");
+    fs::write(&path, "old").unwrap();
+    fs::create_dir(folder.path().join("chart.svg.partial")).unwrap();
+    let error = chart().write(&path).unwrap_err();
+    assert!(error.to_string().contains(&*path.to_string_lossy()), "{error}");
+    assert_eq!(fs::read_to_string(&path).unwrap(), "old");
+
+    let taken = folder.path().join("folder.svg");
+    fs::create_dir(&taken).unwrap();
+    assert!(chart().write(&taken).unwrap_err().is_picture());
+    assert!(!folder.path().join("folder.svg.partial").exists());
+}
+
+#[test]
+fn pictures_of_nothing_or_of_the_wrong_shape_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.svg");
+    let refused = |result: Result<(), Error>, word: &str| {
+        let text = result.unwrap_err().to_string();
+        assert!(text.contains(word) && text.contains("picture.svg"), "{text}");
+        assert!(!path.exists());
+    };
+    refused(Chart::default().write(&path), "finite point");
+    let mut chart = chart();
+    chart.panels[1].series.clear();
+    refused(chart.write(&path), "Frequency [Hz]");
+    refused(Map { cells: vec![], ..map() }.write(&path), "at least one cell");
+    refused(Map { cells: vec![vec![0, 1], vec![0]], ..map() }.write(&path), "row 1");
+    refused(Map { cells: vec![vec![0, 2]], ..map() }.write(&path), "class 2");
+    refused(Map { y: [2.0, 2.0], ..map() }.write(&path), "y axis");
+    refused(ModeShapes::default().write(&path), "no mode");
+    let mut modes = mode_shapes();
+    modes.modes[1].shape.pop();
+    refused(modes.write(&path), "Mode 2");
+    let mut modes = mode_shapes();
+    modes.modes[0].shape[3].im = f64::NAN;
+    refused(modes.write(&path), "Mode 1");
+}
