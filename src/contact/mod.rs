@@ -84,7 +84,8 @@ pub fn parse_states(text: &str, contacts: usize) -> Result<Vec<ContactState>, Er
     while !rest.is_empty() {
         let known = ContactState::ALL.into_iter().find_map(|state| {
             let rest = rest.strip_prefix(&state.to_string())?;
-            let rest = if rest.is_empty() { rest } else { rest.strip_prefix('-')? };
+            let next = rest.strip_prefix('-').filter(|next| !next.is_empty());
+            let rest = if rest.is_empty() { rest } else { next? };
             Some((state, rest))
         });
         let state;
