@@ -162,6 +162,13 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
         (&["locus", "set1", "--parameter", "module[1].k9=1:2:0.1"], 3, &["k9", "module[1].k1"]),
         (&["locus", "set1", "--friction", "0:1:0.1", "--plot", "a.pdf"], 1, &[".svg", ".png"]),
         (&["bistable", "set1", "--friction", "2"], 2, &["A:B"]),
+        (&["bistable", "set1", "--friction=-1:1"], 3, &["friction.coefficient", "negative"]),
+        (&["bistable", "set1", "--friction", "0:1", "--set", "slider.velocity=0"], 3, &["stands"]),
+        (
+            &["bistable", "set1", "--friction", "0:1", "--set", "module[1].preload=-0.1"],
+            3,
+            &["contact[1] opens"],
+        ),
         (&["bistable", "ring12", "--friction", "0:1"], 3, &["12 contacts", "8"]),
         (&["map", "set1", "--x", "k=0:1:1", "--y", "k=0:1:2", "--plot", "m.svg"], 2, &["from 2"]),
     ];

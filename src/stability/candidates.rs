@@ -49,13 +49,18 @@ pub fn uniform_sliding(model: &LumpedModel, slider_velocity: f64) -> Vec<Contact
 /// Looks through all states over ascending values of µ, on all cores; `done` hears how many are done.
 ///
 /// # Errors
-/// Too many contacts, or a state that cannot be analysed.
+/// A slider that stands still, too many contacts, or a state that cannot be analysed.
 pub fn bistability(
     model: &LumpedModel,
     slider_velocity: f64,
     values: &[f64],
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Bistability, Error> {
+    if slider_velocity == 0.0 {
+        return Err(Error::analysis(
+            "the slider stands still, so nothing slides: give slider.velocity another value",
+        ));
+    }
     let follow = |states: &[ContactState]| -> Result<Locus, Error> {
         locus(&|mu| roots(model, states, mu), values)
     };

@@ -4,7 +4,7 @@ use crate::arguments::Bistable;
 use crate::{configured, progress};
 use amontons::Error;
 use amontons::contact::Joined;
-use amontons::model::LumpedModel;
+use amontons::model::{LumpedModel, ring};
 use amontons::stability::candidates::{bistability, uniform_sliding};
 use amontons::stability::{MAX_CONTACTS, StateClasses};
 
@@ -12,9 +12,10 @@ use amontons::stability::{MAX_CONTACTS, StateClasses};
 const INTERVALS: u32 = 200;
 
 pub fn run(arguments: &Bistable) -> Result<(), Error> {
-    let scene = configured(&arguments.common, None)?;
-    let model = LumpedModel::from(&scene);
     let [first, last] = arguments.friction;
+    let scene = configured(&arguments.common, Some(first))?;
+    let model = LumpedModel::from(&scene);
+    ring::equilibrium(&scene, &model)?;
     let values: Vec<f64> = (0..=INTERVALS)
         .map(|i| first + (last - first) * (f64::from(i) / f64::from(INTERVALS)))
         .collect();
