@@ -79,10 +79,10 @@ proptest! {
                 prop_assert!(found <= allowed + 1e-6 * allowed.abs() + 1e-4, "{states:?} {found} {allowed}");
             }
         }
-        if let Origin::State { states, coalesced: false } = critical.origin {
-            if let Some((found, _)) = growth(&model, &states, mu, 1.01 * critical.step) {
-                prop_assert!(found > 0.0, "the limit is not sharp: {found}");
-            }
+        if let Origin::State { states, coalesced: false } = critical.origin
+            && let Some((found, _)) = growth(&model, &states, mu, 1.01 * critical.step)
+        {
+            prop_assert!(found > 0.0, "the limit is not sharp: {found}");
         }
     }
 
