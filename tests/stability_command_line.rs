@@ -96,13 +96,92 @@ fn the_locus_over_another_parameter_agrees_with_the_one_over_friction() {
     assert!((k2 - 60e3).abs() < 1e-2, "{over_k2}");
 }
 
+/// README's table of critical values is what the commands above it print.
+#[test]
+fn the_critical_values_in_the_readme_are_those_printed() {
+    let readme = include_str!("../README.md");
+    for (scene, row) in [("set1", "| Set 1 |"), ("set2", "| Set 2 |")] {
+        let printed = printed(&["locus", scene, "--friction", "0:3.5:0.005"]);
+        let row = readme.lines().find(|line| line.starts_with(row)).unwrap();
+        let first_crossing = printed.split("critical values:\n").nth(1).unwrap();
+        let first_crossing = first_crossing.split_whitespace().next().unwrap();
+        assert!(row.contains(&format!("from {first_crossing} on")), "{first_crossing}: {row}");
+        let merging = |words: &str| -> String {
+            let line = printed.lines().find(|line| line.contains(words)).unwrap();
+            line.split_whitespace().next().unwrap().to_owned()
+        };
+        for words in ["modes 5 and 6 merge", "modes 3 and 4 merge"] {
+            assert!(row.contains(&merging(words)), "{words}: {row}");
+        }
+    }
+}
+
+#[test]
+fn the_six_real_modes_of_figure_2c_are_printed() {
+    let printed = printed(&["modes", "set1", "--friction", "0", "--set", "damping.beta=0"]);
+    for (i, expected) in [34.00, 65.99, 163.90, 186.56, 215.24, 225.79].into_iter().enumerate() {
+        let found = number_after(&printed, &format!("\nmode {}: ", i + 1));
+        assert!((found - expected).abs() < 0.005, "{expected}: {found}");
+    }
+}
+
+#[test]
+fn a_locus_reaches_the_end_of_its_range_on_the_grid_or_not() {
+    for (range, last) in [("0:0.35:0.1", "0.35"), ("0:0.3:0.1", "0.3"), ("0:0.5:7", "0.5")] {
+        let printed = printed(&["locus", "set1", "--friction", range, "--csv"]);
+        assert!(printed.lines().last().unwrap().starts_with(&format!("{last},6,")), "{printed}");
+    }
+}
+
+#[test]
+fn states_without_an_equilibrium_say_so() {
+    let folder = folder();
+    let arguments = ["states", "set1", "--set", "module[1].preload=-0.1", "--format", "json"];
+    let output = stability(folder.path(), &arguments);
+    assert!(text(&output.stderr).contains("contact[1] opens"), "{}", text(&output.stderr));
+    let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert!(found["equilibrium_error"].as_str().unwrap().contains("contact[1] opens"));
+    assert_eq!(found["states"]["Sl-Sl"]["has_equilibrium"], false);
+}
+
+#[test]
+fn at_a_slider_that_stands_still_all_contacts_rest_stuck_and_nothing_slides() {
+    let still = ["--set", "slider.velocity=0"];
+    let table = printed(&[&["states", "set1"], &still[..]].concat());
+    assert!(table.contains("the slider stands still"), "{table}");
+    let json = printed(&[&["states", "set1", "--format", "json"], &still[..]].concat());
+    let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(found["states"]["St-St"]["has_equilibrium"], true);
+    assert_eq!(found["departures"], serde_json::json!([]));
+}
+
+#[test]
+fn departures_are_in_the_json_as_in_the_table() {
+    let found: serde_json::Value =
+        serde_json::from_str(&printed(&["states", "set2", "--format", "json"])).unwrap();
+    let first = &found["departures"][0];
+    // The lowest mode swings along the slider: it sticks where its speed reaches the slider's.
+    assert_eq!((first["into"].as_str(), first["of"].as_str()), (Some("St"), Some("module[2].x3")));
+    assert!((first["speed"].as_f64().unwrap() - 0.025).abs() < 1e-12);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_reader_that_has_seen_enough_is_no_error() {
+    let program = env!("CARGO_BIN_EXE_amontons-stability");
+    let line =
+        format!("set -o pipefail; '{program}' locus set1 --friction 0:3:0.001 --csv | head -1");
+    let output = Command::new("bash").args(["-c", &line]).output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty(), "{}", text(&output.stderr));
+}
+
 #[test]
 fn set_2_can_be_bistable_between_the_onset_of_its_stuck_states_and_its_own() {
     let printed = printed(&["bistable", "set2", "--friction", "0:2.5"]);
     assert!(printed.contains("begins to grow") && printed.contains("Sl-St"), "{printed}");
     // Confirmed by a transient of the paper: Set 2 squeals at µ = 1.96 after a large kick.
     let turn = number_after(&printed, "µ = ");
-    let onset = number_after(&printed, "Sl-St             2     ");
+    let onset = number_after(&printed, "Sl-St             2  ");
     assert!(onset < 1.96 && 1.96 < turn, "{printed}");
 }
 
@@ -156,13 +235,24 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
         (&["states", "nothing"], 1, &["nothing", "set1, set2, ring12"]),
         (&["states", "set1", "--friction", "-1"], 3, &["friction.coefficient", "negative"]),
         (&["states", "set1", "--state", "Sl-Up"], 3, &["Sl-Up", "Sl-St"]),
+        (&["states", "set1", "--friction", "1e300"], 3, &["cannot be accelerated"]),
         (&["locus", "set1"], 2, &["--friction"]),
+        (
+            &["locus", "set1", "--parameter", "slider.velocity=-1:1:0.1"],
+            2,
+            &["no eigenvalue", "slider.velocity"],
+        ),
+        (
+            &["locus", "set1", "--parameter", "module[1].k1=1:9:1", "--set", "slider.velocity=0"],
+            3,
+            &["stands"],
+        ),
         (&["locus", "set1", "--friction", "0:3.5"], 2, &["A:B:STEP"]),
         (&["locus", "set1", "--friction", "3:0:0.1"], 2, &["below the last"]),
         (&["locus", "set1", "--parameter", "module[1].k9=1:2:0.1"], 3, &["k9", "module[1].k1"]),
         (&["locus", "set1", "--friction", "0:1:0.1", "--plot", "a.pdf"], 1, &[".svg", ".png"]),
         (&["bistable", "set1", "--friction", "2"], 2, &["A:B"]),
-        (&["bistable", "set1", "--friction=-1:1"], 3, &["friction.coefficient", "negative"]),
+        (&["bistable", "set1", "--friction", "-1:1"], 3, &["friction.coefficient", "negative"]),
         (&["bistable", "set1", "--friction", "0:1", "--set", "slider.velocity=0"], 3, &["stands"]),
         (
             &["bistable", "set1", "--friction", "0:1", "--set", "module[1].preload=-0.1"],
@@ -170,6 +260,34 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
             &["contact[1] opens"],
         ),
         (&["bistable", "ring12", "--friction", "0:1"], 3, &["12 contacts", "8"]),
+        (
+            &[
+                "map",
+                "set1",
+                "--x",
+                "damping.beta=0:1:3",
+                "--y",
+                "damping.beta=0:1:2",
+                "--plot",
+                "m.svg",
+            ],
+            2,
+            &["two parameters"],
+        ),
+        (
+            &[
+                "map",
+                "set1",
+                "--x",
+                "damping.beta=0:1:9999",
+                "--y",
+                "slider.angle=0:1:9999",
+                "--plot",
+                "m.svg",
+            ],
+            2,
+            &["too many"],
+        ),
         (&["map", "set1", "--x", "k=0:1:1", "--y", "k=0:1:2", "--plot", "m.svg"], 2, &["from 2"]),
     ];
     let folder = folder();

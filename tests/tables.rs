@@ -1,10 +1,12 @@
 //! The paper's printed numbers: Tables 2 and 3, and the six frequencies of Fig. 2(c), from the
 //! reduced matrices by eqs. (4)–(6) as they stand.
 
+mod quadratic;
+
 use amontons::contact::{ContactState, Joined, all_states};
 use amontons::model::LumpedModel;
 use amontons::scene::builtin;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::Complex;
 use std::f64::consts::TAU;
 
 /// Half a unit of the last printed digit is 0.005 Hz; seven of the 192 printed numbers miss that by
@@ -13,19 +15,7 @@ const TOLERANCE_HZ: f64 = 0.006;
 
 /// The eigenvalues with positive imaginary part, Hz, by frequency.
 fn eigenvalues_hz(model: &LumpedModel, states: &[ContactState], mu: f64) -> Vec<Complex<f64>> {
-    let reduced = model.reduced(states, mu).unwrap();
-    let n = reduced.mass.nrows();
-    let square = |[a, b, c, d]: [&DMatrix<f64>; 4]| {
-        let mut matrix = DMatrix::zeros(2 * n, 2 * n);
-        for (place, block) in [(0, 0), (0, n), (n, 0), (n, n)].into_iter().zip([a, b, c, d]) {
-            matrix.view_mut(place, (n, n)).copy_from(block);
-        }
-        matrix
-    };
-    let zero = DMatrix::zeros(n, n);
-    let a = square([&reduced.damping, &reduced.mass, &reduced.mass, &zero]);
-    let b = square([&reduced.stiffness, &zero, &zero, &-&reduced.mass]);
-    let values = a.lu().solve(&-b).unwrap().complex_eigenvalues();
+    let values = quadratic::eigenvalues(model, states, mu);
     let mut upper: Vec<_> = values.iter().map(|v| v / TAU).filter(|v| v.im > 0.0).collect();
     upper.sort_by(|a, b| a.im.total_cmp(&b.im));
     upper

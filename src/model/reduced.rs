@@ -3,6 +3,7 @@
 use super::LumpedModel;
 use crate::contact::ContactState;
 use nalgebra::DMatrix;
+use std::collections::BTreeMap;
 
 /// The linear equation of motion in the coordinates that a contact state leaves free,
 /// M̃ ü + C̃ u̇ + K̃ u = 0 about the equilibrium.
@@ -40,14 +41,13 @@ impl LumpedModel {
         let dofs = self.dofs();
         let (mut constraints, mut forces) = (Vec::new(), Vec::new());
         for (contact, state) in self.contacts.iter().zip(states) {
-            let mut normal = vec![0.0; dofs];
-            contact.normal.add_to(&mut normal, 1.0);
-            let mut tangent = vec![0.0; dofs];
-            contact.tangent.add_to(&mut tangent, 1.0);
+            let normal: Row = contact.normal.0.iter().copied().collect();
+            let tangent: Row = contact.tangent.0.iter().copied().collect();
             if let Some(direction) = state.sliding_direction() {
                 constraints.push(normal.clone());
-                contact.tangent.add_to(&mut normal, direction * friction_coefficient);
-                forces.push(normal);
+                let mut force = normal;
+                subtract(&mut force, -direction * friction_coefficient, &tangent);
+                forces.push(force);
             } else if *state == ContactState::Stick {
                 constraints.extend([normal.clone(), tangent.clone()]);
                 forces.extend([normal, tangent]);
@@ -73,38 +73,54 @@ fn dense(matrix: &super::SparseMatrix) -> DMatrix<f64> {
     dense
 }
 
-/// A basis, by columns, of the vectors on which all `rows` vanish: Gauss–Jordan with full
-/// pivoting. Rows that depend on others (two sticking contacts on one mass) drop out.
-fn null_space(mut rows: Vec<Vec<f64>>, size: usize) -> DMatrix<f64> {
-    let mut pivots: Vec<usize> = Vec::new();
-    for done in 0..rows.len() {
-        let largest = (done..rows.len())
-            .flat_map(|row| (0..size).map(move |column| (row, column)))
-            .max_by(|a, b| rows[a.0][a.1].abs().total_cmp(&rows[b.0][b.1].abs()));
-        let Some((row, column)) = largest.filter(|&(i, j)| rows[i][j].abs() > 1e-12) else { break };
-        rows.swap(done, row);
-        let pivot = rows[done][column];
-        rows[done].iter_mut().for_each(|value| *value /= pivot);
-        let pivot_row = rows[done].clone();
-        for (other, row) in rows.iter_mut().enumerate() {
-            let factor = row[column];
-            if other != done && factor != 0.0 {
-                for (value, pivot) in row.iter_mut().zip(&pivot_row) {
-                    *value -= factor * pivot;
-                }
+/// A sparse row by columns.
+type Row = BTreeMap<usize, f64>;
+
+/// A basis, by columns, of the vectors on which all `rows` vanish: Gauss–Jordan, each row's largest
+/// entry its pivot. Rows that depend on others (two sticking contacts on one mass) drop out.
+fn null_space(rows: Vec<Row>, size: usize) -> DMatrix<f64> {
+    let mut solved: BTreeMap<usize, Row> = BTreeMap::new();
+    for mut row in rows {
+        let largest = |row: &Row| row.values().fold(0.0_f64, |most, value| most.max(value.abs()));
+        let negligible = 1e-12 * largest(&row);
+        let known: Vec<usize> = row.keys().copied().filter(|c| solved.contains_key(c)).collect();
+        for column in known {
+            let factor = row[&column];
+            subtract(&mut row, factor, &solved[&column]);
+            row.remove(&column);
+        }
+        row.retain(|_, value| value.abs() > negligible);
+        let pivot = row.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+        let Some((&column, &pivot)) = pivot else { continue };
+        row.values_mut().for_each(|value| *value /= pivot);
+        for other in solved.values_mut() {
+            if let Some(factor) = other.remove(&column) {
+                subtract(other, factor, &row);
+                other.remove(&column);
             }
         }
-        pivots.push(column);
+        solved.insert(column, row);
     }
-    let free: Vec<usize> = (0..size).filter(|column| !pivots.contains(column)).collect();
+    let free: Vec<usize> = (0..size).filter(|column| !solved.contains_key(column)).collect();
     let mut basis = DMatrix::zeros(size, free.len());
-    for (j, &column) in free.iter().enumerate() {
-        basis[(column, j)] = 1.0;
-        for (row, &pivot) in pivots.iter().enumerate() {
-            basis[(pivot, j)] = -rows[row][column];
+    for (j, column) in free.iter().enumerate() {
+        basis[(*column, j)] = 1.0;
+    }
+    for (pivot, row) in &solved {
+        for (column, value) in row {
+            if let Ok(j) = free.binary_search(column) {
+                basis[(*pivot, j)] = -value;
+            }
         }
     }
     basis
+}
+
+/// Takes `factor` times another row from a row.
+fn subtract(row: &mut Row, factor: f64, other: &Row) {
+    for (&column, value) in other {
+        *row.entry(column).or_insert(0.0) -= factor * value;
+    }
 }
 
 #[cfg(test)]
@@ -148,7 +164,26 @@ mod tests {
 
     #[test]
     fn a_constraint_given_twice_counts_once() {
-        let row = vec![1.0, 2.0, 0.0];
+        let row = Row::from([(0, 1.0), (1, 2.0)]);
         assert_eq!(null_space(vec![row.clone(), row], 3).ncols(), 2);
+    }
+
+    #[test]
+    fn the_null_space_of_rows_that_share_columns_is_the_whole_of_it() {
+        let rows = [
+            Row::from([(0, 1.0), (1, 2.0), (4, -1.0)]),
+            Row::from([(1, 3.0), (2, 1.0)]),
+            Row::from([(0, 2.0), (1, 1.0), (2, -1.0), (4, -2.0)]),
+            Row::from([(0, 1.0), (2, 5.0), (3, 1.0)]),
+        ];
+        // The third is twice the first less the second.
+        let basis = null_space(rows.to_vec(), 5);
+        assert_eq!((basis.ncols(), basis.rank(1e-12)), (2, 2));
+        for row in &rows {
+            for vector in basis.column_iter() {
+                let product: f64 = row.iter().map(|(&column, value)| value * vector[column]).sum();
+                assert!(product.abs() < 1e-14);
+            }
+        }
     }
 }

@@ -3,7 +3,7 @@
 use super::axes::{Frame, LARGE, LEFT, RIGHT, SMALL, X_AXIS, range, roomy};
 use super::canvas::{self, Align, Canvas, Drawing, Failure, Point, text_width};
 use super::legend::{Entry, Legend, Sample};
-use super::palette::{GREY, INK, colour, dashes, faint};
+use super::palette::{GREY, INK, colour, dashes};
 use crate::Error;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
@@ -62,8 +62,6 @@ pub enum Style {
     Line,
     /// With short dashes.
     Dashed,
-    /// Thin and pale: context for others.
-    Faint,
 }
 
 /// A place on the x axis worth a vertical line.
@@ -92,7 +90,6 @@ impl Series {
         match self.style {
             Style::Line => (colour, 1.8, gaps),
             Style::Dashed => (colour, 1.8, &[6.0, 4.0]),
-            Style::Faint => (faint(colour), 1.0, gaps),
         }
     }
 

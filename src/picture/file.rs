@@ -26,6 +26,14 @@ impl Format {
     }
 }
 
+/// Refuses the name of a picture that cannot be one, before the work that it would show.
+///
+/// # Errors
+/// An ending other than `.svg` and `.png`.
+pub fn check_name(path: &Path) -> Result<(), Error> {
+    Format::of(path).map(|_| ())
+}
+
 /// Writes beside the file and then renames, so that what stood there stays until all is well.
 pub(super) fn save(path: &Path, content: &[u8]) -> Result<(), Error> {
     let mut name = path.file_name().unwrap_or_default().to_owned();

@@ -20,11 +20,11 @@ pub struct Map {
     pub x_label: String,
     /// The quantity along y, with its unit.
     pub y_label: String,
-    /// From the left edge of the first column to the right edge of the last.
+    /// From the middle of the first column to the middle of the last: the picture ends there.
     pub x: [f64; 2],
-    /// From the lower edge of the first row to the upper edge of the last.
+    /// From the middle of the first row to the middle of the last.
     pub y: [f64; 2],
-    /// Rows of equal cells, the lowest row first: each cell's place in `classes`.
+    /// Rows of cells, the lowest row first: each cell's place in `classes`.
     pub cells: Vec<Vec<usize>>,
     /// What the cells can be.
     pub classes: Vec<Class>,
@@ -142,8 +142,9 @@ impl Drawing for Layout<'_> {
     }
 }
 
-/// The edge before a cell.
+/// The edge before a cell. The frame goes through the middles of the first and the last.
 #[allow(clippy::cast_precision_loss)]
 fn part(place: usize, count: usize, from: f64, to: f64) -> f64 {
-    from + place as f64 / count as f64 * (to - from)
+    let middles = (count - 1).max(1) as f64;
+    from + ((place as f64 - 0.5) / middles).clamp(0.0, 1.0) * (to - from)
 }

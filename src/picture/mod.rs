@@ -14,6 +14,7 @@ mod moving;
 mod palette;
 
 pub use chart::{Chart, Mark, Panel, Series, Style};
+pub use file::check_name;
 pub use map::{Class, Map};
 pub use mode_shapes::{ModeShape, ModeShapes};
 pub use palette::PALETTE;

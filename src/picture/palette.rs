@@ -30,12 +30,6 @@ pub(super) fn colour(place: usize) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
-/// What a colour is on white at a third of its strength.
-pub(super) fn faint(RGBColor(red, green, blue): RGBColor) -> RGBColor {
-    let mix = |part: u8| u8::try_from((u16::from(part) + 2 * 255) / 3).unwrap_or(u8::MAX);
-    RGBColor(mix(red), mix(green), mix(blue))
-}
-
 /// Lengths of dashes and gaps, px, for colours that come again; none is a line without gaps.
 pub(super) fn dashes(place: usize) -> &'static [f64] {
     const DASHES: [&[f64]; 4] = [&[], &[12.0, 4.0], &[2.0, 3.0], &[10.0, 3.0, 2.0, 3.0]];

@@ -1,20 +1,23 @@
 //! The paper's aim: ranges of µ that can be bi-stable, because uniform sliding is stable there while
 //! another contact state, into which a push can bring the system, is not.
 
-use super::locus::{Crossing, Locus, Root, locus, roots};
+use super::locus::{Crossing, Locus, Root, between, locus, roots};
 use super::parallel;
 use super::states::StateClasses;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::LumpedModel;
+use crate::model::{LumpedModel, ring};
+use crate::scene::Scene;
 use std::f64::consts::TAU;
 
 /// What a range of µ holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bistability {
-    /// Where modes of uniform sliding begin or cease to grow, by µ.
+    /// Ranges of µ in which there is an equilibrium in uniform sliding.
+    pub equilibrium: Vec<[f64; 2]>,
+    /// Where modes of uniform sliding begin or cease to grow in them, by µ.
     pub uniform: Vec<Crossing>,
-    /// Ranges of µ in which uniform sliding is stable.
+    /// Ranges of µ in which there is an equilibrium that no mode leaves.
     pub stable: Vec<[f64; 2]>,
     /// Modes of other states that grow inside a stable range, by µ.
     pub candidates: Vec<Candidate>,
@@ -39,45 +42,66 @@ pub struct Candidate {
 }
 
 /// The state of uniform sliding at this slider velocity: all contacts alike.
-#[must_use]
-pub fn uniform_sliding(model: &LumpedModel, slider_velocity: f64) -> Vec<ContactState> {
-    let state =
-        if slider_velocity < 0.0 { ContactState::ReverseSlide } else { ContactState::Slide };
-    vec![state; model.contacts.len()]
-}
-
-/// Looks through all states over ascending values of µ, on all cores; `done` hears how many are done.
 ///
 /// # Errors
-/// A slider that stands still, too many contacts, or a state that cannot be analysed.
-pub fn bistability(
+/// The slider stands still.
+pub fn uniform_sliding(
     model: &LumpedModel,
     slider_velocity: f64,
-    values: &[f64],
+) -> Result<Vec<ContactState>, Error> {
+    let state = match slider_velocity {
+        v if v > 0.0 => ContactState::Slide,
+        v if v < 0.0 => ContactState::ReverseSlide,
+        _ => {
+            return Err(Error::analysis(
+                "the slider stands still, so nothing slides: give slider.velocity another value, \
+                 or name a contact state with --state where a command has it",
+            ));
+        }
+    };
+    Ok(vec![state; model.contacts.len()])
+}
+
+/// The widest step in µ over which modes are followed; a mode that grows only in a range narrower
+/// than this may be missed.
+const STEP: f64 = 0.01;
+/// The fewest steps in a range.
+const FEWEST_STEPS: f64 = 200.0;
+
+/// Looks through all states of a scene over a range of µ, on all cores; `done` hears how many
+/// classes of states are done.
+///
+/// # Errors
+/// A slider that stands still, no equilibrium in the whole range, too many contacts, or a state that
+/// cannot be analysed.
+pub fn bistability(
+    scene: &Scene,
+    [first, last]: [f64; 2],
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Bistability, Error> {
-    if slider_velocity == 0.0 {
-        return Err(Error::analysis(
-            "the slider stands still, so nothing slides: give slider.velocity another value",
-        ));
-    }
+    let model = &LumpedModel::from(scene);
+    let uniform_state = uniform_sliding(model, scene.slider.velocity)?;
+    let classes = StateClasses::of(model)?;
+    let steps = ((last - first) / STEP).ceil().max(FEWEST_STEPS);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let values: Vec<f64> =
+        (0..=steps as u32).map(|i| first + (last - first) * (f64::from(i) / steps)).collect();
+    let equilibrium = equilibrium_ranges(scene, model, &values)?;
     let follow = |states: &[ContactState]| -> Result<Locus, Error> {
-        locus(&|mu| roots(model, states, mu), values)
+        locus(&|mu| roots(model, states, mu), &values, &|_| {})
     };
-    let uniform_state = uniform_sliding(model, slider_velocity);
     let uniform = follow(&uniform_state)?;
     let mut growing: Vec<[f64; 2]> =
         (0..uniform.branches.len()).flat_map(|mode| growing_ranges(&uniform, mode)).collect();
     growing.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let stable = gaps(&growing, values[0], values[values.len() - 1]);
-    let classes = StateClasses::of(model)?;
+    let stable = common(&equilibrium, &gaps(&growing, first, last));
     let loci = parallel::collect(
         classes.representatives.len(),
         &|class| {
             let states = &classes.representatives[class];
             // Contacts that contradict each other leave modes only at µ = 0.
             let count = |mu| Ok::<_, Error>(roots(model, states, mu)?.len());
-            let is_possible = count(values[0])? == count(values[values.len() - 1])?;
+            let is_possible = count(first)? == count(last)?;
             is_possible.then(|| follow(states)).transpose()
         },
         done,
@@ -87,29 +111,60 @@ pub fn bistability(
         let Some(other) = other.as_ref().filter(|_| *states != uniform_state) else { continue };
         let alike = classes.size(class);
         for mode in 0..other.branches.len() {
-            for range in growing_ranges(other, mode) {
-                for stable in &stable {
-                    let common = [range[0].max(stable[0]), range[1].min(stable[1])];
-                    if common[0] < common[1] {
-                        let at = |mu: f64| root_of(model, states, other, mode, mu);
-                        let (start, end) = (at(common[0])?, at(common[1])?);
-                        candidates.push(Candidate {
-                            states: states.clone(),
-                            alike,
-                            range: common,
-                            begins: range[0] > values[0] && common[0] == range[0],
-                            frequency_hz: start.lambda.im / TAU,
-                            at_end: [end.lambda.im / TAU, end.lambda.re],
-                        });
-                    }
+            for growing in growing_ranges(other, mode) {
+                for range in common(&[growing], &stable) {
+                    let at = |mu: f64| root_of(model, states, other, mode, mu);
+                    let (start, end) = (at(range[0])?, at(range[1])?);
+                    candidates.push(Candidate {
+                        states: states.clone(),
+                        alike,
+                        range,
+                        begins: growing[0] > first && range[0] == growing[0],
+                        frequency_hz: start.lambda.im / TAU,
+                        at_end: [end.lambda.im / TAU, end.lambda.re],
+                    });
                 }
             }
         }
     }
     candidates.sort_by(|a, b| a.range[0].total_cmp(&b.range[0]));
-    let mut crossings = uniform.crossings;
-    crossings.sort_by(|a, b| a.value.total_cmp(&b.value));
-    Ok(Bistability { uniform: crossings, stable, candidates })
+    let exists = |mu: f64| equilibrium.iter().any(|[from, to]| (*from..=*to).contains(&mu));
+    let uniform = uniform.crossings.into_iter().filter(|crossing| exists(crossing.value)).collect();
+    Ok(Bistability { equilibrium, uniform, stable, candidates })
+}
+
+/// The ranges of µ in which the scene has an equilibrium, their ends bisected.
+fn equilibrium_ranges(
+    scene: &Scene,
+    model: &LumpedModel,
+    values: &[f64],
+) -> Result<Vec<[f64; 2]>, Error> {
+    let find = |mu: f64| {
+        let scene = Scene { friction_coefficient: mu, ..scene.clone() };
+        ring::equilibrium(&scene, model)
+    };
+    let exists: Vec<bool> = values.iter().map(|&mu| find(mu).is_ok()).collect();
+    let mut ranges = Vec::new();
+    let mut start = exists[0].then_some(values[0]);
+    for (pair, there) in values.windows(2).zip(exists.windows(2)) {
+        if there[0] == there[1] {
+            continue;
+        }
+        let (mut low, mut high) = (pair[0], pair[1]);
+        while let Some(middle) = between(low, high) {
+            let side = if find(middle).is_ok() == there[0] { &mut low } else { &mut high };
+            *side = middle;
+        }
+        match start.take() {
+            Some(start) => ranges.push([start, low]),
+            None => start = Some(high),
+        }
+    }
+    ranges.extend(start.map(|start| [start, values[values.len() - 1]]));
+    match ranges.is_empty() {
+        true => Err(find(values[0]).expect_err("there is none anywhere")),
+        false => Ok(ranges),
+    }
 }
 
 /// The ranges of the parameter in which a mode grows.
@@ -143,6 +198,12 @@ fn gaps(ranges: &[[f64; 2]], first: f64, last: f64) -> Vec<[f64; 2]> {
     gaps
 }
 
+/// What two lists of ranges have in common.
+fn common(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
+    let pairs = a.iter().flat_map(|a| b.iter().map(move |b| [a[0].max(b[0]), a[1].min(b[1])]));
+    pairs.filter(|[from, to]| from < to).collect()
+}
+
 /// The root at `mu` of a mode that is known on the locus's values: the nearest to the line between
 /// its neighbours.
 fn root_of(
@@ -166,7 +227,6 @@ fn root_of(
 mod tests {
     use super::*;
     use crate::scene::builtin;
-    use crate::stability::Spectrum;
 
     #[test]
     fn what_is_left_between_ranges() {
@@ -174,34 +234,28 @@ mod tests {
         assert_eq!(gaps(&[[0.2, 0.5], [0.3, 0.4], [0.7, 1.0]], 0.0, 1.0), [[0.0, 0.2], [0.5, 0.7]]);
     }
 
-    /// The largest growth rate over a state, by another route than following its modes.
-    fn growth(model: &LumpedModel, states: &[ContactState], mu: f64) -> f64 {
-        Spectrum::of(model, states, mu).unwrap().growth_rate()
+    #[test]
+    fn what_ranges_have_in_common() {
+        assert_eq!(common(&[[0.0, 1.0]], &[[0.5, 2.0], [1.0, 3.0]]), [[0.5, 1.0]]);
     }
 
     #[test]
-    fn every_onset_of_set_2_is_a_change_of_sign_of_the_largest_growth_rate() {
-        let model = LumpedModel::from(&builtin("set2").unwrap().scene());
-        let values: Vec<f64> = (0..=250).map(|i| 0.01 * f64::from(i)).collect();
-        let found = bistability(&model, 0.025, &values, &|_| {}).unwrap();
-        let names: Vec<String> = found
-            .candidates
-            .iter()
-            .map(|c| crate::contact::Joined(&c.states).to_string())
-            .collect();
-        assert!(names.contains(&"Sl-St".to_owned()), "{names:?}");
-        let uniform = uniform_sliding(&model, 0.025);
-        let turn = found.uniform[0].value;
-        assert!(growth(&model, &uniform, turn - 1e-9) < 0.0);
-        assert!(growth(&model, &uniform, turn + 1e-9) > 0.0);
-        assert_eq!(found.stable, [[0.0, turn]]);
-        let mut firsts = std::collections::HashMap::new();
-        for candidate in &found.candidates {
-            firsts.entry(&candidate.states).or_insert(candidate);
-            assert!(growth(&model, &candidate.states, candidate.range[0] + 1e-9) > 0.0);
+    fn nothing_is_stable_where_there_is_no_equilibrium() {
+        // On a slider that slopes the other way friction draws the masses into it, until they jam.
+        let mut scene = builtin("set2").unwrap().scene();
+        scene.slider.angle = -0.5;
+        let found = bistability(&scene, [0.0, 6.0], &|_| {}).unwrap();
+        let [[from, to]] = found.equilibrium[..] else { panic!("{:?}", found.equilibrium) };
+        assert!(from == 0.0 && to < 6.0);
+        let exists = |mu: f64| {
+            let scene = Scene { friction_coefficient: mu, ..scene.clone() };
+            ring::equilibrium(&scene, &LumpedModel::from(&scene)).is_ok()
+        };
+        assert!(exists(to) && !exists(to + 1e-9));
+        for range in found.stable.iter().chain(found.candidates.iter().map(|c| &c.range)) {
+            assert!(range[1] <= to);
         }
-        for (states, first) in firsts {
-            assert!(first.begins && growth(&model, states, first.range[0] - 1e-9) < 0.0);
-        }
+        let nowhere = bistability(&scene, [to + 0.1, 6.0], &|_| {}).unwrap_err();
+        assert!(nowhere.is_equilibrium(), "{nowhere}");
     }
 }

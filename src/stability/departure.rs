@@ -11,8 +11,9 @@ use nalgebra::{Complex, DMatrix, DVector};
 pub struct Departure {
     /// The contact, from 0.
     pub contact: usize,
-    /// The state that it enters: it sticks where its slip velocity reaches zero (friction then has
-    /// force to spare), it detaches where its normal force does.
+    /// The state that it enters: where its slip velocity reaches zero it sticks (friction then has
+    /// force to spare) or, without friction, slides the other way; where its normal force does, it
+    /// detaches.
     pub into: ContactState,
     /// Amplitude at which it does, m, of the degree of freedom that moves most.
     pub amplitude: f64,
@@ -21,7 +22,8 @@ pub struct Departure {
 }
 
 /// The smallest amplitude of `mode`, a mode of uniform sliding, at which a contact leaves sliding.
-/// The mode is taken as harmonic over a cycle. `None` where it moves no contact at all, or a contact
+/// The mode is taken as harmonic over a cycle; one that does not oscillate may go either way, and
+/// the way that leaves first counts. `None` where it moves no contact at all, or a contact
 /// could not be solved for.
 #[must_use]
 pub fn departure(
@@ -40,9 +42,14 @@ pub fn departure(
         .max_by(|&a, &b| mode.shape[a].norm().total_cmp(&mode.shape[b].norm()))?;
     let first = model.contacts.iter().enumerate().flat_map(|(contact, rows)| {
         let speed = (mode.eigenvalue * along(&rows.tangent)).norm();
-        let stick = (ContactState::Stick, slider_velocity.abs() / speed);
+        let slow = match slider_velocity {
+            _ if friction_coefficient > 0.0 => ContactState::Stick,
+            v if v > 0.0 => ContactState::ReverseSlide,
+            _ => ContactState::Slide,
+        };
+        let slow = (slow, slider_velocity.abs() / speed);
         let open = (ContactState::Detached, equilibrium.normal_force[contact] / normal[contact]);
-        [stick, open].map(|(into, amplitude)| Departure { contact, into, amplitude, dof })
+        [slow, open].map(|(into, amplitude)| Departure { contact, into, amplitude, dof })
     });
     first.filter(|d| d.amplitude.is_finite()).min_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
 }

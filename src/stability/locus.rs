@@ -4,11 +4,13 @@
 //! eigenvalue λ with Im λ ≥ 0. Real σ may cross (symmetric structures) or merge into a pair; the
 //! merging is exact, damped or not, because C̃ = α M̃ + β K̃ has the same eigenvectors.
 
-use super::modes::{quadratic_roots, stiffness_eigenvalues};
+use super::modes::quadratic_roots;
+use super::symmetry::all_stiffness_eigenvalues;
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::LumpedModel;
 use nalgebra::Complex;
+use std::cmp::Ordering;
 use std::f64::consts::TAU;
 
 /// Halvings of a step at most, where modes cannot be told apart by continuity.
@@ -26,6 +28,11 @@ pub struct Root {
 }
 
 impl Root {
+    /// Re λ > 0.
+    fn grows(self) -> bool {
+        self.lambda.re > 0.0
+    }
+
     fn is_real(self) -> bool {
         self.sigma.im == 0.0
     }
@@ -36,13 +43,28 @@ impl Root {
 /// # Errors
 /// As [`modes`](super::modes()).
 pub fn roots(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec<Root>, Error> {
-    let mut sigmas = stiffness_eigenvalues(model, states, mu)?;
-    sigmas.sort_by(|a, b| a.re.total_cmp(&b.re).then(a.im.total_cmp(&b.im)));
     let upper = |sigma| {
         let [a, b] = quadratic_roots(model, sigma);
         if (a.im, a.re) >= (b.im, b.re) { a } else { b }
     };
-    Ok(sigmas.into_iter().map(|sigma| Root { sigma, lambda: upper(sigma) }).collect())
+    let sigmas = all_stiffness_eigenvalues(model, states, mu)?;
+    let mut roots: Vec<Root> =
+        sigmas.into_iter().map(|sigma| Root { sigma, lambda: upper(sigma) }).collect();
+    roots.sort_by(|a, b| {
+        let pair = a.sigma == b.sigma.conj();
+        let apart = a.sigma.re.total_cmp(&b.sigma.re);
+        if pair { order_of_merged(a, b) } else { apart }
+    });
+    Ok(roots)
+}
+
+/// Which of a pair that has merged comes first: the one with the lower frequency or, without
+/// damping, where both have the same, the one that decays. So the higher of them is the one that
+/// grows, as the paper numbers them.
+fn order_of_merged(a: &Root, b: &Root) -> Ordering {
+    let apart = (a.lambda.im - b.lambda.im).abs() > 1e-12 * a.lambda.norm();
+    let frequency = a.lambda.im.total_cmp(&b.lambda.im);
+    if apart { frequency } else { a.lambda.re.total_cmp(&b.lambda.re) }
 }
 
 /// The modes of a contact state over the values of a parameter.
@@ -87,11 +109,17 @@ pub struct Crossing {
 /// Gives the roots at a value of the parameter; always the same number of them.
 pub type Evaluate<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + Sync + 'a;
 
-/// Follows all modes over ascending values of a parameter.
+/// Follows all modes over ascending values of a parameter; `done` hears how many are done. A mode
+/// that grows only between two neighbouring values, without a sign of it at its neighbours, is
+/// missed: choose the step accordingly.
 ///
 /// # Errors
 /// What `evaluate` fails with.
-pub fn locus(evaluate: &Evaluate<'_>, values: &[f64]) -> Result<Locus, Error> {
+pub fn locus(
+    evaluate: &Evaluate<'_>,
+    values: &[f64],
+    done: &dyn Fn(usize),
+) -> Result<Locus, Error> {
     let Some(&start) = values.first() else {
         return Err(Error::analysis("a root locus needs at least one value of its parameter"));
     };
@@ -105,13 +133,19 @@ pub fn locus(evaluate: &Evaluate<'_>, values: &[f64]) -> Result<Locus, Error> {
         crossings: Vec::new(),
     };
     let mut branches: Vec<Vec<Root>> = tracker.roots.iter().map(|&root| vec![root]).collect();
-    for &value in &values[1..] {
+    for (i, &value) in values.iter().enumerate().skip(1) {
         tracker.follow_to(value, 0)?;
+        done(i + 1);
         for (branch, &root) in branches.iter_mut().zip(&tracker.roots) {
             branch.push(root);
         }
     }
-    let Tracker { coalescences, crossings, .. } = tracker;
+    let Tracker { mut coalescences, mut crossings, .. } = tracker;
+    for (mode, branch) in branches.iter().enumerate() {
+        crossings.extend(hidden_crossings(evaluate, values, branch, mode)?);
+    }
+    coalescences.sort_by(|a, b| a.value.total_cmp(&b.value));
+    crossings.sort_by(|a, b| a.value.total_cmp(&b.value));
     Ok(Locus { values: values.to_vec(), branches, coalescences, crossings })
 }
 
@@ -157,8 +191,7 @@ impl Tracker<'_> {
         Ok(())
     }
 
-    /// Two modes that have just merged are alike; the one with the higher number becomes the one with
-    /// the higher frequency, as the paper numbers them.
+    /// Two modes that have just merged are alike: they are numbered by [`order_of_merged`].
     fn number_merged(&self, found: &[Root], order: &mut [usize]) {
         for i in 0..order.len() {
             for j in i + 1..order.len() {
@@ -167,7 +200,7 @@ impl Tracker<'_> {
                     && self.roots[j].is_real()
                     && !a.is_real()
                     && a.sigma == b.sigma.conj();
-                if merged && a.lambda.im > b.lambda.im {
+                if merged && order_of_merged(&a, &b) == Ordering::Greater {
                     order.swap(i, j);
                 }
             }
@@ -193,15 +226,9 @@ impl Tracker<'_> {
                     merge,
                 });
             }
-            let grows = |root: &Root| root.lambda.re > 0.0;
-            if grows(&self.roots[i]) != grows(&next[i]) {
-                let (at, root) = self.locate_crossing(value, self.roots[i], next[i])?;
-                self.crossings.push(Crossing {
-                    value: at,
-                    mode: i,
-                    frequency_hz: root.lambda.im / TAU,
-                    becomes_unstable: grows(&next[i]),
-                });
+            if self.roots[i].grows() != next[i].grows() {
+                let ends = [(self.value, self.roots[i]), (value, next[i])];
+                self.crossings.push(locate_crossing(self.evaluate, i, ends)?);
             }
         }
         Ok(())
@@ -229,24 +256,94 @@ impl Tracker<'_> {
         }
         Ok(0.5 * (low + high))
     }
+}
 
-    /// Bisects on the sign of Re λ along one branch.
-    fn locate_crossing(&self, end: f64, from: Root, to: Root) -> Result<(f64, Root), Error> {
-        let (mut low, mut high) = ((self.value, from), (end, to));
-        while let Some(middle) = between(low.0, high.0) {
-            let part = (middle - low.0) / (high.0 - low.0);
-            let expected = low.1.sigma + (high.1.sigma - low.1.sigma) * part;
-            let root = nearest((self.evaluate)(middle)?, expected);
-            let side =
-                if (root.lambda.re > 0.0) == (from.lambda.re > 0.0) { &mut low } else { &mut high };
-            *side = (middle, root);
-        }
-        Ok(if from.lambda.re > 0.0 { high } else { low })
+/// A value of the parameter and the root of a branch there.
+type Point = (f64, Root);
+
+/// Bisects on the sign of Re λ along one branch, between two points that differ in it.
+fn locate_crossing(
+    evaluate: &Evaluate<'_>,
+    mode: usize,
+    [from, to]: [Point; 2],
+) -> Result<Crossing, Error> {
+    let (mut low, mut high) = (from, to);
+    while let Some(middle) = between(low.0, high.0) {
+        let point = on_branch(evaluate, [low, high], middle)?;
+        let side = if point.1.grows() == from.1.grows() { &mut low } else { &mut high };
+        *side = point;
     }
+    let (value, root) = if from.1.grows() { high } else { low };
+    Ok(Crossing { value, mode, frequency_hz: root.lambda.im / TAU, becomes_unstable: to.1.grows() })
+}
+
+/// The root at `value` of a branch that is known at two points: the nearest to the line between.
+fn on_branch(evaluate: &Evaluate<'_>, [low, high]: [Point; 2], value: f64) -> Result<Point, Error> {
+    let part = (value - low.0) / (high.0 - low.0);
+    let expected = low.1.sigma + (high.1.sigma - low.1.sigma) * part;
+    Ok((value, nearest(evaluate(value)?, expected)))
+}
+
+/// Pairs of crossings between two neighbouring values at which a branch is on the same side. Where
+/// Re λ comes nearest to zero among the values, its extremum is sought beside that place.
+fn hidden_crossings(
+    evaluate: &Evaluate<'_>,
+    values: &[f64],
+    branch: &[Root],
+    mode: usize,
+) -> Result<Vec<Crossing>, Error> {
+    let points: Vec<Point> = values.iter().copied().zip(branch.iter().copied()).collect();
+    let mut found = Vec::new();
+    for three in points.windows(3) {
+        let [left, middle, right] = *three else { unreachable!("windows of three") };
+        let grows = middle.1.grows();
+        let below = |point: &Point| -point.1.lambda.re.abs();
+        let rise = [left, right].map(|side| below(&middle) - below(&side));
+        let is_peak =
+            rise[0] >= 0.0 && rise[1] > 0.0 && [left, right].iter().all(|p| p.1.grows() == grows);
+        // A smooth curve rises between values by no more than it fell to the next.
+        if !is_peak || below(&middle) + 2.0 * rise[0].max(rise[1]) < 0.0 {
+            continue;
+        }
+        if let Some(other) = other_side(evaluate, [left, middle, right])? {
+            let [before, after] = if other.0 < middle.0 { [left, middle] } else { [middle, right] };
+            found.push(locate_crossing(evaluate, mode, [before, other])?);
+            found.push(locate_crossing(evaluate, mode, [other, after])?);
+        }
+    }
+    Ok(found)
+}
+
+/// A point beside the middle one where Re λ has the other sign, if there is one: golden-section
+/// search of the extremum.
+fn other_side(
+    evaluate: &Evaluate<'_>,
+    [mut left, mut middle, mut right]: [Point; 3],
+) -> Result<Option<Point>, Error> {
+    const GOLDEN: f64 = 0.381_966_011_250_105;
+    let grows = middle.1.grows();
+    let resolution = 1e-9 * (right.0 - left.0);
+    while right.0 - left.0 > resolution {
+        let leftwards = middle.0 - left.0 > right.0 - middle.0;
+        let side = if leftwards { left } else { right };
+        let at = middle.0 + GOLDEN * (side.0 - middle.0);
+        let point = on_branch(evaluate, [middle, side], at)?;
+        if point.1.grows() != grows {
+            return Ok(Some(point));
+        }
+        let better = point.1.lambda.re.abs() < middle.1.lambda.re.abs();
+        match (better, leftwards) {
+            (true, true) => (middle, right) = (point, middle),
+            (true, false) => (middle, left) = (point, middle),
+            (false, true) => left = point,
+            (false, false) => right = point,
+        }
+    }
+    Ok(None)
 }
 
 /// The middle of an interval, until none is left.
-fn between(low: f64, high: f64) -> Option<f64> {
+pub(super) fn between(low: f64, high: f64) -> Option<f64> {
     let middle = 0.5 * (low + high);
     (low < middle && middle < high).then_some(middle)
 }
@@ -306,7 +403,7 @@ mod tests {
     #[test]
     fn set_1_has_two_coalescences_5_6_before_3_4_and_set_2_the_other_order() {
         for (name, order) in [("set1", [[4, 5], [2, 3]]), ("set2", [[2, 3], [4, 5]])] {
-            let found = locus(&sliding(name), &grid(3.5, 0.005)).unwrap();
+            let found = locus(&sliding(name), &grid(3.5, 0.005), &|_| {}).unwrap();
             let modes: Vec<[usize; 2]> = found.coalescences.iter().map(|c| c.modes).collect();
             assert_eq!(modes, order, "{name}");
             assert!(found.coalescences.iter().all(|c| c.merge));
@@ -345,7 +442,7 @@ mod tests {
             let (b, c, d) = (-trace, minors, -determinant);
             18.0 * b * c * d - 4.0 * b.powi(3) * d + b * b * c * c - 4.0 * c.powi(3) - 27.0 * d * d
         };
-        let found = locus(&sliding("set1"), &grid(3.5, 0.005)).unwrap();
+        let found = locus(&sliding("set1"), &grid(3.5, 0.005), &|_| {}).unwrap();
         // Modes 5 and 6 move the modules out of phase, modes 3 and 4 in phase (Fig. 2c).
         for (coalescence, links) in found.coalescences.iter().zip([4.0, 0.0]) {
             let (mut low, mut high) = (coalescence.value - 0.01, coalescence.value + 0.01);
@@ -360,8 +457,8 @@ mod tests {
 
     #[test]
     fn the_locus_does_not_depend_on_its_grid() {
-        let fine = locus(&sliding("set1"), &grid(3.5, 0.005)).unwrap();
-        let coarse = locus(&sliding("set1"), &grid(3.5, 0.25)).unwrap();
+        let fine = locus(&sliding("set1"), &grid(3.5, 0.005), &|_| {}).unwrap();
+        let coarse = locus(&sliding("set1"), &grid(3.5, 0.25), &|_| {}).unwrap();
         for (a, b) in fine.crossings.iter().zip(&coarse.crossings) {
             assert_eq!((a.mode, a.becomes_unstable), (b.mode, b.becomes_unstable));
             assert!((a.value - b.value).abs() < 1e-9);
@@ -379,7 +476,7 @@ mod tests {
         scene.modules = vec![scene.modules[0]; 5];
         let model = LumpedModel::from(&scene);
         let evaluate = |mu| roots(&model, &[ContactState::Slide; 5], mu);
-        let found = locus(&evaluate, &grid(3.5, 0.02)).unwrap();
+        let found = locus(&evaluate, &grid(3.5, 0.02), &|_| {}).unwrap();
         // Waves 0, 1 and 2 around the ring; waves 1 and 2 come twice. Each family of three modes
         // has at most one merging below µ = 3.5 and a double family merges twice at one place.
         assert!((1..=5).contains(&found.coalescences.len()), "{:?}", found.coalescences);
@@ -398,10 +495,59 @@ mod tests {
             roots.sort_by(|a, b| a.sigma.re.total_cmp(&b.sigma.re));
             Ok(roots)
         };
-        let found = locus(&crossing, &grid(1.0, 0.07)).unwrap();
+        let found = locus(&crossing, &grid(1.0, 0.07), &|_| {}).unwrap();
         assert!(found.coalescences.is_empty());
         for (value, root) in found.values.iter().zip(&found.branches[0]) {
             assert!((root.sigma.re - (1.0 + value)).abs() < 1e-15);
+        }
+    }
+
+    /// A single root with this growth rate over the parameter.
+    fn growing_as(growth: fn(f64) -> f64) -> impl Fn(f64) -> Result<Vec<Root>, Error> + Sync {
+        move |p| {
+            let lambda = Complex::new(growth(p), 10.0);
+            Ok(vec![Root { sigma: -lambda * lambda, lambda }])
+        }
+    }
+
+    #[test]
+    fn a_mode_that_grows_only_between_two_values_is_found() {
+        // Above zero from 0.505 to 0.515 only, or below zero there only, on a grid of 0.02.
+        for sign in [1.0, -1.0] {
+            let hump = growing_as(|p| 2.5e-5 - (p - 0.51).powi(2));
+            let evaluate = move |p: f64| {
+                let mut roots = hump(p)?;
+                roots[0].lambda.re *= sign;
+                Ok(roots)
+            };
+            let found = locus(&evaluate, &grid(1.0, 0.02), &|_| {}).unwrap().crossings;
+            let values: Vec<f64> = found.iter().map(|crossing| crossing.value).collect();
+            assert_eq!(values.len(), 2, "{values:?}");
+            assert!((values[0] - 0.505).abs() < 1e-12 && (values[1] - 0.515).abs() < 1e-12);
+            assert_eq!(
+                [found[0].becomes_unstable, found[1].becomes_unstable],
+                [sign > 0.0, sign < 0.0]
+            );
+        }
+    }
+
+    #[test]
+    fn a_mode_that_comes_near_growing_and_does_not_has_no_crossing() {
+        let near = growing_as(|p| -1e-9 - (p - 0.51).powi(2));
+        assert!(locus(&near, &grid(1.0, 0.02), &|_| {}).unwrap().crossings.is_empty());
+    }
+
+    #[test]
+    fn without_damping_and_past_a_merging_the_higher_of_a_pair_is_the_one_that_grows() {
+        let mut model = LumpedModel::from(&builtin("set1").unwrap().scene());
+        model.damping.beta = 0.0;
+        let evaluate = |mu| roots(&model, &[ContactState::Slide; 2], mu);
+        for start in [0.0, 1.5] {
+            let values: Vec<f64> =
+                (0..=50).map(|i| start + 0.01 * f64::from(i) * (1.6 - start) / 0.5).collect();
+            let found = locus(&evaluate, &values, &|_| {}).unwrap();
+            let growth = |mode: usize| found.branches[mode].last().unwrap().lambda.re;
+            assert!(growth(5) > 0.0 && growth(4) < 0.0, "from {start}");
         }
     }
 }

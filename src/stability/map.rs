@@ -1,8 +1,8 @@
 //! Maps of stability over two parameters.
 
 use super::candidates::uniform_sliding;
-use super::modes::Spectrum;
 use super::parallel;
+use super::spectrum::Spectrum;
 use super::states::StateClasses;
 use crate::Error;
 use crate::model::{LumpedModel, ring};
@@ -17,7 +17,8 @@ pub enum Verdict {
     Candidate,
     /// Uniform sliding itself grows.
     Unstable,
-    /// There is no equilibrium in uniform sliding (jamming, or a contact that opens).
+    /// There is no equilibrium in uniform sliding (jamming, a contact that opens, a slider that
+    /// stands still).
     NoEquilibrium,
 }
 
@@ -49,7 +50,9 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
         return if error.is_equilibrium() { Ok(Verdict::NoEquilibrium) } else { Err(error) };
     }
     let mu = scene.friction_coefficient;
-    let uniform = uniform_sliding(&model, scene.slider.velocity);
+    let Ok(uniform) = uniform_sliding(&model, scene.slider.velocity) else {
+        return Ok(Verdict::NoEquilibrium);
+    };
     if Spectrum::of(&model, &uniform, mu)?.unstable() {
         return Ok(Verdict::Unstable);
     }

@@ -5,6 +5,7 @@
 //! | `critical_step` | the largest step of the explicit scheme |
 //! | `modes` | eigenvalues and shapes of one contact state |
 //! | `symmetry` | which states of a ring are alike; waves in place of the whole ring |
+//! | `spectrum` | the eigenvalues of one contact state, without shapes |
 //! | `states` | the eigenvalues of all contact states |
 //! | `departure` | how large a mode may become before a contact leaves sliding |
 //! | `locus` | modes over a parameter: where they merge, where they begin to grow |
@@ -30,6 +31,8 @@ mod modes;
 #[cfg(feature = "tools")]
 mod parallel;
 #[cfg(feature = "tools")]
+mod spectrum;
+#[cfg(feature = "tools")]
 mod states;
 #[cfg(feature = "tools")]
 mod symmetry;
@@ -37,7 +40,8 @@ mod symmetry;
 #[cfg(feature = "tools")]
 pub use {
     departure::{Departure, departure},
-    modes::{Mode, Modes, Spectrum, modes},
+    modes::{Mode, Modes, modes},
+    spectrum::Spectrum,
     states::{MAX_CONTACTS, StateClasses},
-    symmetry::{Symmetry, uniform_ring_spectrum},
+    symmetry::Symmetry,
 };

@@ -71,19 +71,20 @@ impl Modes {
 /// each other (two on one mass, one Sl, one R-Sl).
 ///
 /// # Errors
-/// The masses of the state cannot be inverted (friction wedges a contact), or the eigenvalue
-/// iteration does not converge.
+/// The masses of the state cannot be inverted (friction wedges a contact), the eigenvalue iteration
+/// does not converge or leaves the range of numbers, or the model is too large for dense matrices.
 pub fn modes(
     model: &LumpedModel,
     states: &[ContactState],
     friction_coefficient: f64,
 ) -> Result<Modes, Error> {
     let mut found = Modes { oscillating: Vec::new(), real: Vec::new() };
+    check_size(model)?;
     let Some(reduced) = model.reduced(states, friction_coefficient) else { return Ok(found) };
     let size = reduced.mass.nrows();
     let eigen = operator(&reduced)?.eigen().map_err(|error| no_convergence(&error))?;
     for (column, &sigma) in eigen.S().column_vector().iter().enumerate() {
-        let sigma = cleaned(Complex::new(sigma.re, sigma.im));
+        let sigma = cleaned(Complex::new(sigma.re, sigma.im), friction_coefficient)?;
         let vector: Vec<Complex<f64>> = (0..size)
             .map(|row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im))
             .collect();
@@ -107,69 +108,43 @@ pub fn modes(
     Ok(found)
 }
 
-/// Eigenvalues alone, without shapes; 1/s.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spectrum {
-    /// One of each conjugate pair (Im λ > 0), by frequency.
-    pub oscillating: Vec<Complex<f64>>,
-    /// Real eigenvalues, ascending.
-    pub real: Vec<f64>,
-}
-
-impl Spectrum {
-    /// The eigenvalues λ of a contact state.
-    ///
-    /// # Errors
-    /// As [`modes`].
-    pub fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Result<Self, Error> {
-        Ok(Self::from_stiffness(model, &stiffness_eigenvalues(model, states, friction)?))
-    }
-
-    /// The eigenvalues λ that belong to all eigenvalues σ of M̃⁻¹ K̃ of a state of this model.
-    pub(super) fn from_stiffness(model: &LumpedModel, sigmas: &[Complex<f64>]) -> Self {
-        let mut found = Self::default();
-        for eigenvalue in sigmas.iter().flat_map(|&sigma| quadratic_roots(model, sigma)) {
-            match Kind::of(eigenvalue) {
-                Kind::Real => found.real.push(eigenvalue.re),
-                Kind::Oscillating => found.oscillating.push(eigenvalue),
-                Kind::Conjugate => {}
-            }
-        }
-        found.oscillating.sort_by(|a, b| a.im.total_cmp(&b.im));
-        found.real.sort_by(f64::total_cmp);
-        found
-    }
-
-    /// The largest growth rate, 1/s; −∞ where nothing can move.
-    #[must_use]
-    pub fn growth_rate(&self) -> f64 {
-        let oscillating = self.oscillating.iter().map(|eigenvalue| eigenvalue.re);
-        oscillating.chain(self.real.iter().copied()).fold(f64::NEG_INFINITY, f64::max)
-    }
-
-    /// Does anything grow?
-    #[must_use]
-    pub fn unstable(&self) -> bool {
-        self.growth_rate() > 0.0
-    }
-}
-
 /// The eigenvalues σ of M̃⁻¹ K̃, 1/s².
 pub(super) fn stiffness_eigenvalues(
     model: &LumpedModel,
     states: &[ContactState],
     friction: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
+    check_size(model)?;
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
     let values = operator(&reduced)?.eigenvalues().map_err(|error| no_convergence(&error))?;
-    Ok(values.into_iter().map(|sigma| cleaned(Complex::new(sigma.re, sigma.im))).collect())
+    values.into_iter().map(|sigma| cleaned(Complex::new(sigma.re, sigma.im), friction)).collect()
 }
 
 /// A double real eigenvalue, as equal modules have, comes out of rounding as a pair that is complex
 /// by a little. Where two real ones do merge, this moves the place by 1e-14 of the parameter.
-fn cleaned(sigma: Complex<f64>) -> Complex<f64> {
+fn cleaned(sigma: Complex<f64>, friction: f64) -> Result<Complex<f64>, Error> {
+    if !(sigma.re.is_finite() && sigma.im.is_finite()) {
+        return Err(Error::analysis(format!(
+            "the eigenvalues leave the range of numbers at friction.coefficient = {friction}; look \
+             for a value that is too large"
+        )));
+    }
     let is_real = sigma.im.abs() <= 1e-7 * sigma.re.abs();
-    if is_real { Complex::new(sigma.re, 0.0) } else { sigma }
+    Ok(if is_real { Complex::new(sigma.re, 0.0) } else { sigma })
+}
+
+/// The most degrees of freedom that are analysed as one dense matrix: some seconds of work.
+const MAX_DENSE: usize = 1200;
+
+fn check_size(model: &LumpedModel) -> Result<(), Error> {
+    if model.dofs() <= MAX_DENSE {
+        return Ok(());
+    }
+    Err(Error::analysis(format!(
+        "{} degrees of freedom: dense eigenvalues are found for up to {MAX_DENSE}; of longer rings \
+         only those of equal modules that are all in one state, wave by wave",
+        model.dofs()
+    )))
 }
 
 fn operator(reduced: &ReducedMatrices) -> Result<Mat<f64>, Error> {
@@ -185,14 +160,14 @@ fn no_convergence(error: &dyn std::fmt::Debug) -> Error {
 }
 
 /// Which of the eigenvalues of a real problem one is.
-enum Kind {
+pub(super) enum Kind {
     Oscillating,
     Conjugate,
     Real,
 }
 
 impl Kind {
-    fn of(eigenvalue: Complex<f64>) -> Self {
+    pub(super) fn of(eigenvalue: Complex<f64>) -> Self {
         // Below this part of |λ| an imaginary part is what rounding leaves of zero.
         if eigenvalue.im.abs() <= 1e-9 * eigenvalue.norm() {
             Self::Real

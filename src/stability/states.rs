@@ -1,7 +1,7 @@
 //! All contact states of a model at once, those that symmetry makes equal solved once.
 
-use super::modes::Spectrum;
 use super::parallel;
+use super::spectrum::Spectrum;
 use super::symmetry::Symmetry;
 use crate::Error;
 use crate::contact::{ContactState, all_states};
@@ -30,7 +30,8 @@ impl StateClasses {
         if contacts > MAX_CONTACTS {
             return Err(Error::analysis(format!(
                 "{contacts} contacts have 4^{contacts} states; all of them are looked at for up to \
-                 {MAX_CONTACTS} contacts: choose one state instead, such as Sl"
+                 {MAX_CONTACTS} contacts: make a scene of fewer modules, or look at single states \
+                 with `states --state` and `locus --state`"
             )));
         }
         let symmetry = Symmetry::of(model);

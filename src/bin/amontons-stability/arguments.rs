@@ -13,8 +13,8 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be written, 2 the command line \
-makes no sense, 3 the scene is impossible or cannot be analysed";
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written, 2 the command \
+line makes no sense, 3 the scene is impossible, has no such parameter, or cannot be analysed";
 
 /// The exit code that belongs to an error.
 pub fn exit_code(error: &Error) -> u8 {
@@ -51,16 +51,24 @@ pub enum Format {
     Json,
 }
 
+/// One friction coefficient, one contact state.
+#[derive(Args)]
+pub struct Point {
+    /// Friction coefficient [default: the scene's]
+    #[arg(long, value_name = "MU", allow_hyphen_values = true)]
+    pub friction: Option<f64>,
+    /// Contact state: one for all contacts (Sl), or one for each (Sl-St)
+    #[arg(long, value_name = "STATE")]
+    pub state: Option<String>,
+}
+
 #[derive(Args)]
 pub struct States {
     #[command(flatten)]
     pub common: Common,
-    /// Friction coefficient [default: the scene's]
-    #[arg(long, value_name = "MU", allow_hyphen_values = true)]
-    pub friction: Option<f64>,
-    /// Only this contact state: one for all contacts (Sl), or one for each (Sl-St)
-    #[arg(long, value_name = "STATE")]
-    pub state: Option<String>,
+    /// [default state: all of them]
+    #[command(flatten)]
+    pub point: Point,
     /// How to print
     #[arg(long, value_enum, default_value = "table")]
     pub format: Format,
@@ -71,7 +79,8 @@ pub struct Locus {
     #[command(flatten)]
     pub common: Common,
     /// Friction coefficients, first:last:step
-    #[arg(long, value_name = "A:B:STEP", value_parser = steps, required_unless_present = "parameter")]
+    #[arg(long, value_name = "A:B:STEP", value_parser = steps, allow_hyphen_values = true,
+        required_unless_present = "parameter")]
     pub friction: Option<Values>,
     /// Another parameter; with --friction, one locus over µ for each of its values
     #[arg(long, value_name = "NAME=A:B:STEP", value_parser = named_steps)]
@@ -91,12 +100,9 @@ pub struct Locus {
 pub struct Modes {
     #[command(flatten)]
     pub common: Common,
-    /// Friction coefficient [default: the scene's]
-    #[arg(long, value_name = "MU", allow_hyphen_values = true)]
-    pub friction: Option<f64>,
-    /// Contact state [default: uniform sliding]
-    #[arg(long, value_name = "STATE")]
-    pub state: Option<String>,
+    /// [default state: uniform sliding]
+    #[command(flatten)]
+    pub point: Point,
     /// Draw the shapes; an SVG moves
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
@@ -107,7 +113,7 @@ pub struct Bistable {
     #[command(flatten)]
     pub common: Common,
     /// Friction coefficients, first:last
-    #[arg(long, value_name = "A:B", value_parser = range)]
+    #[arg(long, value_name = "A:B", value_parser = range, allow_hyphen_values = true)]
     pub friction: [f64; 2],
 }
 
@@ -166,7 +172,7 @@ fn three(text: &str, wish: &str) -> Result<[f64; 3], String> {
     }
 }
 
-/// Values counted from the first, never accumulated; the last is met if it lies on the grid.
+/// Values counted from the first, never accumulated, and the last, on the grid or not.
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn steps(text: &str) -> Result<Values, String> {
     let [first, last, step] = three(text, "write it as A:B:STEP, such as 0:3.5:0.005")?;
@@ -174,7 +180,13 @@ fn steps(text: &str) -> Result<Values, String> {
     if step <= 0.0 || count > MAX_VALUES {
         return Err(format!("the step must be above zero and give at most {MAX_VALUES:e} values"));
     }
-    Ok(Values((0..=count as usize).map(|i| first + i as f64 * step).collect()))
+    let mut values: Vec<f64> = (0..=count as usize).map(|i| first + i as f64 * step).collect();
+    if let Some(end) = values.last_mut().filter(|end| last - **end < 1e-9 * step) {
+        *end = last;
+    } else {
+        values.push(last);
+    }
+    Ok(Values(values))
 }
 
 fn named<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<(String, T), String> {
@@ -196,21 +208,4 @@ fn named_grid(text: &str) -> Result<(String, Values), String> {
         let at = |i: usize| first + (last - first) * (i as f64 / (count - 1.0));
         Ok(Values((0..count as usize).map(at).collect()))
     })
-}
-
-impl Common {
-    /// Which state a command is to look at.
-    pub fn state(
-        &self,
-        name: Option<&str>,
-        scene: &amontons::scene::Scene,
-        model: &amontons::model::LumpedModel,
-    ) -> Result<Vec<amontons::contact::ContactState>, Error> {
-        match name {
-            Some(name) => amontons::contact::parse_states(name, model.contacts.len()),
-            None => {
-                Ok(amontons::stability::candidates::uniform_sliding(model, scene.slider.velocity))
-            }
-        }
-    }
 }

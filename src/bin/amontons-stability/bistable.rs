@@ -1,71 +1,92 @@
 //! `amontons-stability bistable`.
 
 use crate::arguments::Bistable;
-use crate::{configured, progress};
-use amontons::Error;
+use crate::labels::{LOCATED, at_frequency, significant};
+use crate::{Failure, configured, progress};
 use amontons::contact::Joined;
-use amontons::model::{LumpedModel, ring};
-use amontons::stability::candidates::{bistability, uniform_sliding};
-use amontons::stability::{MAX_CONTACTS, StateClasses};
+use amontons::model::LumpedModel;
+use amontons::stability::StateClasses;
+use amontons::stability::candidates::{Bistability, Candidate, bistability, uniform_sliding};
+use std::io::Write;
 
-/// Intervals of the range; modes are followed through them, onsets found by bisection inside.
-const INTERVALS: u32 = 200;
-
-pub fn run(arguments: &Bistable) -> Result<(), Error> {
+pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     let [first, last] = arguments.friction;
     let scene = configured(&arguments.common, Some(first))?;
     let model = LumpedModel::from(&scene);
-    ring::equilibrium(&scene, &model)?;
-    let values: Vec<f64> = (0..=INTERVALS)
-        .map(|i| first + (last - first) * (f64::from(i) / f64::from(INTERVALS)))
-        .collect();
-    let classes = StateClasses::of(&model)?.representatives.len();
-    debug_assert!(model.contacts.len() <= MAX_CONTACTS);
-    let bar = progress(classes);
-    let velocity = scene.slider.velocity;
-    let found = bistability(&model, velocity, &values, &|done| bar.set_position(done as u64))?;
+    let bar = progress(StateClasses::of(&model)?.representatives.len());
+    let found = bistability(&scene, [first, last], &|done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
 
-    let sliding = uniform_sliding(&model, velocity);
-    println!("{}: µ from {first} to {last}\n", scene.name);
-    println!("Uniform sliding ({})", Joined(&sliding));
+    let sliding = uniform_sliding(&model, scene.slider.velocity)?;
+    writeln!(out, "{}: µ from {first} to {last}\n", scene.name)?;
+    writeln!(out, "Uniform sliding ({})", Joined(&sliding))?;
+    print_uniform(&found, [first, last], out)?;
+    print_candidates(&found.candidates, out)
+}
+
+fn print_uniform(
+    found: &Bistability,
+    [first, last]: [f64; 2],
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    for [from, to] in &found.equilibrium {
+        if *from > first || *to < last {
+            let [from, to] = [from, to].map(|mu| significant(*mu, LOCATED));
+            writeln!(out, "  has an equilibrium from µ = {from} to {to} only")?;
+        }
+    }
     if found.uniform.is_empty() {
         let all = if found.stable.is_empty() { "grows" } else { "is stable" };
-        println!("  {all} in the whole range");
+        writeln!(out, "  {all} wherever it has an equilibrium")?;
     }
     for crossing in &found.uniform {
-        println!(
-            "  µ = {:.9}  mode {} ({:.2} Hz) {}",
-            crossing.value,
+        writeln!(
+            out,
+            "  µ = {}  mode {} {} {}",
+            significant(crossing.value, LOCATED),
             crossing.mode + 1,
-            crossing.frequency_hz,
-            if crossing.becomes_unstable { "begins to grow" } else { "ceases to grow" }
-        );
+            if crossing.becomes_unstable { "begins to grow" } else { "ceases to grow" },
+            at_frequency(crossing.frequency_hz),
+        )?;
     }
-    println!(
+    Ok(())
+}
+
+fn print_candidates(candidates: &[Candidate], out: &mut dyn Write) -> Result<(), Failure> {
+    writeln!(
+        out,
         "\nCandidates: states that grow where uniform sliding does not (a transient confirms)"
-    );
-    if found.candidates.is_empty() {
-        println!("  none");
+    )?;
+    if candidates.is_empty() {
+        writeln!(out, "  none")?;
         return Ok(());
     }
-    println!(
+    writeln!(
+        out,
         "  {:12} {:>6}  {:>27}  {:>13}  {:>27}",
         "state", "alike", "range of µ", "onset at [Hz]", "at the end [Hz], [1/s]"
-    );
-    for candidate in &found.candidates {
-        println!(
-            "  {:12} {:>6}  {}{:.9} … {:.9}  {:>13.2}  {:>13.2} {:>+13.4}",
+    )?;
+    // A mode that does not oscillate diverges.
+    let hz = |frequency: f64| match frequency {
+        0.0 => "real".to_owned(),
+        frequency => format!("{frequency:.2}"),
+    };
+    for candidate in candidates {
+        writeln!(
+            out,
+            "  {:12} {:>6}  {:>3}{} … {}  {:>13}  {:>13} {:>+13.4}",
             Joined(&candidate.states).to_string(),
             candidate.alike,
-            if candidate.begins { "   " } else { "  <" },
-            candidate.range[0],
-            candidate.range[1],
-            candidate.frequency_hz,
-            candidate.at_end[0],
+            if candidate.begins { "" } else { "<" },
+            significant(candidate.range[0], LOCATED),
+            significant(candidate.range[1], LOCATED),
+            hz(candidate.frequency_hz),
+            hz(candidate.at_end[0]),
             candidate.at_end[1],
-        );
+        )?;
     }
-    println!("\n< grows already where the range of stable sliding begins");
+    if candidates.iter().any(|candidate| !candidate.begins) {
+        writeln!(out, "\n< grows already where the range of stable sliding begins")?;
+    }
     Ok(())
 }

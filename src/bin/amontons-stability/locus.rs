@@ -1,19 +1,30 @@
 //! `amontons-stability locus`.
 
 use crate::arguments::{Locus as Arguments, Values};
-use crate::configured;
+use crate::labels::{FRICTION, LOCATED, at_frequency, axis, significant};
+use crate::{Failure, configured, progress, state};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
 use amontons::model::LumpedModel;
-use amontons::picture::{Chart, Mark, Panel, Series, Style};
+use amontons::picture::{self, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::simulation::assign;
 use amontons::stability::locus::{Locus, Root, locus, roots};
+use indicatif::ProgressBar;
 use std::f64::consts::TAU;
-use std::path::Path;
+use std::io::Write;
 
-/// The name of µ among the parameters.
-const FRICTION: &str = "friction.coefficient";
+/// What is followed: one locus, or one over µ for each value of another parameter.
+struct Family<'a> {
+    scene: &'a Scene,
+    states: Vec<ContactState>,
+    /// The parameter along x.
+    name: &'a str,
+    values: &'a [f64],
+    /// The other parameter.
+    other: Option<&'a str>,
+    members: Vec<Member>,
+}
 
 /// A locus, and the value of the other parameter that it was made with.
 struct Member {
@@ -21,158 +32,209 @@ struct Member {
     locus: Locus,
 }
 
-pub fn run(arguments: &Arguments) -> Result<(), Error> {
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+    arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let scene = configured(&arguments.common, None)?;
-    let state = arguments.state.as_deref();
-    let states = arguments.common.state(state, &scene, &LumpedModel::from(&scene))?;
-    // One locus, or one over µ for each value of another parameter.
-    let (name, Values(values), family) = match (&arguments.friction, &arguments.parameter) {
+    let states = state(arguments.state.as_deref(), &scene, &LumpedModel::from(&scene))?;
+    let (name, Values(values), other) = match (&arguments.friction, &arguments.parameter) {
         (Some(friction), parameter) => (FRICTION, friction, parameter.as_ref()),
         (None, Some((name, values))) => (name.as_str(), values, None),
         (None, None) => unreachable!("the command line asks for one of them"),
     };
-    let mut members = Vec::new();
-    match family {
-        None => members.push(Member { at: None, locus: over(&scene, &states, name, values)? }),
-        Some((other, Values(others))) => {
-            for &at in others {
-                let mut scene = scene.clone();
-                assign(&mut scene, other, at)?;
-                scene.check()?;
-                let locus = over(&scene, &states, name, values)?;
-                members.push(Member { at: Some(at), locus });
-            }
-        }
+    let (other, others) = match other {
+        Some((other, Values(others))) => (Some(other.as_str()), Some(others)),
+        None => (None, None),
+    };
+    if other == Some(name) {
+        return Err(Failure::Usage(format!("{name} is given twice; name another --parameter")));
     }
-    let other = family.map(|(other, _)| other.as_str());
+    let mut family = Family { scene: &scene, states, name, values, other, members: Vec::new() };
+    for varied in [Some((name, values)), other.zip(others)].into_iter().flatten() {
+        family.check_effect(varied)?;
+    }
+    let bar = progress(values.len() * others.map_or(1, Vec::len));
+    match others {
+        None => family.follow(None, &bar)?,
+        Some(others) => others.iter().try_for_each(|&at| family.follow(Some(at), &bar))?,
+    }
+    bar.finish_and_clear();
     if arguments.csv {
-        print_csv(&members, name, other);
+        family.print_csv(out)?;
     } else {
-        println!("{}: state {}, {name}", scene.name, Joined(&states));
-        members.iter().for_each(|member| print_events(member, other));
+        family.print_events(out)?;
     }
     match &arguments.plot {
-        Some(path) => draw(&scene, &states, &members, name, path),
+        Some(path) => Ok(family.chart().write(path)?),
         None => Ok(()),
     }
 }
 
-/// The locus of a state over one parameter.
-fn over(
-    scene: &Scene,
-    states: &[ContactState],
-    name: &str,
-    values: &[f64],
-) -> Result<Locus, Error> {
-    let evaluate = |value: f64| {
-        let mut scene = scene.clone();
-        assign(&mut scene, name, value)?;
-        scene.check()?;
-        roots(&LumpedModel::from(&scene), states, scene.friction_coefficient)
-    };
-    locus(&evaluate, values)
+/// The scene with another value of a parameter.
+fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
+    let mut scene = scene.clone();
+    assign(&mut scene, name, value)?;
+    scene.check()?;
+    Ok(scene)
 }
 
-fn print_events(member: &Member, other: Option<&str>) {
-    if let (Some(other), Some(at)) = (other, member.at) {
-        println!("\n{other} = {at}");
+impl Family<'_> {
+    /// Refuses a parameter that no eigenvalue depends on.
+    fn check_effect(&self, (name, values): (&str, &Vec<f64>)) -> Result<(), Failure> {
+        let matrices = |value: f64| -> Result<_, Error> {
+            let scene = with(self.scene, name, value)?;
+            let LumpedModel { mass, stiffness, damping, contacts, .. } = LumpedModel::from(&scene);
+            Ok((mass, stiffness, damping, contacts, scene.friction_coefficient))
+        };
+        let (first, last) = (values[0], values[values.len() - 1]);
+        if matrices(first)? != matrices(last)? {
+            return Ok(());
+        }
+        Err(Failure::Usage(format!(
+            "no eigenvalue of a contact state depends on {name}; those of {} depend on masses, \
+             stiffnesses, damping, slider.angle and {FRICTION}",
+            Joined(&self.states)
+        )))
     }
-    let locus = &member.locus;
-    println!("  modes merge or part, exactly, damped or not (C = α M + β K):");
+
+    /// Adds the locus for one value of the other parameter.
+    fn follow(&mut self, at: Option<f64>, bar: &ProgressBar) -> Result<(), Error> {
+        let scene = match self.other.zip(at) {
+            Some((other, at)) => with(self.scene, other, at)?,
+            None => self.scene.clone(),
+        };
+        let evaluate = |value: f64| {
+            let scene = with(&scene, self.name, value)?;
+            roots(&LumpedModel::from(&scene), &self.states, scene.friction_coefficient)
+        };
+        let locus = locus(&evaluate, self.values, &|_| bar.inc(1))?;
+        self.members.push(Member { at, locus });
+        Ok(())
+    }
+
+    fn print_events(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        let [first, .., last] = self.values else { unreachable!("a range has two ends") };
+        let states = Joined(&self.states);
+        writeln!(out, "{}: state {states}, {} from {first} to {last}", self.scene.name, self.name)?;
+        for Member { at, locus } in &self.members {
+            if let (Some(other), Some(at)) = (self.other, at) {
+                writeln!(out, "\n{other} = {at}")?;
+            }
+            print_events(locus, out)?;
+        }
+        Ok(())
+    }
+
+    fn print_csv(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        let first = self.other.map_or_else(String::new, |other| format!("{other},"));
+        writeln!(out, "{first}{},mode,growth_rate,real_hz,imaginary_hz", self.name)?;
+        for Member { at, locus } in &self.members {
+            let first = at.map_or_else(String::new, |at| format!("{at:?},"));
+            for (i, value) in locus.values.iter().enumerate() {
+                for (mode, branch) in locus.branches.iter().enumerate() {
+                    let lambda = branch[i].lambda;
+                    writeln!(
+                        out,
+                        "{first}{value:?},{},{:?},{:?},{:?}",
+                        mode + 1,
+                        lambda.re,
+                        lambda.re / TAU,
+                        lambda.im / TAU
+                    )?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Fig. 2(a) and (b): real and imaginary parts of λ/2π.
+    fn chart(&self) -> Chart {
+        let panel = |y_label: &str, part: fn(&Root) -> f64, marks, zero_line| Panel {
+            y_label: y_label.to_owned(),
+            series: self.curves(part),
+            marks,
+            zero_line,
+        };
+        let states = Joined(&self.states);
+        let title = match self.other {
+            None => format!("{}: eigenvalues in state {states}", self.scene.name),
+            Some(other) => {
+                format!("{}: eigenvalues in state {states}, by {other}", self.scene.name)
+            }
+        };
+        let [critical, merging] = self.marks();
+        Chart {
+            title,
+            x_label: axis(self.scene, self.name),
+            panels: vec![
+                panel("Re λ / 2π [Hz]", |root| root.lambda.re / TAU, critical, true),
+                panel("Im λ / 2π [Hz]", |root| root.lambda.im / TAU, merging, false),
+            ],
+        }
+    }
+
+    /// One colour a mode or, in a family, one a member.
+    fn curves(&self, part: fn(&Root) -> f64) -> Vec<Series> {
+        let mut curves = Vec::new();
+        for (place, Member { at, locus }) in self.members.iter().enumerate() {
+            for (mode, branch) in locus.branches.iter().enumerate() {
+                let (label, colour) = match self.other.zip(*at) {
+                    Some((other, at)) => (format!("{other} = {at}"), place),
+                    None => (format!("mode {}", mode + 1), mode),
+                };
+                let points = locus.values.iter().zip(branch);
+                curves.push(Series {
+                    label: Some(label),
+                    points: points.map(|(&x, root)| [x, part(root)]).collect(),
+                    colour,
+                    style: Style::Line,
+                });
+            }
+        }
+        curves
+    }
+
+    /// Where modes begin to grow, and where they merge; not for a family, which has too many.
+    fn marks(&self) -> [Vec<Mark>; 2] {
+        let [Member { locus, .. }] = &self.members[..] else { return [Vec::new(), Vec::new()] };
+        let mark = |x: f64, label: String| Mark { x, label: Some(label) };
+        let critical = locus.crossings.iter().map(|c| mark(c.value, significant(c.value, 5)));
+        let merging = locus.coalescences.iter().map(|c| {
+            let [a, b] = c.modes.map(|mode| mode + 1);
+            mark(c.value, format!("{a}–{b}: {}", significant(c.value, 5)))
+        });
+        [critical.collect(), merging.collect()]
+    }
+}
+
+fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
+    writeln!(out, "  modes merge or part, exactly, damped or not (C = α M + β K):")?;
     for event in &locus.coalescences {
         let [a, b] = event.modes.map(|mode| mode + 1);
-        println!(
-            "    {:.9}  modes {a} and {b} {} at {:.3} Hz",
-            event.value,
+        writeln!(
+            out,
+            "    {}  modes {a} and {b} {} {}",
+            significant(event.value, LOCATED),
             if event.merge { "merge" } else { "part" },
-            event.frequency_hz,
-        );
+            at_frequency(event.frequency_hz),
+        )?;
     }
     if locus.coalescences.is_empty() {
-        println!("    none");
+        writeln!(out, "    none")?;
     }
-    println!("  critical values:");
+    writeln!(out, "  critical values:")?;
     for event in &locus.crossings {
-        println!(
-            "    {:.9}  mode {} {} at {:.3} Hz",
-            event.value,
+        writeln!(
+            out,
+            "    {}  mode {} {} {}",
+            significant(event.value, LOCATED),
             event.mode + 1,
             if event.becomes_unstable { "begins to grow" } else { "ceases to grow" },
-            event.frequency_hz,
-        );
+            at_frequency(event.frequency_hz),
+        )?;
     }
     if locus.crossings.is_empty() {
         let grows = locus.branches.iter().any(|branch| branch[0].lambda.re > 0.0);
-        println!("    none: {} throughout", if grows { "unstable" } else { "stable" });
+        writeln!(out, "    none: {} throughout", if grows { "unstable" } else { "stable" })?;
     }
-}
-
-fn print_csv(members: &[Member], name: &str, other: Option<&str>) {
-    let first = other.map_or_else(String::new, |other| format!("{other},"));
-    println!("{first}{name},mode,growth_rate,real_hz,imaginary_hz");
-    for Member { at, locus } in members {
-        let first = at.map_or_else(String::new, |at| format!("{at:?},"));
-        for (i, value) in locus.values.iter().enumerate() {
-            for (mode, branch) in locus.branches.iter().enumerate() {
-                let lambda = branch[i].lambda;
-                println!(
-                    "{first}{value:?},{},{:?},{:?},{:?}",
-                    mode + 1,
-                    lambda.re,
-                    lambda.re / TAU,
-                    lambda.im / TAU
-                );
-            }
-        }
-    }
-}
-
-/// Fig. 2(a) and (b): real and imaginary parts of λ/2π.
-fn draw(
-    scene: &Scene,
-    states: &[ContactState],
-    members: &[Member],
-    name: &str,
-    path: &Path,
-) -> Result<(), Error> {
-    let alone = members.len() == 1;
-    let curves = |part: fn(&Root) -> f64| -> Vec<Series> {
-        let branches = members.iter().flat_map(|member| {
-            member.locus.branches.iter().enumerate().map(move |branch| (&member.locus, branch))
-        });
-        branches
-            .map(|(locus, (mode, branch))| Series {
-                label: Some(format!("mode {}", mode + 1)),
-                points: locus.values.iter().zip(branch).map(|(&x, root)| [x, part(root)]).collect(),
-                colour: mode,
-                style: if alone { Style::Line } else { Style::Faint },
-            })
-            .collect()
-    };
-    let marks = |values: Vec<(f64, String)>| -> Vec<Mark> {
-        let marks = values.into_iter().filter(|_| alone);
-        marks.map(|(x, label)| Mark { x, label: Some(label) }).collect()
-    };
-    let first = &members[0].locus;
-    let critical = first.crossings.iter().map(|c| (c.value, format!("{:.4}", c.value))).collect();
-    let merging = first
-        .coalescences
-        .iter()
-        .map(|c| (c.value, format!("{}–{}: {:.4}", c.modes[0] + 1, c.modes[1] + 1, c.value)))
-        .collect();
-    let panel = |y_label: &str, part, marks, zero_line| Panel {
-        y_label: y_label.to_owned(),
-        series: curves(part),
-        marks,
-        zero_line,
-    };
-    Chart {
-        title: format!("{}: eigenvalues in state {}", scene.name, Joined(states)),
-        x_label: if name == FRICTION { "friction coefficient µ".into() } else { name.to_owned() },
-        panels: vec![
-            panel("Re λ / 2π [Hz]", |root| root.lambda.re / TAU, marks(critical), true),
-            panel("Im λ / 2π [Hz]", |root| root.lambda.im / TAU, marks(merging), false),
-        ],
-    }
-    .write(path)
+    Ok(())
 }

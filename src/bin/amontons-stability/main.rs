@@ -3,30 +3,69 @@
 
 mod arguments;
 mod bistable;
+mod labels;
 mod locus;
 mod map;
 mod modes;
 mod states;
 
 use amontons::Error;
+use amontons::contact::{ContactState, parse_states};
+use amontons::model::LumpedModel;
 use amontons::scene::{self, Scene};
 use amontons::simulation::assign;
+use amontons::stability::candidates::uniform_sliding;
 use arguments::{Arguments, Command, Common};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
+use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
+/// Why a command ended early.
+enum Failure {
+    /// The command line makes no sense: what would be right.
+    Usage(String),
+    Analysis(Error),
+    Output(io::Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Analysis(error)
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Self::Output(error)
+    }
+}
+
 fn main() -> ExitCode {
+    let mut out = BufWriter::new(io::stdout().lock());
     let result = match Arguments::parse().command {
-        Command::States(arguments) => states::run(&arguments),
-        Command::Locus(arguments) => locus::run(&arguments),
-        Command::Modes(arguments) => modes::run(&arguments),
-        Command::Bistable(arguments) => bistable::run(&arguments),
-        Command::Map(arguments) => map::run(&arguments),
+        Command::States(arguments) => states::run(&arguments, &mut out),
+        Command::Locus(arguments) => locus::run(&arguments, &mut out),
+        Command::Modes(arguments) => modes::run(&arguments, &mut out),
+        Command::Bistable(arguments) => bistable::run(&arguments, &mut out),
+        Command::Map(arguments) => map::run(&arguments, &mut out),
     };
-    match result {
+    let flushed = out.flush().map_err(Failure::Output);
+    match result.and(flushed) {
         Ok(()) => ExitCode::SUCCESS,
-        Err(error) => {
+        // Who reads has read enough.
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(Failure::Output(error)) => {
+            eprintln!("error: cannot print: {error}");
+            ExitCode::from(1)
+        }
+        Err(Failure::Usage(wish)) => {
+            eprintln!("error: {wish}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Analysis(error)) => {
             eprintln!("error: {error}");
             ExitCode::from(arguments::exit_code(&error))
         }
@@ -42,6 +81,18 @@ fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
     scene.friction_coefficient = friction.unwrap_or(scene.friction_coefficient);
     scene.check()?;
     Ok(scene)
+}
+
+/// The contact state that a command is to look at: the one named, or uniform sliding.
+fn state(
+    name: Option<&str>,
+    scene: &Scene,
+    model: &LumpedModel,
+) -> Result<Vec<ContactState>, Error> {
+    match name {
+        Some(name) => parse_states(name, model.contacts.len()),
+        None => uniform_sliding(model, scene.slider.velocity),
+    }
 }
 
 /// A bar on standard error, shown only to a person.

@@ -1,39 +1,44 @@
 //! `amontons-stability modes`.
 
 use crate::arguments::Modes as Arguments;
-use crate::configured;
-use amontons::Error;
+use crate::labels::significant;
+use crate::{Failure, configured, state};
 use amontons::contact::Joined;
 use amontons::model::LumpedModel;
-use amontons::picture::{ModeShape, ModeShapes};
+use amontons::picture::{self, ModeShape, ModeShapes};
 use amontons::stability::modes;
+use std::io::Write;
 
 /// Degrees of freedom by name, in their order in a module.
 pub const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
 
-pub fn run(arguments: &Arguments) -> Result<(), Error> {
-    let scene = configured(&arguments.common, arguments.friction)?;
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+    arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
+    let scene = configured(&arguments.common, arguments.point.friction)?;
     let model = LumpedModel::from(&scene);
-    let states = arguments.common.state(arguments.state.as_deref(), &scene, &model)?;
+    let states = state(arguments.point.state.as_deref(), &scene, &model)?;
     let found = modes(&model, &states, scene.friction_coefficient)?;
     let state = Joined(&states);
-    println!("{}: state {state}, µ = {}", scene.name, scene.friction_coefficient);
+    writeln!(out, "{}: state {state}, µ = {}", scene.name, scene.friction_coefficient)?;
     for (i, mode) in found.all().enumerate() {
-        println!(
-            "\nmode {}: {:.4} Hz, growth rate {:.4} 1/s, damping ratio {:.5}, residual {:.0e}",
+        writeln!(
+            out,
+            "\nmode {}: {:.4} Hz, growth rate {} 1/s, damping ratio {}, residual {:.0e}",
             i + 1,
             mode.frequency_hz(),
-            mode.growth_rate(),
-            mode.damping_ratio(),
+            significant(mode.growth_rate(), 5),
+            significant(mode.damping_ratio(), 4),
             mode.residual
-        );
-        println!("  {:>9}  {}", "", DOFS.map(|dof| format!("{dof:>8} {:>8}", "phase")).join("  "));
+        )?;
+        let head = DOFS.map(|dof| format!("{dof:>8} {:>8}", "phase")).join("  ");
+        writeln!(out, "  {:>9}  {head}", "")?;
         for (module, shape) in mode.shape.chunks(DOFS.len()).enumerate() {
             let values = shape.iter().map(|x| {
                 let phase = if x.norm() < 1e-9 { 0.0 } else { x.arg().to_degrees() };
                 format!("{:8.4} {phase:7.1}°", x.norm())
             });
-            println!("  module[{}]  {}", module + 1, values.collect::<Vec<_>>().join("  "));
+            let values = values.collect::<Vec<_>>().join("  ");
+            writeln!(out, "  module[{}]  {values}", module + 1)?;
         }
     }
     let Some(path) = &arguments.plot else { return Ok(()) };
@@ -46,10 +51,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         ),
         shape: mode.shape.clone(),
     });
-    ModeShapes {
+    let picture = ModeShapes {
         title: format!("{}: state {state}, µ = {}", scene.name, scene.friction_coefficient),
         angle: scene.slider.angle,
         modes: picture.collect(),
-    }
-    .write(path)
+    };
+    Ok(picture.write(path)?)
 }

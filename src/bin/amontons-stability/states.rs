@@ -2,147 +2,218 @@
 
 use crate::arguments::{Format, States};
 use crate::modes::DOFS;
-use crate::{configured, progress};
+use crate::{Failure, configured, progress, state};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined, all_states};
 use amontons::model::{Equilibrium, LumpedModel, ring};
 use amontons::scene::Scene;
 use amontons::stability::candidates::uniform_sliding;
-use amontons::stability::{
-    Departure, MAX_CONTACTS, Spectrum, StateClasses, Symmetry, departure, modes,
-    uniform_ring_spectrum,
-};
+use amontons::stability::{Departure, MAX_CONTACTS, Spectrum, StateClasses, departure, modes};
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
+use std::io::Write;
 
 /// A state and what was found of it.
-struct Row<'a> {
+struct Row {
     states: Vec<ContactState>,
-    spectrum: &'a Spectrum,
+    spectrum: Spectrum,
     has_equilibrium: bool,
 }
 
-pub fn run(arguments: &States) -> Result<(), Error> {
-    let scene = configured(&arguments.common, arguments.friction)?;
+/// What is to be printed.
+struct Report {
+    scene: Scene,
+    rows: Vec<Row>,
+    equilibrium: Result<Equilibrium, Error>,
+    departures: Result<Vec<(Leaving, Departure)>, Error>,
+}
+
+/// A mode of uniform sliding, as its departure is printed.
+struct Leaving {
+    frequency_hz: f64,
+    growth_rate: f64,
+    /// Speed, m/s, at the amplitude of the departure.
+    speed: f64,
+}
+
+pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
+    let scene = configured(&arguments.common, arguments.point.friction)?;
     let model = LumpedModel::from(&scene);
     let equilibrium = ring::equilibrium(&scene, &model);
+    if let Err(error) = &equilibrium {
+        eprintln!("note: {error}");
+    }
+    let found = spectra(arguments.point.state.as_deref(), &scene, &model)?;
     let resting = resting_state(&scene, &model);
-    let row = |states: Vec<ContactState>, spectrum| Row {
+    let rows = found.into_iter().map(|(states, spectrum)| Row {
         has_equilibrium: equilibrium.is_ok() && states == resting,
         states,
         spectrum,
+    });
+    let report = Report {
+        rows: rows.collect(),
+        departures: departures(&scene, &model, &equilibrium),
+        equilibrium,
+        scene,
     };
-    let mu = scene.friction_coefficient;
-    let one = match &arguments.state {
-        Some(name) => Some(arguments.common.state(Some(name), &scene, &model)?),
-        None if model.contacts.len() > MAX_CONTACTS => {
-            eprintln!(
-                "{} contacts: only uniform sliding is looked at; name another state with --state",
-                model.contacts.len()
-            );
-            Some(uniform_sliding(&model, scene.slider.velocity))
-        }
-        None => None,
-    };
-    if let Some(states) = one {
-        let spectrum = spectrum_of(&model, &states, mu)?;
-        print(
-            &scene,
-            &model,
-            &[row(states, &spectrum)],
-            equilibrium.as_ref().ok(),
-            arguments.format,
-        );
-        return Ok(());
+    match arguments.format {
+        Format::Json => writeln!(out, "{:#}", report.as_json())?,
+        Format::Csv => report.print_csv(out)?,
+        Format::Table => report.print_table(out)?,
     }
-    let classes = StateClasses::of(&model)?;
+    Ok(())
+}
+
+/// The states asked for with their spectra: one, or all.
+fn spectra(
+    name: Option<&str>,
+    scene: &Scene,
+    model: &LumpedModel,
+) -> Result<Vec<(Vec<ContactState>, Spectrum)>, Error> {
+    let contacts = model.contacts.len();
+    let mu = scene.friction_coefficient;
+    if name.is_none() && contacts > MAX_CONTACTS {
+        eprintln!(
+            "note: {contacts} contacts: only uniform sliding is looked at; name another state with \
+             --state"
+        );
+    }
+    if name.is_some() || contacts > MAX_CONTACTS {
+        let states = state(name, scene, model)?;
+        let spectrum = Spectrum::of(model, &states, mu)?;
+        return Ok(vec![(states, spectrum)]);
+    }
+    let classes = StateClasses::of(model)?;
     let bar = progress(classes.representatives.len());
-    let spectra = classes.spectra(&model, mu, &|done| bar.set_position(done as u64))?;
+    let spectra = classes.spectra(model, mu, &|done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
     eprintln!("{} states, {} solved", classes.class_of.len(), spectra.len());
-    let contacts = u32::try_from(model.contacts.len()).expect("few");
-    let rows: Vec<Row> = all_states(contacts)
-        .zip(&classes.class_of)
-        .map(|(states, &class)| row(states, &spectra[class]))
-        .collect();
-    print(&scene, &model, &rows, equilibrium.as_ref().ok(), arguments.format);
-    Ok(())
+    let all = all_states(u32::try_from(contacts).expect("few"));
+    Ok(all.zip(&classes.class_of).map(|(s, &class)| (s, spectra[class].clone())).collect())
 }
 
 /// The one state in which a scene can be at rest in its own frame: uniform sliding, or all stuck
 /// where the slider stands still.
 fn resting_state(scene: &Scene, model: &LumpedModel) -> Vec<ContactState> {
-    if scene.slider.velocity == 0.0 {
-        vec![ContactState::Stick; model.contacts.len()]
-    } else {
-        uniform_sliding(model, scene.slider.velocity)
-    }
+    uniform_sliding(model, scene.slider.velocity)
+        .unwrap_or_else(|_| vec![ContactState::Stick; model.contacts.len()])
 }
 
-/// Equal modules in equal states are solved wave by wave.
-fn spectrum_of(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Spectrum, Error> {
-    let uniform = states.iter().all(|state| *state == states[0]);
-    if uniform && Symmetry::of(model) == Symmetry::Ring {
-        return uniform_ring_spectrum(model, states[0], mu);
-    }
-    Spectrum::of(model, states, mu)
-}
-
-fn print(
+/// The way from the linear answer to the non-linear one: where each mode of uniform sliding makes a
+/// contact leave it.
+fn departures(
     scene: &Scene,
     model: &LumpedModel,
-    rows: &[Row],
-    equilibrium: Option<&Equilibrium>,
-    format: Format,
-) {
-    match format {
-        Format::Json => println!("{:#}", as_json(scene, rows)),
-        Format::Csv => print_csv(rows),
-        Format::Table => {
-            println!(
-                "{}: eigenvalues / 2π [Hz] at µ = {}; * grows\n",
-                scene.name, scene.friction_coefficient
-            );
-            if rows.len() == 16 {
-                print_paper_table(rows);
-            } else {
-                print_list(rows);
-            }
-            print_departures(scene, model, equilibrium);
-        }
-    }
+    equilibrium: &Result<Equilibrium, Error>,
+) -> Result<Vec<(Leaving, Departure)>, Error> {
+    let (mu, velocity) = (scene.friction_coefficient, scene.slider.velocity);
+    let sliding = uniform_sliding(model, velocity)?;
+    let equilibrium = equilibrium.as_ref().map_err(Error::clone)?;
+    let found = modes(model, &sliding, mu)?;
+    let leaving = found.all().filter_map(|mode| {
+        let departure = departure(model, equilibrium, mu, velocity, mode)?;
+        let leaving = Leaving {
+            frequency_hz: mode.frequency_hz(),
+            growth_rate: mode.growth_rate(),
+            speed: departure.amplitude * mode.eigenvalue.norm(),
+        };
+        Some((leaving, departure))
+    });
+    Ok(leaving.collect())
 }
 
-fn as_json(scene: &Scene, rows: &[Row]) -> Value {
-    let states: Map<String, Value> = rows
-        .iter()
-        .map(|row| {
-            let hz = |v: &f64| v / TAU;
-            let oscillating = row.spectrum.oscillating.iter().map(|v| [v.re / TAU, v.im / TAU]);
-            let value = json!({
-                "eigenvalues_hz": oscillating.collect::<Vec<_>>(),
-                "real_hz": row.spectrum.real.iter().map(hz).collect::<Vec<_>>(),
-                "unstable": row.spectrum.unstable(),
-                "has_equilibrium": row.has_equilibrium,
-            });
-            (Joined(&row.states).to_string(), value)
+impl Report {
+    fn as_json(&self) -> Value {
+        let states: Map<String, Value> = self
+            .rows
+            .iter()
+            .map(|Row { states, spectrum, has_equilibrium }| {
+                let oscillating = spectrum.oscillating.iter().map(|v| [v.re / TAU, v.im / TAU]);
+                let value = json!({
+                    "eigenvalues_hz": oscillating.collect::<Vec<_>>(),
+                    "real_hz": spectrum.real.iter().map(|v| v / TAU).collect::<Vec<_>>(),
+                    "unstable": spectrum.unstable(),
+                    "has_equilibrium": has_equilibrium,
+                });
+                (Joined(states).to_string(), value)
+            })
+            .collect();
+        let departures = self.departures.iter().flatten().map(|(leaving, departure)| {
+            json!({
+                "frequency_hz": leaving.frequency_hz,
+                "growth_rate": leaving.growth_rate,
+                "amplitude": departure.amplitude,
+                "of": dof_name(departure.dof),
+                "speed": leaving.speed,
+                "contact": departure.contact + 1,
+                "into": departure.into.to_string(),
+            })
+        });
+        json!({
+            "scene": self.scene.name,
+            "friction": self.scene.friction_coefficient,
+            "states": states,
+            "departures": departures.collect::<Vec<_>>(),
+            "equilibrium_error": self.equilibrium.as_ref().err().map(Error::to_string),
         })
-        .collect();
-    json!({ "scene": scene.name, "friction": scene.friction_coefficient, "states": states })
+    }
+
+    fn print_csv(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        writeln!(out, "state,kind,real_hz,imaginary_hz,growth_rate,unstable")?;
+        for row in &self.rows {
+            let name = Joined(&row.states);
+            for v in &row.spectrum.oscillating {
+                let (re, im) = (v.re / TAU, v.im / TAU);
+                writeln!(out, "{name},oscillating,{re:?},{im:?},{:?},{}", v.re, v.re > 0.0)?;
+            }
+            for v in &row.spectrum.real {
+                writeln!(out, "{name},real,{:?},0.0,{v:?},{}", v / TAU, *v > 0.0)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn print_table(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        let Scene { name, friction_coefficient, .. } = &self.scene;
+        writeln!(out, "{name}: eigenvalues / 2π [Hz] at µ = {friction_coefficient}; * grows\n")?;
+        if self.rows.len() == 16 {
+            print_paper_table(&self.rows, out)?;
+        } else {
+            print_list(&self.rows, out)?;
+        }
+        self.print_departures(out)
+    }
+
+    fn print_departures(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        let departures = match &self.departures {
+            Ok(departures) => departures,
+            Err(error) => {
+                writeln!(out, "Uniform sliding has no departures: {error}")?;
+                return Ok(());
+            }
+        };
+        writeln!(
+            out,
+            "Uniform sliding: how large each mode may become before a contact leaves sliding"
+        )?;
+        for (Leaving { frequency_hz, speed, .. }, departure) in departures {
+            writeln!(
+                out,
+                "  {:>8} Hz  {:.3e} m of {} ({speed:.3e} m/s): contact[{}] into {}",
+                if *frequency_hz == 0.0 { "real".into() } else { format!("{frequency_hz:.2}") },
+                departure.amplitude,
+                dof_name(departure.dof),
+                departure.contact + 1,
+                departure.into,
+            )?;
+        }
+        Ok(())
+    }
 }
 
-fn print_csv(rows: &[Row]) {
-    println!("state,kind,real_hz,imaginary_hz,growth_rate,unstable");
-    for row in rows {
-        let name = Joined(&row.states);
-        for v in &row.spectrum.oscillating {
-            let (re, im) = (v.re / TAU, v.im / TAU);
-            println!("{name},oscillating,{re:?},{im:?},{:?},{}", v.re, v.re > 0.0);
-        }
-        for v in &row.spectrum.real {
-            println!("{name},real,{:?},0.0,{v:?},{}", v / TAU, *v > 0.0);
-        }
-    }
+/// The name of a degree of freedom.
+fn dof_name(dof: usize) -> String {
+    format!("module[{}].{}", dof / DOFS.len() + 1, DOFS[dof % DOFS.len()])
 }
 
 /// The eigenvalues of a state as the paper prints them.
@@ -157,63 +228,41 @@ fn cells(spectrum: &Spectrum) -> Vec<String> {
 }
 
 /// Two contacts: module 1 across, module 2 down, as in Tables 2 and 3.
-fn print_paper_table(rows: &[Row]) {
+fn print_paper_table(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
     const WIDTH: usize = 22;
     let cell = |first: ContactState, second: ContactState| {
         let row = rows.iter().find(|row| row.states == [first, second]).expect("all states");
-        cells(row.spectrum)
+        cells(&row.spectrum)
     };
-    print!("{:9}", "Module 1");
+    write!(out, "{:9}", "Module 1")?;
     for first in ContactState::ALL {
-        print!("{:>WIDTH$}", first.to_string());
+        write!(out, "{:>WIDTH$}", first.to_string())?;
     }
-    println!("\nModule 2");
+    writeln!(out, "\nModule 2")?;
     for second in ContactState::ALL {
         let columns = ContactState::ALL.map(|first| cell(first, second));
         let lines = columns.iter().map(Vec::len).max().unwrap_or(0);
         for line in 0..lines {
             let name = if line == 0 { second.to_string() } else { String::new() };
-            print!("{name:9}");
+            write!(out, "{name:9}")?;
             for column in &columns {
-                print!("{:>WIDTH$}", column.get(line).map_or("-", |cell| cell));
+                write!(out, "{:>WIDTH$}", column.get(line).map_or("-", |cell| cell))?;
             }
-            println!();
+            writeln!(out)?;
         }
-        println!();
+        writeln!(out)?;
     }
+    Ok(())
 }
 
-fn print_list(rows: &[Row]) {
+fn print_list(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
     for row in rows {
         let note = if row.has_equilibrium { " (equilibrium)" } else { "" };
-        println!("{}{note}", Joined(&row.states));
-        for cell in cells(row.spectrum) {
-            println!("  {cell}");
+        writeln!(out, "{}{note}", Joined(&row.states))?;
+        for cell in cells(&row.spectrum) {
+            writeln!(out, "  {cell}")?;
         }
     }
-    println!();
-}
-
-/// The way from the linear answer to the non-linear one.
-fn print_departures(scene: &Scene, model: &LumpedModel, equilibrium: Option<&Equilibrium>) {
-    let mu = scene.friction_coefficient;
-    let Some(equilibrium) = equilibrium.filter(|_| model.contacts.len() <= MAX_CONTACTS) else {
-        return;
-    };
-    let sliding = uniform_sliding(model, scene.slider.velocity);
-    let Ok(found) = modes(model, &sliding, mu) else { return };
-    println!("Uniform sliding: how large each mode may become before a contact leaves sliding");
-    for mode in &found.oscillating {
-        let first = departure(model, equilibrium, mu, scene.slider.velocity, mode);
-        let Some(Departure { contact, into, amplitude, dof }) = first else { continue };
-        println!(
-            "  {:8.2} Hz  {:.3e} m of module[{}].{} ({:.3e} m/s): contact[{}] into {into}",
-            mode.frequency_hz(),
-            amplitude,
-            dof / DOFS.len() + 1,
-            DOFS[dof % DOFS.len()],
-            amplitude * mode.eigenvalue.norm(),
-            contact + 1,
-        );
-    }
+    writeln!(out)?;
+    Ok(())
 }

@@ -1,0 +1,56 @@
+//! The eigenvalues of one contact state, without shapes.
+
+use super::modes::{Kind, quadratic_roots};
+use super::symmetry::all_stiffness_eigenvalues;
+use crate::Error;
+use crate::contact::ContactState;
+use crate::model::LumpedModel;
+use nalgebra::Complex;
+
+/// Eigenvalues alone, without shapes; 1/s.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spectrum {
+    /// One of each conjugate pair (Im λ > 0), by frequency.
+    pub oscillating: Vec<Complex<f64>>,
+    /// Real eigenvalues, ascending.
+    pub real: Vec<f64>,
+}
+
+impl Spectrum {
+    /// The eigenvalues λ of a contact state.
+    ///
+    /// # Errors
+    /// As [`modes`](super::modes()).
+    pub fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Result<Self, Error> {
+        let sigmas = all_stiffness_eigenvalues(model, states, friction)?;
+        Ok(Self::from_stiffness(model, &sigmas))
+    }
+
+    /// The eigenvalues λ that belong to all eigenvalues σ of M̃⁻¹ K̃ of a state of this model.
+    fn from_stiffness(model: &LumpedModel, sigmas: &[Complex<f64>]) -> Self {
+        let mut found = Self::default();
+        for eigenvalue in sigmas.iter().flat_map(|&sigma| quadratic_roots(model, sigma)) {
+            match Kind::of(eigenvalue) {
+                Kind::Real => found.real.push(eigenvalue.re),
+                Kind::Oscillating => found.oscillating.push(eigenvalue),
+                Kind::Conjugate => {}
+            }
+        }
+        found.oscillating.sort_by(|a, b| a.im.total_cmp(&b.im));
+        found.real.sort_by(f64::total_cmp);
+        found
+    }
+
+    /// The largest growth rate, 1/s; −∞ where nothing can move.
+    #[must_use]
+    pub fn growth_rate(&self) -> f64 {
+        let oscillating = self.oscillating.iter().map(|eigenvalue| eigenvalue.re);
+        oscillating.chain(self.real.iter().copied()).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// Does anything grow?
+    #[must_use]
+    pub fn unstable(&self) -> bool {
+        self.growth_rate() > 0.0
+    }
+}
