@@ -5,6 +5,7 @@
 //! its eigenvalues σ two eigenvalues of the state: λ² + (α + β σ) λ + σ = 0. So the problem solved is
 //! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not.
 
+use super::eigenvalues::eigenvalues;
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::{LumpedModel, ReducedMatrices};
@@ -81,7 +82,11 @@ pub fn modes(
     let mut found = Modes { oscillating: Vec::new(), real: Vec::new() };
     let Some(reduced) = model.reduced(states, friction_coefficient) else { return Ok(found) };
     let size = reduced.mass.nrows();
-    let eigen = operator(&reduced)?.eigen().map_err(|error| no_convergence(&error))?;
+    let operator = operator(&reduced)?;
+    let operator = Mat::from_fn(size, size, |i, j| operator[(i, j)]);
+    let eigen = operator.eigen().map_err(|error| {
+        Error::analysis(format!("the modes of the contact state were not found: {error:?}"))
+    })?;
     for (column, &sigma) in eigen.S().column_vector().iter().enumerate() {
         let sigma = cleaned(Complex::new(sigma.re, sigma.im));
         let vector: Vec<Complex<f64>> = (0..size)
@@ -161,8 +166,7 @@ pub(super) fn stiffness_eigenvalues(
     friction: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
-    let values = operator(&reduced)?.eigenvalues().map_err(|error| no_convergence(&error))?;
-    Ok(values.into_iter().map(|sigma| cleaned(Complex::new(sigma.re, sigma.im))).collect())
+    Ok(eigenvalues(operator(&reduced)?)?.into_iter().map(cleaned).collect())
 }
 
 /// A double real eigenvalue, as equal modules have, comes out of rounding as a pair that is complex
@@ -172,16 +176,20 @@ fn cleaned(sigma: Complex<f64>) -> Complex<f64> {
     if is_real { Complex::new(sigma.re, 0.0) } else { sigma }
 }
 
-fn operator(reduced: &ReducedMatrices) -> Result<Mat<f64>, Error> {
-    let size = reduced.mass.nrows();
-    let matrix = reduced.mass.clone().lu().solve(&reduced.stiffness).ok_or_else(|| {
+/// M̃⁻¹ K̃.
+fn operator(reduced: &ReducedMatrices) -> Result<DMatrix<f64>, Error> {
+    let ReducedMatrices { mass, stiffness, .. } = reduced;
+    let size = mass.nrows();
+    let diagonal = mass.diagonal();
+    let quotient = if *mass == DMatrix::from_diagonal(&diagonal) {
+        let is_possible = diagonal.iter().all(|mass| *mass != 0.0);
+        is_possible.then(|| DMatrix::from_fn(size, size, |i, j| stiffness[(i, j)] / diagonal[i]))
+    } else {
+        mass.clone().lu().solve(stiffness)
+    };
+    quotient.ok_or_else(|| {
         Error::analysis("the masses that this contact state leaves free cannot be accelerated")
-    })?;
-    Ok(Mat::from_fn(size, size, |i, j| matrix[(i, j)]))
-}
-
-fn no_convergence(error: &dyn std::fmt::Debug) -> Error {
-    Error::analysis(format!("the eigenvalues of the contact state were not found: {error:?}"))
+    })
 }
 
 /// Which of the eigenvalues of a real problem one is.
