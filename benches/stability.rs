@@ -144,8 +144,8 @@ fn waves(lapack: &mut Lapack) {
     );
     assert!(own < WAVES_LIMIT, "{modules} modules take {own} s");
     println!("{modules} equal modules in uniform sliding, all {} λ, ms", 6 * modules);
-    println!("            Amontons      NumPy, the same waves   furthest apart");
-    println!("{:20.2} {:16.2} = {:.2} × {apart:16.0e}\n", 1e3 * own, 1e3 * numpy, numpy / own);
+    println!("            Amontons   NumPy, eq. (6) of each wave   furthest apart");
+    println!("{:20.2} {:18.2} = {:.2} × {apart:20.0e}\n", 1e3 * own, 1e3 * numpy, numpy / own);
 }
 
 fn all_states(lapack: &mut Lapack) {
