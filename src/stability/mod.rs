@@ -3,6 +3,7 @@
 //! | file | what it finds |
 //! | --- | --- |
 //! | `critical_step` | the largest step of the explicit scheme |
+//! | `eigenvalues` | the eigenvalues of a matrix |
 //! | `modes` | eigenvalues and shapes of one contact state |
 //! | `symmetry` | which states of a ring are alike; waves in place of the whole ring |
 //! | `spectrum` | the eigenvalues of one contact state, without shapes |
@@ -23,6 +24,8 @@ pub mod candidates;
 #[cfg(feature = "tools")]
 mod departure;
 #[cfg(feature = "tools")]
+mod eigenvalues;
+#[cfg(feature = "tools")]
 pub mod locus;
 #[cfg(feature = "tools")]
 pub mod map;
@@ -40,6 +43,7 @@ mod symmetry;
 #[cfg(feature = "tools")]
 pub use {
     departure::{Departure, departure},
+    eigenvalues::eigenvalues,
     modes::{Mode, Modes, modes},
     spectrum::Spectrum,
     states::{MAX_CONTACTS, StateClasses},

@@ -5,6 +5,7 @@
 //! its eigenvalues σ two eigenvalues of the state: λ² + (α + β σ) λ + σ = 0. So the problem solved is
 //! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not.
 
+use super::eigenvalues::eigenvalues;
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::{LumpedModel, ReducedMatrices};
@@ -82,9 +83,13 @@ pub fn modes(
     check_size(model)?;
     let Some(reduced) = model.reduced(states, friction_coefficient) else { return Ok(found) };
     let size = reduced.mass.nrows();
-    let eigen = operator(&reduced)?.eigen().map_err(|error| no_convergence(&error))?;
+    let operator = operator(&reduced)?;
+    let operator = Mat::from_fn(size, size, |i, j| operator[(i, j)]);
+    let eigen = operator.eigen().map_err(|error| {
+        Error::analysis(format!("the modes of the contact state were not found: {error:?}"))
+    })?;
     for (column, &sigma) in eigen.S().column_vector().iter().enumerate() {
-        let sigma = cleaned(Complex::new(sigma.re, sigma.im), friction_coefficient)?;
+        let sigma = cleaned(Complex::new(sigma.re, sigma.im));
         let vector: Vec<Complex<f64>> = (0..size)
             .map(|row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im))
             .collect();
@@ -116,21 +121,14 @@ pub(super) fn stiffness_eigenvalues(
 ) -> Result<Vec<Complex<f64>>, Error> {
     check_size(model)?;
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
-    let values = operator(&reduced)?.eigenvalues().map_err(|error| no_convergence(&error))?;
-    values.into_iter().map(|sigma| cleaned(Complex::new(sigma.re, sigma.im), friction)).collect()
+    Ok(eigenvalues(operator(&reduced)?)?.into_iter().map(cleaned).collect())
 }
 
 /// A double real eigenvalue, as equal modules have, comes out of rounding as a pair that is complex
 /// by a little. Where two real ones do merge, this moves the place by 1e-14 of the parameter.
-fn cleaned(sigma: Complex<f64>, friction: f64) -> Result<Complex<f64>, Error> {
-    if !(sigma.re.is_finite() && sigma.im.is_finite()) {
-        return Err(Error::analysis(format!(
-            "the eigenvalues leave the range of numbers at friction.coefficient = {friction}; look \
-             for a value that is too large"
-        )));
-    }
+fn cleaned(sigma: Complex<f64>) -> Complex<f64> {
     let is_real = sigma.im.abs() <= 1e-7 * sigma.re.abs();
-    Ok(if is_real { Complex::new(sigma.re, 0.0) } else { sigma })
+    if is_real { Complex::new(sigma.re, 0.0) } else { sigma }
 }
 
 /// The most degrees of freedom that are analysed as one dense matrix: some seconds of work.
@@ -147,16 +145,24 @@ fn check_size(model: &LumpedModel) -> Result<(), Error> {
     )))
 }
 
-fn operator(reduced: &ReducedMatrices) -> Result<Mat<f64>, Error> {
-    let size = reduced.mass.nrows();
-    let matrix = reduced.mass.clone().lu().solve(&reduced.stiffness).ok_or_else(|| {
+/// M̃⁻¹ K̃.
+fn operator(reduced: &ReducedMatrices) -> Result<DMatrix<f64>, Error> {
+    let ReducedMatrices { mass, stiffness, .. } = reduced;
+    let size = mass.nrows();
+    let diagonal = mass.diagonal();
+    let quotient = if *mass == DMatrix::from_diagonal(&diagonal) {
+        let is_possible = diagonal.iter().all(|mass| *mass != 0.0);
+        is_possible.then(|| DMatrix::from_fn(size, size, |i, j| stiffness[(i, j)] / diagonal[i]))
+    } else {
+        mass.clone().lu().solve(stiffness)
+    };
+    let quotient = quotient.ok_or_else(|| {
         Error::analysis("the masses that this contact state leaves free cannot be accelerated")
     })?;
-    Ok(Mat::from_fn(size, size, |i, j| matrix[(i, j)]))
-}
-
-fn no_convergence(error: &dyn std::fmt::Debug) -> Error {
-    Error::analysis(format!("the eigenvalues of the contact state were not found: {error:?}"))
+    if quotient.iter().all(|value| value.is_finite()) {
+        return Ok(quotient);
+    }
+    Err(Error::analysis("M⁻¹ K leaves the range of numbers; look for a value that is too large"))
 }
 
 /// Which of the eigenvalues of a real problem one is.
