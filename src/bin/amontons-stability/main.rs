@@ -10,7 +10,7 @@ mod states;
 
 use amontons::Error;
 use amontons::scene::{self, Scene};
-use amontons::simulation::assign;
+use amontons::simulation::{assign, step_warning};
 use arguments::{Arguments, Command, Common};
 use clap::Parser;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -41,6 +41,9 @@ fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
     }
     scene.friction_coefficient = friction.unwrap_or(scene.friction_coefficient);
     scene.check()?;
+    if let Some(warning) = step_warning(&scene) {
+        eprintln!("warning: {warning}");
+    }
     Ok(scene)
 }
 
