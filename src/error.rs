@@ -25,6 +25,8 @@ enum Kind {
     #[error("{0}")]
     Step(String),
     #[error("{0}")]
+    Argument(String),
+    #[error("{0}")]
     Variable(String),
     #[error("{0}")]
     Call(String),
@@ -67,6 +69,8 @@ kinds! {
     Analysis: analysis, is_analysis;
     /// Did a step fail: a non-finite state, contact forces that do not converge, time going back?
     Step: step, is_step;
+    /// Does a command name what there is not: a parameter, a contact state, a built-in scene?
+    Argument: argument, is_argument;
     /// Is a variable unknown, or not one that may be set now?
     Variable: variable, is_variable;
     /// Was an FMI call made at the wrong time, or with arguments that cannot be used?

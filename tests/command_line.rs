@@ -102,21 +102,23 @@ fn scenes_are_listed_and_shown() {
     let shown = amontons(folder.path(), &["scenes", "show", "set2"]).stdout;
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/set2.toml");
     assert_eq!(shown, fs::read(file).unwrap());
-    assert_refused(folder.path(), &["scenes", "show", "set3"], 1, &["set3", "set1, set2, ring12"]);
+    let schema = amontons(folder.path(), &["scenes", "schema"]).stdout;
+    assert!(serde_json::from_slice::<serde_json::Value>(&schema).is_ok());
+    assert_refused(folder.path(), &["scenes", "show", "set3"], 2, &["set3", "set1, set2, ring12"]);
 }
 
 #[test]
 fn impossible_scenes_are_refused_with_what_would_be_right() {
     let cases: &[(&str, &str, &[&str])] = &[
-        ("k1 = 55e3", "k1 = 55e3\nk7 = 1", &["mine.toml", "line 18", "unknown field `k7`"]),
-        ("m1 = 0.3 ", "m1 = -0.3 ", &["module[1].m1 = -0.3", "above zero", "module[2].m1"]),
-        ("m1 = 0.3 ", "m1 = [0.3] ", &["ring.m1", "1 values", "2 modules"]),
-        ("m1 = 0.3 ", "m1 = nan ", &["module[1].m1", "finite"]),
+        ("k1 = 55e3", "k1 = 55e3\nk7 = 1", &["mine.toml:20:1", "`k7` is not a key of [ring]"]),
+        ("m1 = 0.3 ", "m1 = -0.3 ", &["mine.toml:17:6", "ring.m1 = -0.3: must be above zero"]),
+        ("m1 = 0.3 ", "m1 = [0.3] ", &["ring.m1", "1 value,", "2 modules"]),
+        ("m1 = 0.3 ", "m1 = nan ", &["ring.m1", "finite"]),
         ("modules = 2", "modules = 0", &["ring.modules = 0", "1 to 100000"]),
-        ("module = 1", "module = 3", &["initial.module = 3", "1 to 2"]),
-        ("v1 = 1.0e-7", "v1 = 1\n[[initial]]\nmodule = 1", &["initial.module = 1", "twice"]),
+        ("module = 1", "module = 3", &["initial[1].module = 3", "1 to 2"]),
+        ("v1 = 1.0e-7", "v1 = 1\n[[initial]]\nmodule = 1", &["initial[2].module = 1", "twice"]),
         ("angle = 0.5", "angle = 30.0", &["slider.angle = 30", "0.5236"]),
-        ("v1 = 1.0e-7", "x4 = -1.0e-7", &["initial.module[1].x4", "inside the slider"]),
+        ("v1 = 1.0e-7", "x4 = -1.0e-7", &["initial[1].x4", "inside the slider"]),
         ("step = 1.0e-6", "step = 2.0e-3", &["critical step", "3.0196e-4", "Sl-Sl, coalesced"]),
         ("preload = 5.0e-3", "preload = -5.0e-3", &["contact[1] opens", "preload"]),
         (
@@ -124,7 +126,7 @@ fn impossible_scenes_are_refused_with_what_would_be_right() {
             "angle = -0.5\n\n[friction]\ncoefficient = 5",
             &["no equilibrium", "contact[1] jams from 3.577224 on"],
         ),
-        ("angle = 0.5", "angle = \"steep\"", &["mine.toml", "line 5", "angle"]),
+        ("angle = 0.5", "angle = \"steep\"", &["mine.toml:7:9", "slider.angle"]),
     ];
     for (from, to, words) in cases {
         let folder = folder();
@@ -138,17 +140,37 @@ fn impossible_scenes_are_refused_with_what_would_be_right() {
 }
 
 #[test]
+fn a_step_that_does_not_go_with_the_stiffness_is_warned_of() {
+    let folder = folder();
+    let warned = |step: &str| {
+        let run = ["simulate", "set1", "--stop-time", "1e-6", "--step", step];
+        text(&amontons(folder.path(), &run).stderr)
+    };
+    assert_eq!(warned("1e-6"), "");
+    let warning = warned("1e-7");
+    for words in ["warning: integrator.step = 1e-7 s", "3.0196e-4 s", "N/m"] {
+        assert!(warning.contains(words), "{warning}");
+    }
+}
+
+#[test]
 fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
     let folder = folder();
     let refused = |arguments: &[&str], code, words: &[&str]| {
         assert_refused(folder.path(), arguments, code, words);
     };
     refused(&["export", "nothing"], 1, &["nothing", "set1, set2, ring12"]);
+    refused(&["export", "."], 1, &["is a folder", "set1, set2, ring12"]);
     refused(&["export"], 2, &["SCENE"]);
     refused(&["simulate", "set1", "--stop-time", "-1"], 2, &["above zero"]);
-    refused(&["simulate", "set1", "--set", "module[1].k9=1"], 3, &["module[1].k9", "module[1].k1"]);
+    refused(&["simulate", "set1", "--set", "module[1].k9=1"], 2, &["module[1].k9", "module[1].k1"]);
     refused(&["simulate", "set1", "--set", "module[1].k2"], 2, &["NAME=VALUE"]);
-    refused(&["simulate", "set1", "--set", "module[1].x1=0"], 3, &["module[1].x1"]);
+    refused(&["simulate", "set1", "--set", "module[1].x1=0"], 2, &["module[1].x1", "output"]);
+    refused(
+        &["simulate", "set1", "--set", "module[1].perload=0"],
+        2,
+        &["did you mean module[1].preload?"],
+    );
     refused(&["simulate", "set1", "--set", "module[1].m1=0"], 3, &["module[1].m1", "above zero"]);
     refused(&["simulate", "set1", "-o", "no/such/place.csv"], 1, &["no/such/place.csv"]);
     refused(&["export", "set1", "-o", "."], 1, &["cannot use"]);

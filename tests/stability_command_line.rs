@@ -234,7 +234,7 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
     let cases: &[(&[&str], i32, &[&str])] = &[
         (&["states", "nothing"], 1, &["nothing", "set1, set2, ring12"]),
         (&["states", "set1", "--friction", "-1"], 3, &["friction.coefficient", "negative"]),
-        (&["states", "set1", "--state", "Sl-Up"], 3, &["Sl-Up", "Sl-St"]),
+        (&["states", "set1", "--state", "Sl-Up"], 2, &["Sl-Up", "Sl-St"]),
         (&["states", "set1", "--friction", "1e300"], 3, &["cannot be accelerated"]),
         (&["locus", "set1"], 2, &["--friction"]),
         (
@@ -249,7 +249,7 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
         ),
         (&["locus", "set1", "--friction", "0:3.5"], 2, &["A:B:STEP"]),
         (&["locus", "set1", "--friction", "3:0:0.1"], 2, &["below the last"]),
-        (&["locus", "set1", "--parameter", "module[1].k9=1:2:0.1"], 3, &["k9", "module[1].k1"]),
+        (&["locus", "set1", "--parameter", "module[1].k9=1:2:0.1"], 2, &["k9", "module[1].k1"]),
         (&["locus", "set1", "--friction", "0:1:0.1", "--plot", "a.pdf"], 1, &[".svg", ".png"]),
         (&["bistable", "set1", "--friction", "2"], 2, &["A:B"]),
         (&["bistable", "set1", "--friction", "-1:1"], 3, &["friction.coefficient", "negative"]),

@@ -74,7 +74,7 @@ impl fmt::Display for Joined<'_> {
 /// What the names should look like.
 pub fn parse_states(text: &str, contacts: usize) -> Result<Vec<ContactState>, Error> {
     let wish = || {
-        Error::scene(format!(
+        Error::argument(format!(
             "{text} is not a contact state: give one of Sl, R-Sl, St, Dt for all {contacts} \
              contacts, or one for each, joined as in Sl-St"
         ))

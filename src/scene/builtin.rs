@@ -34,6 +34,15 @@ pub fn builtin(name: &str) -> Option<Builtin> {
     BUILTIN.iter().copied().find(|builtin| builtin.name == name)
 }
 
+/// The built-in scene that a command line names.
+///
+/// # Errors
+/// There is none of that name; what there is.
+pub fn named(name: &str) -> Result<Builtin, Error> {
+    builtin(name)
+        .ok_or_else(|| Error::argument(format!("no built-in scene {name}; {}", builtin_names())))
+}
+
 /// The scene that a command line names, with its file's text: a built-in scene's name, or a path.
 /// A file that is named like a built-in scene is `./name`.
 ///
@@ -43,7 +52,11 @@ pub fn find(argument: &str) -> Result<(Scene, String), Error> {
     let path = Path::new(argument);
     match builtin(argument) {
         Some(builtin) => Ok((builtin.scene(), builtin.text.to_owned())),
-        None if path.is_file() => read(path),
+        None if path.is_dir() => Err(Error::unusable_file(format!(
+            "{argument} is a folder; give a scene file, or a built-in scene; {}",
+            builtin_names()
+        ))),
+        None if path.exists() => read(path),
         None => Err(Error::unusable_file(format!(
             "no file {argument} and no built-in scene of that name; {}",
             builtin_names()

@@ -5,19 +5,29 @@
 
 mod builtin;
 mod file;
+#[cfg(feature = "tools")]
+mod located;
+#[cfg(feature = "tools")]
+mod nearest;
 mod per_module;
+mod problem;
+mod rule;
+mod text;
 
-pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find};
+pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find, named};
+#[cfg(feature = "tools")]
+pub use file::schema;
 pub use file::{parse, read};
+#[cfg(feature = "tools")]
+pub use nearest::nearest;
+pub use problem::Problem;
+pub use rule::Rule;
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
 
 /// The most modules a ring may have.
 pub const MAX_MODULES: usize = 100_000;
-
-/// The most impossible values that one message lists.
-const MAX_PROBLEMS: usize = 20;
 
 /// The most rows of results that a run may have.
 const MAX_ROWS: f64 = 1e9;
@@ -45,21 +55,26 @@ pub struct Scene {
 
 /// The rigid slider.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Slider {
     /// Velocity along the tangent t = (cos θ, sin θ), m/s; of either sign.
     pub velocity: f64,
     /// Inclination θ against the horizontal, rad.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::ANGLE.bounds()))]
     pub angle: f64,
 }
 
 /// Rayleigh damping, C = α M + β K.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Damping {
     /// Mass-proportional part α, 1/s.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
     pub alpha: f64,
     /// Stiffness-proportional part β, s.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
     pub beta: f64,
 }
 
@@ -82,11 +97,14 @@ pub struct Module {
 
 /// What a run does unless told otherwise; FMI's DefaultExperiment.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Experiment {
     /// End of the run, s; it starts at 0.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
     pub stop_time: f64,
     /// Time between two rows of results, s.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
     pub output_interval: f64,
 }
 
@@ -102,37 +120,41 @@ impl Scene {
     /// # Errors
     /// One line a problem, up to twenty: the variable, its value, what would be right.
     pub fn check(&self) -> Result<(), Error> {
+        let problems = self.problems();
+        if problems.is_empty() { Ok(()) } else { Err(problem::error(&problems)) }
+    }
+
+    /// Every impossible value; its path is the FMU's name of the variable.
+    #[must_use]
+    pub fn problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
         let mut check = |name: &dyn Fn() -> String, value: f64, rule: Rule| {
             if let Some(wish) = rule.broken_by(value) {
-                problems.push(format!("{} = {value}: {wish}", name()));
+                problems.push(Problem::new(name(), wish).of(value));
             }
         };
         let named = |name: &'static str| move || name.to_owned();
         check(&named("slider.velocity"), self.slider.velocity, Rule::Finite);
-        check(&named("slider.angle"), self.slider.angle, Rule::QuarterTurn);
-        check(&named("friction.coefficient"), self.friction_coefficient, Rule::NotNegative);
-        check(&named("damping.alpha"), self.damping.alpha, Rule::NotNegative);
-        check(&named("damping.beta"), self.damping.beta, Rule::NotNegative);
-        check(&named("integrator.step"), self.step, Rule::Positive);
-        check(&named("experiment.stop_time"), self.experiment.stop_time, Rule::Positive);
-        check(
-            &named("experiment.output_interval"),
-            self.experiment.output_interval,
-            Rule::Positive,
-        );
+        check(&named("slider.angle"), self.slider.angle, Rule::ANGLE);
+        check(&named("friction.coefficient"), self.friction_coefficient, Rule::FRICTION);
+        check(&named("damping.alpha"), self.damping.alpha, Rule::DAMPING);
+        check(&named("damping.beta"), self.damping.beta, Rule::DAMPING);
+        check(&named("integrator.step"), self.step, Rule::TIME);
+        let Experiment { stop_time, output_interval } = self.experiment;
+        check(&named("experiment.stop_time"), stop_time, Rule::TIME);
+        check(&named("experiment.output_interval"), output_interval, Rule::TIME);
         for (i, module) in self.modules.iter().enumerate() {
             let i = i + 1;
             for (j, mass) in module.mass.into_iter().enumerate() {
-                check(&|| format!("module[{i}].m{}", j + 1), mass, Rule::Positive);
+                check(&|| format!("module[{i}].m{}", j + 1), mass, Rule::MASS);
             }
             for (j, stiffness) in module.stiffness.into_iter().enumerate() {
-                check(&|| format!("module[{i}].k{}", j + 1), stiffness, Rule::NotNegative);
+                check(&|| format!("module[{i}].k{}", j + 1), stiffness, Rule::STIFFNESS);
             }
             check(&|| format!("module[{i}].preload"), module.preload, Rule::Finite);
             for j in 0..4 {
                 check(&|| format!("module[{i}].f{}", j + 1), module.force[j], Rule::Finite);
-                let rule = if j == 3 { Rule::NotInsideSlider } else { Rule::Finite };
+                let rule = if j == 3 { Rule::GAP } else { Rule::Finite };
                 check(&|| format!("initial.module[{i}].x{}", j + 1), module.displacement[j], rule);
                 check(
                     &|| format!("initial.module[{i}].v{}", j + 1),
@@ -141,57 +163,19 @@ impl Scene {
                 );
             }
         }
-        let Experiment { stop_time, output_interval } = self.experiment;
         if stop_time / output_interval > MAX_ROWS {
-            problems.push(format!(
-                "experiment.output_interval = {output_interval}: gives more than {MAX_ROWS:e} rows \
-                 up to experiment.stop_time = {stop_time}; choose a longer one"
-            ));
+            let message = format!(
+                "gives more than {MAX_ROWS:e} rows up to experiment.stop_time = {stop_time}"
+            );
+            problems.push(
+                Problem::new("experiment.output_interval", message)
+                    .help("choose a longer one")
+                    .of(format!("{output_interval:e}")),
+            );
         }
         if self.modules.is_empty() || self.modules.len() > MAX_MODULES {
-            problems.push(format!(
-                "ring.modules = {}: a ring has 1 to {MAX_MODULES} modules",
-                self.modules.len()
-            ));
+            problems.push(file::not_a_ring(self.modules.len()));
         }
-        if problems.is_empty() {
-            return Ok(());
-        }
-        let more = problems.len().saturating_sub(MAX_PROBLEMS);
-        problems.truncate(MAX_PROBLEMS);
-        if more > 0 {
-            problems.push(format!("and {more} more"));
-        }
-        Err(Error::scene(problems.join("\n")))
-    }
-}
-
-/// What a value must be.
-#[derive(Clone, Copy)]
-enum Rule {
-    Finite,
-    NotNegative,
-    Positive,
-    NotInsideSlider,
-    QuarterTurn,
-}
-
-impl Rule {
-    /// What would be right, if `value` breaks the rule.
-    fn broken_by(self, value: f64) -> Option<&'static str> {
-        if !value.is_finite() {
-            return Some("must be a finite number");
-        }
-        match self {
-            Self::NotNegative if value < 0.0 => Some("must not be negative"),
-            Self::Positive if value <= 0.0 => Some("must be above zero"),
-            Self::NotInsideSlider if value < 0.0 => {
-                Some("starts inside the slider; a displacement along the normal must be ≥ 0")
-            }
-            Self::QuarterTurn if value.abs() > std::f64::consts::FRAC_PI_2 => {
-                Some("must be between −π/2 and π/2 rad (30° are 0.5236)")
-            }
-            _ => None,
-        }
+        problems
     }
 }

@@ -5,8 +5,11 @@ use serde::{Deserialize, de};
 use std::fmt;
 
 #[derive(Clone, Debug, PartialEq)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema), schemars(untagged))]
 pub(super) enum PerModule {
+    /// One number for all modules.
     Same(f64),
+    /// A list with one number a module.
     Each(Vec<f64>),
 }
 

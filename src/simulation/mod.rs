@@ -5,12 +5,18 @@ mod clock;
 mod fingerprint;
 mod snapshot;
 mod values;
+#[cfg(feature = "tools")]
+mod warning;
 
 pub use catalogue::{Variable, variables};
 pub use fingerprint::fingerprint;
 pub use snapshot::Snapshot;
 pub(crate) use snapshot::{from_bytes, to_bytes};
-pub use values::{assign, check_value, read_scene, write_scene};
+#[cfg(feature = "tools")]
+pub use values::assign;
+pub use values::{check_value, read_scene, write_scene};
+#[cfg(feature = "tools")]
+pub use warning::step_warning;
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};

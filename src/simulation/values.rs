@@ -1,10 +1,14 @@
 //! What each variable of the catalogue reads and writes.
 
 use super::Simulation;
-use super::catalogue::{Kind, Quantity, Variable, variables};
+#[cfg(feature = "tools")]
+use super::catalogue::variables;
+use super::catalogue::{Kind, Quantity, Variable};
 use crate::Error;
 use crate::model::ring::MODULE_DOFS;
-use crate::scene::Scene;
+#[cfg(feature = "tools")]
+use crate::scene::nearest;
+use crate::scene::{Problem, Rule, Scene};
 
 /// The value of a parameter or input in a scene; `None` for an output.
 #[must_use]
@@ -77,14 +81,25 @@ pub fn write_scene(scene: &mut Scene, variable: &Variable, value: f64) -> Result
 /// Gives a parameter or input of a scene, known by its name, another value.
 ///
 /// # Errors
-/// There is no such parameter or input (those with like names are listed), or it cannot have this
-/// value.
+/// There is no such parameter or input (the nearest name is given, or those with like names), or it
+/// cannot have this value.
+#[cfg(feature = "tools")]
 pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     let settable: Vec<Variable> =
         variables(scene).into_iter().filter(Variable::is_settable).collect();
     if let Some(variable) = settable.iter().find(|variable| variable.name == name) {
-        check_value(variable, value)?;
-        return write_scene(scene, variable, value);
+        return match rule(variable).broken_by(value) {
+            None => write_scene(scene, variable, value),
+            Some(wish) => Err(Error::scene(impossible(variable, value, wish))),
+        };
+    }
+    if let Some(output) = variables(scene).iter().find(|variable| variable.name == name) {
+        return Err(Error::argument(format!("{} cannot be set: it is an output", output.name)));
+    }
+    if let Some(meant) = nearest(name, settable.iter().map(|variable| &*variable.name)) {
+        return Err(Error::argument(format!(
+            "there is no parameter or input {name}; did you mean {meant}?"
+        )));
     }
     let group = |name: &str| name.rsplit_once('.').map(|(group, _)| group.to_owned());
     let mut like: Vec<&str> = settable.iter().map(|variable| &*variable.name).collect();
@@ -94,7 +109,7 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
         // One module stands for all.
         like.retain(|known| !known.contains('[') || known.contains("[1]"));
     }
-    Err(Error::variable(format!(
+    Err(Error::argument(format!(
         "there is no parameter or input {name}; there are {}",
         like.join(", ")
     )))
@@ -154,15 +169,75 @@ impl Simulation {
     }
 }
 
-/// Refuses a value that the variable can never have.
+/// Refuses a value that is outside of what the model description declares.
 ///
 /// # Errors
 /// The variable, the value, and what would be right.
 pub fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
-    let wish = match variable.template.kind {
-        _ if !value.is_finite() => "a finite number".to_owned(),
-        Kind::Real { min: Some(min), .. } if value < min => format!("≥ {min}"),
-        _ => return Ok(()),
+    let is_declared = match variable.template.kind {
+        Kind::Real { min: Some(min), .. } => value >= min,
+        _ => true,
     };
-    Err(Error::variable(format!("{} = {value}: must be {wish}", variable.name)))
+    match rule(variable).broken_by(value) {
+        Some(wish) if !is_declared || !value.is_finite() => {
+            Err(Error::variable(impossible(variable, value, wish)))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// What the scene asks of a parameter's or input's value.
+fn rule(variable: &Variable) -> Rule {
+    match variable.template.quantity {
+        Quantity::Mass => Rule::MASS,
+        Quantity::Stiffness => Rule::STIFFNESS,
+        Quantity::FrictionCoefficient => Rule::FRICTION,
+        Quantity::DampingAlpha | Quantity::DampingBeta => Rule::DAMPING,
+        Quantity::IntegratorStep => Rule::TIME,
+        Quantity::SliderAngle => Rule::ANGLE,
+        Quantity::InitialDisplacement if variable.template.component == 3 => Rule::GAP,
+        _ => Rule::Finite,
+    }
+}
+
+fn impossible(variable: &Variable, value: f64, wish: &str) -> String {
+    Problem::new(&*variable.name, wish).of(value).to_string()
+}
+
+#[cfg(all(test, feature = "tools"))]
+mod tests {
+    use super::*;
+    use crate::scene::{builtin, parse};
+
+    #[test]
+    fn the_file_the_command_line_and_the_fmu_refuse_the_same_values() {
+        let text = builtin("set1").unwrap().text;
+        let scene = parse("set1", text).unwrap();
+        let mut in_file = 0;
+        for variable in variables(&scene).iter().filter(|variable| variable.is_settable()) {
+            for value in [-100.0, -1.0, 0.0, 1.0, 100.0, f64::NAN, f64::INFINITY] {
+                let name = &variable.name;
+                let mut changed = scene.clone();
+                write_scene(&mut changed, variable, value).unwrap();
+                let problems = changed.problems();
+                let is_possible = problems.is_empty();
+                assert_eq!(assign(&mut scene.clone(), name, value).is_ok(), is_possible, "{name}");
+                // The model description has bounds that may be touched.
+                assert!(check_value(variable, value).is_ok() || !is_possible, "{name} = {value}");
+                if value < 0.0 || !value.is_finite() {
+                    let declared =
+                        matches!(variable.template.kind, Kind::Real { min: Some(_), .. });
+                    let is_bad = declared || !value.is_finite();
+                    assert_eq!(check_value(variable, value).is_err(), is_bad, "{name} = {value}");
+                }
+                let Some(key) = name.strip_prefix("module[1].") else { continue };
+                let is_key = |line: &&str| line.split(" =").next() == Some(key);
+                let Some(line) = text.lines().find(is_key) else { continue };
+                let mine = text.replacen(line, &format!("{key} = {value:?}"), 1);
+                assert_eq!(parse("mine", &mine).is_ok(), is_possible, "{key} = {value}");
+                in_file += 1;
+            }
+        }
+        assert_eq!(in_file, 9 * 7);
+    }
 }

@@ -13,12 +13,17 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written, 2 the command \
-line makes no sense, 3 the scene is impossible, has no such parameter, or cannot be analysed";
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written, 2 the \
+command line makes no sense (an unknown option, variable or contact state), 3 the scene is \
+impossible or cannot be analysed";
 
 /// The exit code that belongs to an error.
 pub fn exit_code(error: &Error) -> u8 {
-    if error.is_picture() || error.is_file() { 1 } else { 3 }
+    match error {
+        error if error.is_argument() => 2,
+        error if error.is_picture() || error.is_file() => 1,
+        _ => 3,
+    }
 }
 
 #[derive(Subcommand)]

@@ -13,7 +13,7 @@ use amontons::Error;
 use amontons::contact::{ContactState, parse_states};
 use amontons::model::LumpedModel;
 use amontons::scene::{self, Scene};
-use amontons::simulation::assign;
+use amontons::simulation::{assign, step_warning};
 use amontons::stability::candidates::uniform_sliding;
 use arguments::{Arguments, Command, Common};
 use clap::Parser;
@@ -80,6 +80,9 @@ fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
     }
     scene.friction_coefficient = friction.unwrap_or(scene.friction_coefficient);
     scene.check()?;
+    if let Some(warning) = step_warning(&scene) {
+        eprintln!("warning: {warning}");
+    }
     Ok(scene)
 }
 

@@ -12,8 +12,8 @@ pub struct Arguments {
 }
 
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written, 2 the command \
-line makes no sense, 3 the scene is impossible (a value, no equilibrium, a step above the critical \
-one), 4 the run failed";
+line makes no sense (an unknown option, variable or built-in scene), 3 the scene is impossible (its \
+file, a value, no equilibrium, a step above the critical one), 4 the run failed";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -21,7 +21,7 @@ pub enum Command {
     Export(Export),
     /// Run a scene without an importer and write its outputs as CSV
     Simulate(Simulate),
-    /// List the built-in scenes, or show one to start from
+    /// List the built-in scenes, show one to start from, or print the schema of scene files
     Scenes {
         #[command(subcommand)]
         command: Option<Scenes>,
@@ -65,6 +65,8 @@ pub enum Scenes {
         /// Its name
         name: String,
     },
+    /// Print the JSON Schema of scene files, with which editors check and complete them
+    Schema,
 }
 
 fn positive(text: &str) -> Result<f64, String> {

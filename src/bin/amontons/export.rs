@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 pub fn run(arguments: &Export) -> Result<(), Error> {
     let (scene, text) = scene::find(&arguments.scene)?;
-    scenes::check(&scene)?;
+    scenes::start(&scene)?;
     let fmu = package::fmu(&scene, &text)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));

@@ -10,9 +10,10 @@ use arguments::{Arguments, Command};
 use clap::Parser;
 use std::process::ExitCode;
 
-/// Exit codes: what kind of thing went wrong (2 is clap's, for arguments that make no sense).
+/// Exit codes: what kind of thing went wrong (2 is clap's too).
 mod exit {
     pub const FAILED: u8 = 1;
+    pub const ARGUMENTS: u8 = 2;
     pub const SCENE: u8 = 3;
     pub const RUN: u8 = 4;
 }
@@ -37,6 +38,7 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
 
 fn exit_code(error: &(dyn std::error::Error + 'static)) -> u8 {
     match error.downcast_ref::<amontons::Error>() {
+        Some(error) if error.is_argument() => exit::ARGUMENTS,
         Some(error) if error.is_step() => exit::RUN,
         Some(error) if !error.is_package() && !error.is_file() => exit::SCENE,
         _ => exit::FAILED,

@@ -2,7 +2,8 @@
 
 use crate::arguments::Scenes;
 use amontons::Error;
-use amontons::scene::{self, BUILTIN, Scene, builtin, builtin_names};
+use amontons::scene::{self, BUILTIN, Scene};
+use amontons::simulation::{Simulation, step_warning};
 use std::error;
 use std::io::{Write, stdout};
 
@@ -15,15 +16,19 @@ pub fn run(command: Option<&Scenes>) -> Result<(), Box<dyn error::Error>> {
             }
         }
         Some(Scenes::Show { name }) => {
-            let scene = builtin(name)
-                .ok_or_else(|| format!("no built-in scene {name}; {}", builtin_names()))?;
+            let scene = scene::named(name)?;
             out.write_all(scene.text.as_bytes())?;
         }
+        Some(Scenes::Schema) => out.write_all(scene::schema().as_bytes())?,
     }
     Ok(())
 }
 
-/// Refuses a scene that cannot be run, before anything is written.
-pub fn check(scene: &Scene) -> Result<(), Error> {
-    amontons::simulation::Simulation::new(scene.clone(), 0.0).map(drop)
+/// A simulation of the scene, before anything is written; warns of what is hardly meant.
+pub fn start(scene: &Scene) -> Result<Simulation, Error> {
+    let simulation = Simulation::new(scene.clone(), 0.0)?;
+    if let Some(warning) = step_warning(scene) {
+        eprintln!("warning: {warning}");
+    }
+    Ok(simulation)
 }

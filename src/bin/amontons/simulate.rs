@@ -2,6 +2,7 @@
 
 use crate::arguments::Simulate;
 use crate::output::Pending;
+use crate::scenes;
 use amontons::scene::{self, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Simulation, Variable, assign, variables};
@@ -11,7 +12,7 @@ use std::io::{BufWriter, ErrorKind, Write, stdout};
 
 pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
     let scene = configured(arguments)?;
-    let mut simulation = Simulation::new(scene.clone(), 0.0)?;
+    let mut simulation = scenes::start(&scene)?;
     match &arguments.output {
         None => match write_run(&mut simulation, &scene, &mut BufWriter::new(stdout().lock())) {
             // Whoever reads has read enough (`| head`).

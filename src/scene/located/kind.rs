@@ -1,0 +1,132 @@
+//! Kinds of values: what stands there, what is wanted, and how it is written.
+
+use serde_json::Value;
+use toml::de::DeValue;
+
+/// The kind of a value, in the words of JSON Schema.
+pub(super) fn found(value: &DeValue<'_>) -> &'static str {
+    match value {
+        DeValue::String(_) => "string",
+        DeValue::Integer(_) => "integer",
+        DeValue::Float(_) => "number",
+        DeValue::Boolean(_) => "boolean",
+        DeValue::Datetime(_) => "date",
+        DeValue::Array(_) => "array",
+        DeValue::Table(_) => "object",
+    }
+}
+
+/// The parts of a schema of which a value must fulfil one: its alternatives, or itself.
+pub(super) fn alternatives(schema: &Value) -> Vec<&Value> {
+    let parts = schema.get("oneOf").or_else(|| schema.get("anyOf")).and_then(Value::as_array);
+    match parts {
+        // Alternatives of an object with keys of its own go on from those.
+        Some(parts) if schema.get("properties").is_none() => {
+            parts.iter().flat_map(alternatives).collect()
+        }
+        _ => vec![schema],
+    }
+}
+
+/// The kinds that a schema without alternatives takes; none if it takes all. TOML has no null.
+pub(super) fn taken(schema: &Value) -> Vec<&str> {
+    match schema.get("type") {
+        Some(Value::String(kind)) => vec![kind],
+        Some(Value::Array(kinds)) => {
+            kinds.iter().filter_map(Value::as_str).filter(|&kind| kind != "null").collect()
+        }
+        _ if schema.get("const").is_some_and(Value::is_string) => vec!["string"],
+        _ if schema.get("enum").is_some() => vec!["string"],
+        _ if schema.get("properties").is_some() => vec!["object"],
+        _ => Vec::new(),
+    }
+}
+
+/// Does a schema without alternatives take a value of this kind? A whole number is a number too.
+pub(super) fn takes(schema: &Value, kind: &str) -> bool {
+    let kinds = taken(schema);
+    kinds.is_empty()
+        || kinds.iter().any(|&taken| taken == kind || (taken, kind) == ("number", "integer"))
+}
+
+/// A kind as a person would say it.
+fn spoken_kind(kind: &str) -> &'static str {
+    match kind {
+        "string" => "a text",
+        "integer" => "a whole number",
+        "number" => "a number",
+        "boolean" => "true or false",
+        "array" => "a list",
+        "object" => "a table",
+        _ => "nothing",
+    }
+}
+
+/// A value as a person would say it: what it is, or itself where that says more.
+pub(super) fn spoken(value: &DeValue<'_>) -> String {
+    match value {
+        DeValue::Integer(integer) => integer.to_string(),
+        DeValue::Float(float) => float.to_string(),
+        DeValue::Boolean(boolean) => boolean.to_string(),
+        DeValue::Datetime(_) => "a date".to_owned(),
+        _ => spoken_kind(found(value)).to_owned(),
+    }
+}
+
+/// What a schema wants, as a person would say it: "a number, or a list of numbers".
+pub(super) fn wanted(schema: &Value) -> String {
+    let mut wishes: Vec<String> = Vec::new();
+    for part in alternatives(schema) {
+        for kind in taken(part) {
+            let items = part.get("items").filter(|_| kind == "array");
+            let wish = match items.map(|items| taken(items)).as_deref() {
+                Some(["number"]) => "a list of numbers".to_owned(),
+                Some(["integer"]) => "a list of whole numbers".to_owned(),
+                Some(["string"]) => "a list of texts".to_owned(),
+                Some(["object"]) => "a list of tables".to_owned(),
+                _ => spoken_kind(kind).to_owned(),
+            };
+            if !wishes.contains(&wish) {
+                wishes.push(wish);
+            }
+        }
+    }
+    wishes.join(", or ")
+}
+
+/// How a value of what the schema wants is written, as an example for this key.
+pub(super) fn example(key: &str, schema: &Value) -> Option<String> {
+    let part = *alternatives(schema).first()?;
+    let words = words(part);
+    let value = match *taken(part).first()? {
+        "string" => format!("\"{}\"", words.first().unwrap_or(&"text")),
+        "integer" => "2".to_owned(),
+        "number" => "0.5".to_owned(),
+        "boolean" => "true".to_owned(),
+        "array" if part.get("items").is_some_and(|items| taken(items) == ["object"]) => {
+            return Some(format!("[[{key}]]"));
+        }
+        "array" => {
+            let items = part.get("items").and_then(|items| example("", items))?;
+            let item = items.trim_start_matches(" = ").to_owned();
+            let count = part.get("minItems").and_then(Value::as_u64).unwrap_or(2).clamp(1, 9);
+            format!("[{}]", vec![item; usize::try_from(count).ok()?].join(", "))
+        }
+        "object" => return Some(format!("[{key}]")),
+        _ => return None,
+    };
+    Some(format!("{key} = {value}"))
+}
+
+/// The words that a text may be, if it may not be any.
+pub(super) fn words(schema: &Value) -> Vec<&str> {
+    let several = schema.get("enum").and_then(Value::as_array);
+    let one = schema.get("const");
+    several.into_iter().flatten().chain(one).filter_map(Value::as_str).collect()
+}
+
+/// What a value means: the first line of its description.
+pub(super) fn meaning(schema: &Value) -> Option<&str> {
+    let description = schema.get("description").and_then(Value::as_str)?;
+    description.lines().next().map(|line| line.trim_end_matches('.'))
+}

@@ -1,0 +1,91 @@
+//! Reading a file with everything that is wrong with it at once, each problem at its place.
+//!
+//! Nothing here knows what a scene is: the keys, what they may hold and what they mean come from the
+//! JSON Schema that the types of the file derive. In order:
+//!
+//! 1. the text is parsed, going on after errors ([`syntax`]);
+//! 2. the document is walked against the schema ([`walk`]); misspelt keys are read as what they
+//!    are likely to mean, others dropped, so that the rest can be looked at;
+//! 3. what is left becomes the type, if it can, and the type says what else is wrong; the paths of
+//!    those problems are looked up in the document ([`place`]);
+//! 4. all of it is printed with its lines ([`render`]).
+
+mod kind;
+mod number;
+mod object;
+mod place;
+mod render;
+mod syntax;
+mod walk;
+mod wording;
+
+use super::Problem;
+use crate::Error;
+use schemars::JsonSchema;
+use schemars::generate::SchemaSettings;
+use serde::de::DeserializeOwned;
+use serde_json::Value;
+use std::ops::Range;
+use toml::de::DeTable;
+
+/// A problem with its place in the text, in bytes.
+#[derive(Clone, Debug, PartialEq)]
+struct Located {
+    span: Range<usize>,
+    title: String,
+    help: String,
+}
+
+/// The schema of a type as a file holds it: JSON Schema draft 7, which editors understand best,
+/// without references.
+pub(super) fn schema<T: JsonSchema>() -> Value {
+    let settings = SchemaSettings::draft07().with(|settings| settings.inline_subschemas = true);
+    settings.into_generator().into_root_schema_for::<T>().to_value()
+}
+
+/// Reads a text as a `T` and makes it into what is wanted; `place` names the file in messages.
+/// Whatever `finish` finds wrong has paths through the file.
+///
+/// # Errors
+/// Everything that is wrong with the text.
+pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
+    place: &str,
+    text: &str,
+    finish: impl FnOnce(T) -> Result<S, Vec<Problem>>,
+) -> Result<S, Error> {
+    let (mut document, errors) = DeTable::parse_recoverable(text);
+    let mut problems = syntax::problems(text, &errors);
+    let is_whole = problems.is_empty();
+    let walked = walk::problems(&mut document, &schema::<T>(), text.trim_end().len());
+    problems.extend(
+        walked
+            .into_iter()
+            .filter(|walked| is_whole || !walked.may_follow(&errors, text))
+            .map(|walked| walked.problem),
+    );
+    if is_whole {
+        let deserializer = toml::Deserializer::from(document.clone());
+        match T::deserialize(deserializer) {
+            Ok(file) => match finish(file) {
+                Ok(made) if problems.is_empty() => return Ok(made),
+                Ok(_) => {}
+                Err(found) => {
+                    for problem in found {
+                        let problem = place::locate(document.get_ref(), problem);
+                        // What the walk has said about a place is not said again.
+                        if !problems.iter().any(|known| known.span == problem.span) {
+                            problems.push(problem);
+                        }
+                    }
+                }
+            },
+            Err(error) if problems.is_empty() => problems.push(syntax::problem(text, &error)),
+            Err(_) => {}
+        }
+    }
+    problems.sort_by_key(|problem| problem.span.start);
+    Err(Error::scene(render::report(place, text, &problems)))
+}
+
+#[cfg(test)]
+mod tests;

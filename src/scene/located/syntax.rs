@@ -1,0 +1,79 @@
+//! Errors of the text itself: what the TOML parser says, made helpful.
+
+use super::Located;
+use super::walk::Walked;
+use toml::de::Error;
+
+/// The parser's errors, the first of each line: what follows there follows from it.
+pub(super) fn problems(text: &str, errors: &[Error]) -> Vec<Located> {
+    let mut problems: Vec<Located> = Vec::new();
+    for problem in errors.iter().map(|error| problem(text, error)) {
+        let line = line_of(text, problem.span.start);
+        if !problems.iter().any(|known| line_of(text, known.span.start) == line) {
+            problems.push(problem);
+        }
+    }
+    problems
+}
+
+/// An error with its place. The slips that people make most are told from the text; for all others
+/// the parser speaks.
+pub(super) fn problem(text: &str, error: &Error) -> Located {
+    let span = error.span().unwrap_or(0..0);
+    let (before, rest) = text.split_at_checked(span.start).unwrap_or((text, ""));
+    let there = text.get(span.clone()).unwrap_or("");
+    let line_before = before.rsplit('\n').next().unwrap_or("");
+    let rest = rest.split(['\r', '\n']).next().unwrap_or("");
+    let is_value = line_before.contains('=');
+    let digits_meet = |a: &str, b: &str| {
+        a.ends_with(|c: char| c.is_ascii_digit()) && b.starts_with(|c: char| c.is_ascii_digit())
+    };
+    let (title, help) = if error.message() == "duplicate key" {
+        let title = format!("`{there}` stands twice in the same table");
+        (title, "keep one of them, with all that belongs to it".to_owned())
+    } else if is_value && rest.strip_prefix(',').is_some_and(|rest| digits_meet(line_before, rest))
+    {
+        ("a comma in a number".to_owned(), "write a decimal point".to_owned())
+    } else if is_value && line_before.trim_end().ends_with('=') && rest.trim().is_empty() {
+        ("a value is missing".to_owned(), format!("write one behind `{}`", line_before.trim()))
+    } else if let Some((number, unit)) = number_and_word(there).filter(|_| is_value) {
+        let title = format!("`{there}` is neither a number nor a text in quotes");
+        let joined = format!("{number}{unit}");
+        let help = if joined.parse::<f64>().is_ok() {
+            format!("write it without a blank: `{joined}`")
+        } else {
+            format!("write the number alone; what is behind a # is a comment: `{number} # {unit}`")
+        };
+        (title, help)
+    } else {
+        let title = format!("this is not TOML: {}", error.message());
+        let help = "a line is `key = value`, `[table]`, `[[table of a list]]` or `# comment`; \
+                    a text stands in quotes, a list in [ ]";
+        (title, help.to_owned())
+    };
+    Located { span, title, help }
+}
+
+/// A number and what stands behind it, with or without a blank between them.
+fn number_and_word(text: &str) -> Option<(&str, &str)> {
+    let end = text.char_indices().map(|(at, _)| at).chain([text.len()]).rev();
+    let number = end
+        .map(|end| &text[..end])
+        .find(|part| part.ends_with(|c: char| c.is_ascii_digit()) && part.parse::<f64>().is_ok())?;
+    let word = text[number.len()..].trim();
+    (!word.is_empty()).then_some((number, word))
+}
+
+fn line_of(text: &str, at: usize) -> usize {
+    text.as_bytes().iter().take(at).filter(|&&byte| byte == b'\n').count()
+}
+
+impl Walked {
+    /// May this only be there because a part of the text could not be read?
+    pub(super) fn may_follow(&self, errors: &[Error], text: &str) -> bool {
+        let line = line_of(text, self.problem.span.start);
+        let is_at =
+            |error: &Error| error.span().is_some_and(|span| line_of(text, span.start) == line);
+        self.is_lack || errors.iter().any(is_at)
+    }
+}

@@ -1,0 +1,50 @@
+//! "Did you mean …?"
+
+use strsim::damerau_levenshtein;
+
+/// The one of the candidates that `word` is most likely meant to be: up to a third of its letters
+/// wrong, left out, added or swapped. `None` if there is none, or more than one that is as near.
+#[must_use]
+pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    let lower = word.to_lowercase();
+    let allowed = word.chars().count() / 3;
+    let mut best: Option<(usize, &str)> = None;
+    let mut tied = false;
+    for candidate in candidates {
+        let distance = damerau_levenshtein(&lower, &candidate.to_lowercase());
+        if distance > allowed {
+            continue;
+        }
+        match best {
+            Some((least, _)) if distance > least => {}
+            Some((least, _)) if distance == least => tied = true,
+            _ => {
+                best = Some((distance, candidate));
+                tied = false;
+            }
+        }
+    }
+    best.filter(|_| !tied).map(|(_, candidate)| candidate)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn slips_of_the_pen_are_seen_through_and_guesses_are_not_made() {
+        let keys = ["modules", "m1", "m2", "k1", "k2", "preload"];
+        for (word, expected) in [
+            ("preloat", Some("preload")),
+            ("Preload", Some("preload")),
+            ("perload", Some("preload")),
+            ("module", Some("modules")),
+            ("M1", Some("m1")),
+            ("k3", None),
+            ("stiffness", None),
+            ("", None),
+        ] {
+            assert_eq!(nearest(word, keys), expected, "{word}");
+        }
+    }
+}
