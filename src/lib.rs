@@ -5,6 +5,7 @@
 //! | module | what lives there |
 //! | --- | --- |
 //! | [`error`] | the one error type |
+//! | [`output`] | files that appear whole or not at all (feature `tools`) |
 //! | [`scene`] | the file as its user writes it, checked |
 //! | [`contact`] | contact states and the Signorini–Coulomb law of one contact |
 //! | [`model`] | mass, stiffness, load and contact directions; equilibrium; reduced matrices |
@@ -22,6 +23,8 @@ pub mod error;
 mod fmi2;
 pub mod integrator;
 pub mod model;
+#[cfg(feature = "tools")]
+pub mod output;
 #[cfg(feature = "tools")]
 pub mod package;
 #[cfg(feature = "tools")]

@@ -4,8 +4,9 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 10] = [
+const ROOMS: [&str; 11] = [
     "error",
+    "output",
     "scene",
     "contact",
     "model",

@@ -1,23 +1,14 @@
 //! The program as its user meets it.
 
+mod program;
+
+use program::{folder, run, text};
 use std::fs;
 use std::path::{Path, PathBuf};
-use std::process::{Command, Output};
+use std::process::Output;
 
 fn amontons(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_amontons"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap()
+    run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
 }
 
 /// Set 1's file with one piece of text replaced.
@@ -31,13 +22,7 @@ fn scene_file(folder: &Path, from: &str, to: &str) -> PathBuf {
 
 /// Runs a command that must fail with this exit code and these words on standard error.
 fn assert_refused(folder: &Path, arguments: &[&str], code: i32, words: &[&str]) {
-    let output = amontons(folder, arguments);
-    let message = text(&output.stderr);
-    assert_eq!(output.status.code(), Some(code), "{message}");
-    for word in words {
-        assert!(message.contains(word), "{word} is missing in: {message}");
-    }
-    assert!(!message.contains("panicked"), "{message}");
+    program::assert_refused(&amontons(folder, arguments), code, words);
 }
 
 #[test]

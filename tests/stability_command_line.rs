@@ -1,24 +1,15 @@
 //! The stability analyser as its user meets it.
 #![cfg(feature = "tools")]
 
+mod program;
+
+use program::{assert_refused, folder, run, text};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
 fn stability(folder: &Path, arguments: &[&str]) -> Output {
-    Command::new(env!("CARGO_BIN_EXE_amontons-stability"))
-        .args(arguments)
-        .current_dir(folder)
-        .output()
-        .unwrap()
-}
-
-fn text(bytes: &[u8]) -> String {
-    String::from_utf8(bytes.to_vec()).unwrap()
-}
-
-fn folder() -> tempfile::TempDir {
-    tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap()
+    run(env!("CARGO_BIN_EXE_amontons-stability"), folder, arguments)
 }
 
 /// What a command that must succeed prints.
@@ -292,12 +283,6 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
     ];
     let folder = folder();
     for (arguments, code, words) in cases {
-        let output = stability(folder.path(), arguments);
-        let message = text(&output.stderr);
-        assert_eq!(output.status.code(), Some(*code), "{arguments:?}: {message}");
-        for word in *words {
-            assert!(message.contains(word), "{word} is missing in: {message}");
-        }
-        assert!(!message.contains("panicked"), "{message}");
+        assert_refused(&stability(folder.path(), arguments), *code, words);
     }
 }

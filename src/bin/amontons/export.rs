@@ -1,10 +1,10 @@
 //! `amontons export`.
 
 use crate::arguments::Export;
-use crate::output::Pending;
 use crate::scenes;
 use amontons::Error;
 use amontons::model::LumpedModel;
+use amontons::output::Pending;
 use amontons::package;
 use amontons::scene::{self, Scene};
 use amontons::simulation::catalogue::Causality;

@@ -2,7 +2,6 @@
 
 mod arguments;
 mod export;
-mod output;
 mod scenes;
 mod simulate;
 

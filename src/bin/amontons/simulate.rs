@@ -1,8 +1,8 @@
 //! `amontons simulate`.
 
 use crate::arguments::Simulate;
-use crate::output::Pending;
 use crate::scenes;
+use amontons::output::Pending;
 use amontons::scene::{self, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Simulation, Variable, assign, variables};

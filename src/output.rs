@@ -1,6 +1,6 @@
 //! Files that appear whole or not at all.
 
-use amontons::Error;
+use crate::Error;
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -15,6 +15,10 @@ pub struct Pending {
 }
 
 impl Pending {
+    /// Begins a file that is to stand at `target`.
+    ///
+    /// # Errors
+    /// A folder stands there, or its folder cannot be written to.
     pub fn create(target: &Path) -> Result<Self, Error> {
         let open = || -> io::Result<Self> {
             // Through a symbolic link, to what it names.
@@ -35,11 +39,16 @@ impl Pending {
         open().map_err(|error| Error::file(target, &error))
     }
 
-    /// Where a run that is cut short leaves what it had.
+    /// Where a run that is cut short leaves what it had; none where it is written to directly.
+    #[must_use]
     pub fn partial(&self) -> Option<&Path> {
         self.partial.as_deref()
     }
 
+    /// Puts the file at its place.
+    ///
+    /// # Errors
+    /// What it holds could not all be written; what stood at its place still stands there.
     pub fn complete(self) -> Result<(), Error> {
         let Self { target, partial, writer } = self;
         let finish = || {
