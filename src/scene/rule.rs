@@ -104,7 +104,7 @@ mod tests {
             (Rule::NotNegative, [0.0, -0.0, f64::MAX], [-least, -1.0, f64::NAN]),
             (Rule::Positive, [least, 1.0, f64::MAX], [0.0, -0.0, f64::INFINITY]),
             (Rule::NotInsideSlider, [0.0, -0.0, 1.0], [-least, -1.0, f64::NAN]),
-            (Rule::QuarterTurn, [FRAC_PI_2, -FRAC_PI_2, 0.0], [1.5708, -1.5708, f64::NAN]),
+            (Rule::QuarterTurn, [FRAC_PI_2, -FRAC_PI_2, 0.0], [1.58, -1.58, f64::NAN]),
             (Rule::Finite, [0.0, -1.0, f64::MAX], [f64::NAN, f64::INFINITY, f64::NEG_INFINITY]),
         ] {
             assert!(good.iter().all(|&value| rule.broken_by(value).is_none()), "{rule:?}");
