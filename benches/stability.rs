@@ -16,7 +16,6 @@
 use amontons::contact::ContactState;
 use amontons::model::{LumpedModel, ReducedMatrices};
 use amontons::scene::{Scene, builtin};
-use amontons::stability::locus::roots;
 use amontons::stability::{Spectrum, StateClasses, eigenvalues};
 use nalgebra::{Complex, DMatrix};
 use serde_json::{Value, json};
@@ -161,9 +160,8 @@ fn all_states(lapack: &mut Lapack) {
     let (mut apart, mut clustered) = (0.0_f64, [0; 2]);
     for problem in &problems {
         let theirs = lapack.values("numpy_stack", problem.request());
-        for ((states, mu), theirs) in problem.cases.iter().zip(&theirs) {
-            let ours = roots(&model, states, *mu).expect("it is possible");
-            let ours: Values = ours.iter().map(|root| root.sigma).collect();
+        for (operator, theirs) in problem.operators.iter().zip(&theirs) {
+            let ours = solve(operator);
             let (worst, count) = assert_clusters_agree(&ours, theirs);
             apart = apart.max(worst);
             clustered = [clustered[0] + count, clustered[1] + ours.len()];

@@ -145,6 +145,9 @@ impl Drawing for Layout<'_> {
 /// The edge before a cell. The frame goes through the middles of the first and the last.
 #[allow(clippy::cast_precision_loss)]
 fn part(place: usize, count: usize, from: f64, to: f64) -> f64 {
-    let middles = (count - 1).max(1) as f64;
-    from + ((place as f64 - 0.5) / middles).clamp(0.0, 1.0) * (to - from)
+    let part = match count {
+        1 => place as f64,
+        _ => ((place as f64 - 0.5) / (count - 1) as f64).clamp(0.0, 1.0),
+    };
+    from + part * (to - from)
 }

@@ -1,13 +1,15 @@
 //! The paper's aim: ranges of µ that can be bi-stable, because uniform sliding is stable there while
 //! another contact state, into which a push can bring the system, is not.
 
-use super::locus::{Crossing, Locus, Root, between, locus, roots};
+use super::locus::{Crossing, Locus, Root, between, locus, on_branch, roots};
 use super::parallel;
 use super::states::StateClasses;
+use super::symmetry::{Part, all_stiffness_eigenvalues};
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::{LumpedModel, ring};
 use crate::scene::Scene;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// What a range of µ holds.
@@ -86,9 +88,16 @@ pub fn bistability(
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let values: Vec<f64> =
         (0..=steps as u32).map(|i| first + (last - first) * (f64::from(i) / steps)).collect();
-    let equilibrium = equilibrium_ranges(scene, model, &values)?;
+    let has_equilibrium = |mu: f64| {
+        let scene = Scene { friction_coefficient: mu, ..scene.clone() };
+        ring::equilibrium(&scene, model).map(|_| ())
+    };
+    let equilibrium = equilibrium_ranges(&has_equilibrium, &values);
+    if equilibrium.is_empty() {
+        has_equilibrium(first)?;
+    }
     let follow = |states: &[ContactState]| -> Result<Locus, Error> {
-        locus(&|mu| roots(model, states, mu), &values, &|_| {})
+        locus(&|mu| Ok((Cow::Borrowed(model), mu)), states, &values, &|_, _| {})
     };
     let uniform = follow(&uniform_state)?;
     let mut growing: Vec<[f64; 2]> =
@@ -100,7 +109,7 @@ pub fn bistability(
         &|class| {
             let states = &classes.representatives[class];
             // Contacts that contradict each other leave modes only at µ = 0.
-            let count = |mu| Ok::<_, Error>(roots(model, states, mu)?.len());
+            let count = |mu| Ok::<_, Error>(all_stiffness_eigenvalues(model, states, mu)?.len());
             let is_possible = count(first)? == count(last)?;
             is_possible.then(|| follow(states)).transpose()
         },
@@ -133,26 +142,23 @@ pub fn bistability(
     Ok(Bistability { equilibrium, uniform, stable, candidates })
 }
 
-/// The ranges of µ in which the scene has an equilibrium, their ends bisected.
-fn equilibrium_ranges(
-    scene: &Scene,
-    model: &LumpedModel,
+/// The ranges of a parameter, of which there are ascending values, in which there is an equilibrium;
+/// their ends are bisected.
+pub fn equilibrium_ranges(
+    has_equilibrium: &dyn Fn(f64) -> Result<(), Error>,
     values: &[f64],
-) -> Result<Vec<[f64; 2]>, Error> {
-    let find = |mu: f64| {
-        let scene = Scene { friction_coefficient: mu, ..scene.clone() };
-        ring::equilibrium(&scene, model)
-    };
-    let exists: Vec<bool> = values.iter().map(|&mu| find(mu).is_ok()).collect();
+) -> Vec<[f64; 2]> {
+    let is_there: Vec<bool> = values.iter().map(|&value| has_equilibrium(value).is_ok()).collect();
     let mut ranges = Vec::new();
-    let mut start = exists[0].then_some(values[0]);
-    for (pair, there) in values.windows(2).zip(exists.windows(2)) {
+    let mut start = is_there[0].then_some(values[0]);
+    for (pair, there) in values.windows(2).zip(is_there.windows(2)) {
         if there[0] == there[1] {
             continue;
         }
         let (mut low, mut high) = (pair[0], pair[1]);
         while let Some(middle) = between(low, high) {
-            let side = if find(middle).is_ok() == there[0] { &mut low } else { &mut high };
+            let side =
+                if has_equilibrium(middle).is_ok() == there[0] { &mut low } else { &mut high };
             *side = middle;
         }
         match start.take() {
@@ -161,10 +167,7 @@ fn equilibrium_ranges(
         }
     }
     ranges.extend(start.map(|start| [start, values[values.len() - 1]]));
-    match ranges.is_empty() {
-        true => Err(find(values[0]).expect_err("there is none anywhere")),
-        false => Ok(ranges),
-    }
+    ranges
 }
 
 /// The ranges of the parameter in which a mode grows.
@@ -201,11 +204,11 @@ fn gaps(ranges: &[[f64; 2]], first: f64, last: f64) -> Vec<[f64; 2]> {
 /// What two lists of ranges have in common.
 fn common(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let pairs = a.iter().flat_map(|a| b.iter().map(move |b| [a[0].max(b[0]), a[1].min(b[1])]));
-    pairs.filter(|[from, to]| from < to).collect()
+    // Where two states share a mode, its ranges end where they begin but for rounding.
+    pairs.filter(|[from, to]| to - from > 1e-9 * to.abs()).collect()
 }
 
-/// The root at `mu` of a mode that is known on the locus's values: the nearest to the line between
-/// its neighbours.
+/// The root at `mu` of a mode that is known on the locus's values.
 fn root_of(
     model: &LumpedModel,
     states: &[ContactState],
@@ -214,13 +217,9 @@ fn root_of(
     mu: f64,
 ) -> Result<Root, Error> {
     let after = locus.values.partition_point(|value| *value < mu).clamp(1, locus.values.len() - 1);
-    let (low, high) = (locus.values[after - 1], locus.values[after]);
-    let (from, to) = (locus.branches[mode][after - 1].sigma, locus.branches[mode][after].sigma);
-    let expected = from + (to - from) * ((mu - low) / (high - low));
-    let distance = |root: &Root| (root.sigma - expected).norm();
-    let found = roots(model, states, mu)?;
-    let nearest = found.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.ok_or_else(|| Error::analysis("the state has no modes"))
+    let known = [after - 1, after].map(|i| (locus.values[i], locus.branches[mode][i]));
+    let evaluate = |mu| roots(model, states, mu, Part::Whole);
+    Ok(on_branch(&evaluate, known, mu)?.1)
 }
 
 #[cfg(test)]

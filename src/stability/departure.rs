@@ -1,7 +1,7 @@
 //! From the linear answer to the non-linear one: how large a mode of uniform sliding may become
 //! before a contact leaves sliding.
 
-use super::modes::Mode;
+use super::modes::{Mode, largest};
 use crate::contact::ContactState;
 use crate::model::{Equilibrium, LumpedModel};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 /// The first contact that a growing mode makes leave sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Departure {
-    /// The contact, from 0.
+    /// The contact, from 0; the first of those that symmetry makes leave together.
     pub contact: usize,
     /// The state that it enters: where its slip velocity reaches zero it sticks (friction then has
     /// force to spare) or, without friction, slides the other way; where its normal force does, it
@@ -38,8 +38,7 @@ pub fn departure(
     let along = |direction: &crate::model::Direction| -> Complex<f64> {
         direction.0.iter().map(|&(dof, value)| mode.shape[dof] * value).sum()
     };
-    let dof = (0..mode.shape.len())
-        .max_by(|&a, &b| mode.shape[a].norm().total_cmp(&mode.shape[b].norm()))?;
+    let dof = largest(&mode.shape)?;
     let first = model.contacts.iter().enumerate().flat_map(|(contact, rows)| {
         let speed = (mode.eigenvalue * along(&rows.tangent)).norm();
         let slow = match slider_velocity {
@@ -51,7 +50,9 @@ pub fn departure(
         let open = (ContactState::Detached, equilibrium.normal_force[contact] / normal[contact]);
         [slow, open].map(|(into, amplitude)| Departure { contact, into, amplitude, dof })
     });
-    first.filter(|d| d.amplitude.is_finite()).min_by(|a, b| a.amplitude.total_cmp(&b.amplitude))
+    let all: Vec<Departure> = first.filter(|departure| departure.amplitude.is_finite()).collect();
+    let least = all.iter().map(|departure| departure.amplitude).fold(f64::INFINITY, f64::min);
+    all.into_iter().find(|departure| departure.amplitude <= least * (1.0 + 1e-9))
 }
 
 /// |N| of each contact for the shape as it is: (λ² M + λ C + K) x = Σ (G_N + s µ G_T)ᵀ N.
@@ -73,7 +74,9 @@ fn normal_force_amplitudes(model: &LumpedModel, slope: f64, mode: &Mode) -> Opti
             }
         }
     }
-    let square = forces.adjoint() * &forces;
-    let solved = square.lu().solve(&(forces.adjoint() * rest))?;
+    // Least squares, because contacts that carry the same load twice leave their shares open.
+    let least_squares = forces.svd(true, true);
+    let rank_at = 1e-10 * least_squares.singular_values.max();
+    let solved = least_squares.solve(&rest, rank_at).ok()?;
     Some(solved.iter().map(|force| force.norm()).collect())
 }

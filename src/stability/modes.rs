@@ -6,8 +6,9 @@
 //! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not.
 
 use super::eigenvalues::eigenvalues;
+use super::symmetry::{Part, module_of_wave, turn};
 use crate::Error;
-use crate::contact::ContactState;
+use crate::contact::{ContactState, Joined};
 use crate::model::{LumpedModel, ReducedMatrices};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
@@ -22,7 +23,10 @@ pub struct Mode {
     pub stiffness_eigenvalue: Complex<f64>,
     /// x, one value a degree of freedom; the largest is 1.
     pub shape: Vec<Complex<f64>>,
-    /// ‖λ² M̃ u + λ C̃ u + K̃ u‖ against the sum of the norms of its terms.
+    /// In a ring of equal modules in equal states, how many waves the shape has around it. All but
+    /// none and half as many as modules come twice, as cosine and sine; any mixture is a mode too.
+    pub waves: Option<usize>,
+    /// ‖λ² M̃ u + λ C̃ u + K̃ u‖ against what its rows would have if their terms did not cancel.
     pub residual: f64,
 }
 
@@ -62,6 +66,15 @@ impl Modes {
         self.all().any(|mode| mode.growth_rate() > 0.0)
     }
 
+    fn add(&mut self, modes: Vec<Mode>) {
+        for mode in modes {
+            match Kind::of(mode.eigenvalue) {
+                Kind::Real => self.real.push(mode),
+                Kind::Oscillating | Kind::Conjugate => self.oscillating.push(mode),
+            }
+        }
+    }
+
     /// Oscillating modes, then real ones.
     pub fn all(&self) -> impl Iterator<Item = &Mode> {
         self.oscillating.iter().chain(&self.real)
@@ -80,31 +93,16 @@ pub fn modes(
     friction_coefficient: f64,
 ) -> Result<Modes, Error> {
     let mut found = Modes { oscillating: Vec::new(), real: Vec::new() };
-    check_size(model)?;
-    let Some(reduced) = model.reduced(states, friction_coefficient) else { return Ok(found) };
-    let size = reduced.mass.nrows();
-    let operator = operator(&reduced)?;
-    let operator = Mat::from_fn(size, size, |i, j| operator[(i, j)]);
-    let eigen = operator.eigen().map_err(|error| {
-        Error::analysis(format!("the modes of the contact state were not found: {error:?}"))
-    })?;
-    for (column, &sigma) in eigen.S().column_vector().iter().enumerate() {
-        let sigma = cleaned(Complex::new(sigma.re, sigma.im));
-        let vector: Vec<Complex<f64>> = (0..size)
-            .map(|row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im))
-            .collect();
-        for eigenvalue in quadratic_roots(model, sigma) {
-            let kind = Kind::of(eigenvalue);
-            let mode = || Mode {
-                eigenvalue,
-                stiffness_eigenvalue: sigma,
-                residual: residual(&reduced, eigenvalue, &vector),
-                shape: shape(&reduced.motions, &vector),
-            };
-            match kind {
-                Kind::Real => found.real.push(mode()),
-                Kind::Oscillating => found.oscillating.push(mode()),
-                Kind::Conjugate => {}
+    for part in Part::all([model], states) {
+        match part {
+            Part::Whole => found.add(modes_of(model, states, friction_coefficient)?),
+            Part::Wave { k, modules } => {
+                let module = module_of_wave(model, k, modules);
+                let one = modes_of(&module, &states[..1], friction_coefficient)?;
+                found.add(one.iter().map(|mode| around(mode, k, modules, f64::cos)).collect());
+                if part.copies() == 2 {
+                    found.add(one.iter().map(|mode| around(mode, k, modules, f64::sin)).collect());
+                }
             }
         }
     }
@@ -113,7 +111,53 @@ pub fn modes(
     Ok(found)
 }
 
-/// The eigenvalues σ of M̃⁻¹ K̃, 1/s².
+/// A mode of a module as a standing wave around the ring.
+fn around(mode: &Mode, k: usize, modules: usize, wave: fn(f64) -> f64) -> Mode {
+    let shape = (0..modules).flat_map(|j| {
+        let factor = wave(turn(k * j, modules));
+        mode.shape.iter().map(move |x| x * factor)
+    });
+    Mode { shape: scaled(shape.collect()), waves: Some(k), ..mode.clone() }
+}
+
+/// The modes of a contact state, from its whole matrices.
+fn modes_of(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec<Mode>, Error> {
+    check_size(model)?;
+    let Some(reduced) = model.reduced(states, mu) else { return Ok(Vec::new()) };
+    let size = reduced.mass.nrows();
+    let (operator, scale) = operator(&reduced)?;
+    let eigen = Mat::from_fn(size, size, |i, j| operator[(i, j)]).eigen();
+    let eigen = eigen.map_err(|error| {
+        let states = Joined(states);
+        Error::analysis(format!(
+            "the modes of state {states} were not found at µ = {mu}: {error:?}"
+        ))
+    })?;
+    let floor = rounding(&operator);
+    let mut found = Vec::new();
+    for (column, &sigma) in eigen.S().column_vector().iter().enumerate() {
+        let sigma = cleaned(Complex::new(sigma.re, sigma.im), floor);
+        let vector: Vec<Complex<f64>> = (0..size)
+            .map(|row| {
+                let value = eigen.U()[(row, column)];
+                Complex::new(value.re, value.im) * scale[row]
+            })
+            .collect();
+        let upper = quadratic_roots(model, sigma)
+            .into_iter()
+            .filter(|&eigenvalue| !matches!(Kind::of(eigenvalue), Kind::Conjugate));
+        found.extend(upper.map(|eigenvalue| Mode {
+            eigenvalue,
+            stiffness_eigenvalue: sigma,
+            residual: residual(&reduced, eigenvalue, &vector),
+            shape: shape(&reduced.motions, &vector),
+            waves: None,
+        }));
+    }
+    Ok(found)
+}
+
+/// The eigenvalues σ of M̃⁻¹ K̃, 1/s², from the whole matrices.
 pub(super) fn stiffness_eigenvalues(
     model: &LumpedModel,
     states: &[ContactState],
@@ -121,12 +165,30 @@ pub(super) fn stiffness_eigenvalues(
 ) -> Result<Vec<Complex<f64>>, Error> {
     check_size(model)?;
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
-    Ok(eigenvalues(operator(&reduced)?)?.into_iter().map(cleaned).collect())
+    let (operator, _) = operator(&reduced)?;
+    let floor = rounding(&operator);
+    let found = eigenvalues(operator).ok_or_else(|| {
+        let states = Joined(states);
+        Error::analysis(format!(
+            "the eigenvalues of state {states} were not found at µ = {friction}"
+        ))
+    })?;
+    Ok(found.into_iter().map(|sigma| cleaned(sigma, floor)).collect())
 }
 
-/// A double real eigenvalue, as equal modules have, comes out of rounding as a pair that is complex
-/// by a little. Where two real ones do merge, this moves the place by 1e-14 of the parameter.
-fn cleaned(sigma: Complex<f64>) -> Complex<f64> {
+/// What rounding leaves of an eigenvalue zero, 1/s².
+fn rounding(operator: &DMatrix<f64>) -> f64 {
+    let size = u32::try_from(operator.nrows()).unwrap_or(u32::MAX);
+    f64::from(size) * f64::EPSILON * operator.amax()
+}
+
+/// A double real eigenvalue comes out of rounding as a pair that is complex by a little, and that of
+/// a motion which strains no spring as one that is not quite zero. Where two real ones do merge, this
+/// moves the place by the square of that little.
+fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
+    if sigma.norm() <= floor {
+        return Complex::new(0.0, 0.0);
+    }
     let is_real = sigma.im.abs() <= 1e-7 * sigma.re.abs();
     if is_real { Complex::new(sigma.re, 0.0) } else { sigma }
 }
@@ -145,22 +207,25 @@ fn check_size(model: &LumpedModel) -> Result<(), Error> {
     )))
 }
 
-/// M̃⁻¹ K̃.
-fn operator(reduced: &ReducedMatrices) -> Result<DMatrix<f64>, Error> {
+/// A matrix with the eigenvalues of M̃⁻¹ K̃, and what each component of its eigenvectors w is to be
+/// multiplied by to give those of M̃⁻¹ K̃. Where M̃ is diagonal it is M̃^-½ K̃ M̃^-½, which keeps the
+/// digits of low modes where masses differ by orders of magnitude.
+fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
     let ReducedMatrices { mass, stiffness, .. } = reduced;
     let size = mass.nrows();
     let diagonal = mass.diagonal();
-    let quotient = if *mass == DMatrix::from_diagonal(&diagonal) {
-        let is_possible = diagonal.iter().all(|mass| *mass != 0.0);
-        is_possible.then(|| DMatrix::from_fn(size, size, |i, j| stiffness[(i, j)] / diagonal[i]))
+    let is_diagonal = *mass == DMatrix::from_diagonal(&diagonal);
+    let (operator, scale) = if is_diagonal && diagonal.iter().all(|mass| *mass > 0.0) {
+        let scale: Vec<f64> = diagonal.iter().map(|mass| 1.0 / mass.sqrt()).collect();
+        (DMatrix::from_fn(size, size, |i, j| scale[i] * stiffness[(i, j)] * scale[j]), scale)
     } else {
-        mass.clone().lu().solve(stiffness)
+        let solved = mass.clone().lu().solve(stiffness).ok_or_else(|| {
+            Error::analysis("the masses that this contact state leaves free cannot be accelerated")
+        })?;
+        (solved, vec![1.0; size])
     };
-    let quotient = quotient.ok_or_else(|| {
-        Error::analysis("the masses that this contact state leaves free cannot be accelerated")
-    })?;
-    if quotient.iter().all(|value| value.is_finite()) {
-        return Ok(quotient);
+    if operator.iter().all(|value| value.is_finite()) {
+        return Ok((operator, scale));
     }
     Err(Error::analysis("M⁻¹ K leaves the range of numbers; look for a value that is too large"))
 }
@@ -211,12 +276,20 @@ fn residual(reduced: &ReducedMatrices, lambda: Complex<f64>, u: &[Complex<f64>])
     if terms > 0.0 { (rest / terms).sqrt() } else { 0.0 }
 }
 
-/// x = V u, turned and scaled so that its largest value is 1.
+/// x = V u.
 fn shape(motions: &DMatrix<f64>, u: &[Complex<f64>]) -> Vec<Complex<f64>> {
-    let x: Vec<Complex<f64>> = (0..motions.nrows())
-        .map(|row| (0..u.len()).map(|column| u[column] * motions[(row, column)]).sum())
-        .collect();
-    let largest = x.iter().copied().max_by(|a, b| a.norm().total_cmp(&b.norm()));
-    let largest = largest.unwrap_or(Complex::new(1.0, 0.0));
-    x.into_iter().map(|value| value / largest).collect()
+    let row = |row: usize| (0..u.len()).map(|column| u[column] * motions[(row, column)]).sum();
+    scaled((0..motions.nrows()).map(row).collect())
+}
+
+/// Turned and scaled so that the largest value is 1.
+fn scaled(shape: Vec<Complex<f64>>) -> Vec<Complex<f64>> {
+    let Some(largest) = largest(&shape).map(|dof| shape[dof]) else { return shape };
+    shape.into_iter().map(|value| value / largest).collect()
+}
+
+/// The place of the largest value; the first, where symmetry makes several equal.
+pub(super) fn largest(shape: &[Complex<f64>]) -> Option<usize> {
+    let most = shape.iter().map(|value| value.norm()).fold(0.0, f64::max);
+    shape.iter().position(|value| value.norm() >= most * (1.0 - 1e-9))
 }

@@ -5,31 +5,38 @@ use std::sync::Mutex;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// `work(i)` for i below `count`, on all cores, in the order of i; `done` hears how many are done.
-/// After an error no new piece is begun.
-pub(super) fn collect<T: Send + Default + Clone>(
+/// After an error no new piece is begun; of several the first in the order of i is given.
+pub(super) fn collect<T: Send + Clone>(
     count: usize,
     work: &(dyn Fn(usize) -> Result<T, Error> + Sync),
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<T>, Error> {
-    let (next, finished) = (AtomicUsize::new(0), AtomicUsize::new(0));
-    let results = Mutex::new(vec![T::default(); count]);
-    let run = || -> Result<(), Error> {
+    let next = AtomicUsize::new(0);
+    let results = Mutex::new((0, vec![None; count]));
+    let run = || {
         loop {
             let i = next.fetch_add(1, Ordering::Relaxed);
             if i >= count {
-                return Ok(());
+                return;
             }
-            let result = work(i).inspect_err(|_| next.store(count, Ordering::Relaxed))?;
-            results.lock().expect("no worker panics")[i] = result;
-            done(finished.fetch_add(1, Ordering::Relaxed) + 1);
+            let result = work(i);
+            if result.is_err() {
+                next.store(count, Ordering::Relaxed);
+            }
+            let mut results = results.lock().expect("no worker panics");
+            results.0 += 1;
+            results.1[i] = Some(result);
+            done(results.0);
         }
     };
     let threads = std::thread::available_parallelism().map_or(1, usize::from).min(count.max(1));
     std::thread::scope(|scope| {
-        let workers: Vec<_> = (0..threads).map(|_| scope.spawn(run)).collect();
-        workers.into_iter().try_for_each(|worker| worker.join().expect("no worker panics"))
-    })?;
-    Ok(results.into_inner().expect("no worker panics"))
+        for _ in 0..threads {
+            scope.spawn(run);
+        }
+    });
+    // What was not begun stands behind the error that was its reason.
+    results.into_inner().expect("no worker panics").1.into_iter().flatten().collect()
 }
 
 #[cfg(test)]

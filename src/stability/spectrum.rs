@@ -3,7 +3,7 @@
 use super::modes::{Kind, quadratic_roots};
 use super::symmetry::all_stiffness_eigenvalues;
 use crate::Error;
-use crate::contact::ContactState;
+use crate::contact::{ContactState, Joined};
 use crate::model::LumpedModel;
 use nalgebra::Complex;
 
@@ -23,7 +23,15 @@ impl Spectrum {
     /// As [`modes`](super::modes()).
     pub fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Result<Self, Error> {
         let sigmas = all_stiffness_eigenvalues(model, states, friction)?;
-        Ok(Self::from_stiffness(model, &sigmas))
+        let found = Self::from_stiffness(model, &sigmas);
+        if found.growth_rate() < f64::INFINITY && found.oscillating.iter().all(|v| v.is_finite()) {
+            return Ok(found);
+        }
+        Err(Error::analysis(format!(
+            "the eigenvalues of state {} leave the range of numbers at µ = {friction}; look for a \
+             value that is too large",
+            Joined(states)
+        )))
     }
 
     /// The eigenvalues λ that belong to all eigenvalues σ of M̃⁻¹ K̃ of a state of this model.

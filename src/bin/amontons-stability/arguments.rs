@@ -62,7 +62,8 @@ pub struct Point {
     /// Friction coefficient [default: the scene's]
     #[arg(long, value_name = "MU", allow_hyphen_values = true)]
     pub friction: Option<f64>,
-    /// Contact state: one for all contacts (Sl), or one for each (Sl-St)
+    /// Contact state: one for all contacts (Sl), or one for each (Sl-St) [default of states: all of
+    /// them; of modes: uniform sliding]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
 }
@@ -71,7 +72,6 @@ pub struct Point {
 pub struct States {
     #[command(flatten)]
     pub common: Common,
-    /// [default state: all of them]
     #[command(flatten)]
     pub point: Point,
     /// How to print
@@ -105,7 +105,6 @@ pub struct Locus {
 pub struct Modes {
     #[command(flatten)]
     pub common: Common,
-    /// [default state: uniform sliding]
     #[command(flatten)]
     pub point: Point,
     /// Draw the shapes; an SVG moves
@@ -132,17 +131,20 @@ pub struct Map {
     /// The parameter along y and its values: first, last, how many
     #[arg(long, value_name = "NAME=A:B:N", value_parser = named_grid)]
     pub y: (String, Values),
+    /// Print every point as CSV instead of their numbers
+    #[arg(long)]
+    pub csv: bool,
     /// Draw the map
-    #[arg(long, value_name = "FILE.svg|png")]
-    pub plot: PathBuf,
+    #[arg(long, value_name = "FILE.svg|png", required_unless_present = "csv")]
+    pub plot: Option<PathBuf>,
 }
 
 /// Values of a parameter, ascending.
 #[derive(Clone, Debug)]
 pub struct Values(pub Vec<f64>);
 
-/// The most values of one parameter.
-const MAX_VALUES: f64 = 1e6;
+/// The most values of a parameter, or points of two.
+pub const MAX_VALUES: f64 = 1e6;
 
 fn number(text: &str) -> Result<f64, String> {
     match text.trim().parse::<f64>() {
@@ -185,13 +187,19 @@ fn steps(text: &str) -> Result<Values, String> {
     if step <= 0.0 || count > MAX_VALUES {
         return Err(format!("the step must be above zero and give at most {MAX_VALUES:e} values"));
     }
-    let mut values: Vec<f64> = (0..=count as usize).map(|i| first + i as f64 * step).collect();
+    let mut values: Vec<f64> =
+        (0..=count as usize).map(|i| decimal(first + i as f64 * step)).collect();
     if let Some(end) = values.last_mut().filter(|end| last - **end < 1e-9 * step) {
         *end = last;
     } else {
         values.push(last);
     }
     Ok(Values(values))
+}
+
+/// A number without the last digits, which rounding made: 0.3, not 0.30000000000000004.
+fn decimal(value: f64) -> f64 {
+    format!("{value:.13e}").parse().unwrap_or(value)
 }
 
 fn named<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<(String, T), String> {
@@ -210,7 +218,7 @@ fn named_grid(text: &str) -> Result<(String, Values), String> {
         if count.fract() != 0.0 || !(2.0..=10_000.0).contains(&count) {
             return Err("N must be a whole number from 2 to 10000".to_owned());
         }
-        let at = |i: usize| first + (last - first) * (i as f64 / (count - 1.0));
+        let at = |i: usize| decimal(first + (last - first) * (i as f64 / (count - 1.0)));
         Ok(Values((0..count as usize).map(at).collect()))
     })
 }

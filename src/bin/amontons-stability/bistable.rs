@@ -1,7 +1,7 @@
 //! `amontons-stability bistable`.
 
 use crate::arguments::Bistable;
-use crate::labels::{LOCATED, at_frequency, significant};
+use crate::labels::{LOCATED, significant, turn};
 use crate::{Failure, configured, progress};
 use amontons::contact::Joined;
 use amontons::model::LumpedModel;
@@ -36,18 +36,17 @@ fn print_uniform(
         }
     }
     if found.uniform.is_empty() {
-        let all = if found.stable.is_empty() { "grows" } else { "is stable" };
+        let all = if found.stable.is_empty() {
+            "grows"
+        } else if found.stable == found.equilibrium {
+            "is stable"
+        } else {
+            "grows in some ranges and is stable in others,"
+        };
         writeln!(out, "  {all} wherever it has an equilibrium")?;
     }
     for crossing in &found.uniform {
-        writeln!(
-            out,
-            "  µ = {}  mode {} {} {}",
-            significant(crossing.value, LOCATED),
-            crossing.mode + 1,
-            if crossing.becomes_unstable { "begins to grow" } else { "ceases to grow" },
-            at_frequency(crossing.frequency_hz),
-        )?;
+        writeln!(out, "  µ = {}  {}", significant(crossing.value, LOCATED), turn(crossing))?;
     }
     Ok(())
 }

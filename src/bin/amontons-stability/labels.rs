@@ -3,6 +3,7 @@
 use amontons::scene::Scene;
 use amontons::simulation::catalogue::Kind;
 use amontons::simulation::variables;
+use amontons::stability::locus::Crossing;
 
 /// The name of µ among the parameters.
 pub const FRICTION: &str = "friction.coefficient";
@@ -12,6 +13,8 @@ pub const LOCATED: usize = 10;
 
 /// A number with so many significant digits, whatever its size.
 pub fn significant(value: f64, digits: usize) -> String {
+    // A zero has no sign.
+    let value = value + 0.0;
     let last = digits.saturating_sub(1);
     let scientific = format!("{value:.last$e}");
     let exponent = scientific.split_once('e').and_then(|(_, text)| text.parse::<i32>().ok());
@@ -46,6 +49,16 @@ pub fn at_frequency(frequency_hz: f64) -> String {
     } else {
         format!("at {frequency_hz:.3} Hz")
     }
+}
+
+/// What a mode does where its growth rate changes its sign.
+pub fn turn(crossing: &Crossing) -> String {
+    format!(
+        "mode {} {} {}",
+        crossing.mode + 1,
+        if crossing.becomes_unstable { "begins to grow" } else { "ceases to grow" },
+        at_frequency(crossing.frequency_hz)
+    )
 }
 
 #[cfg(test)]

@@ -1,16 +1,17 @@
 //! `amontons-stability locus`.
 
-use crate::arguments::{Locus as Arguments, Values};
-use crate::labels::{FRICTION, LOCATED, at_frequency, axis, significant};
-use crate::{Failure, configured, progress, state};
+use crate::arguments::{Locus as Arguments, MAX_VALUES, Values};
+use crate::labels::{FRICTION, LOCATED, at_frequency, axis, significant, turn};
+use crate::{Failure, check_effect, configured, progress, state, with};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
-use amontons::model::LumpedModel;
+use amontons::model::{LumpedModel, ring};
 use amontons::picture::{self, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
-use amontons::simulation::assign;
-use amontons::stability::locus::{Locus, Root, locus, roots};
+use amontons::stability::candidates::equilibrium_ranges;
+use amontons::stability::locus::{Locus, Root, locus};
 use indicatif::ProgressBar;
+use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::io::Write;
 
@@ -30,7 +31,12 @@ struct Family<'a> {
 struct Member {
     at: Option<f64>,
     locus: Locus,
+    /// Where uniform sliding has an equilibrium; of other states nothing is known.
+    equilibrium: Option<Vec<[f64; 2]>>,
 }
+
+/// The most loci that a picture can tell apart.
+const MAX_DRAWN: usize = 24;
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
@@ -48,14 +54,37 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     if other == Some(name) {
         return Err(Failure::Usage(format!("{name} is given twice; name another --parameter")));
     }
-    let mut family = Family { scene: &scene, states, name, values, other, members: Vec::new() };
-    for varied in [Some((name, values)), other.zip(others)].into_iter().flatten() {
-        family.check_effect(varied)?;
+    let count = others.map_or(1, Vec::len);
+    if values.len() as f64 * count as f64 > MAX_VALUES {
+        return Err(Failure::Usage(format!(
+            "{} × {count} values are too many; a locus has at most {MAX_VALUES:e}",
+            values.len()
+        )));
     }
-    let bar = progress(values.len() * others.map_or(1, Vec::len));
+    if arguments.plot.is_some() && count > MAX_DRAWN {
+        return Err(Failure::Usage(format!(
+            "a picture tells at most {MAX_DRAWN} loci apart, not {count}; choose a longer step, or \
+             leave --plot out"
+        )));
+    }
+    let is_uniform = arguments.state.is_none();
+    let mut family = Family { scene: &scene, states, name, values, other, members: Vec::new() };
+    for (name, values) in [Some((name, values)), other.zip(others)].into_iter().flatten() {
+        let matrices = |value: f64| {
+            let scene = with(family.scene, name, value)?;
+            let LumpedModel { mass, stiffness, damping, contacts, .. } = LumpedModel::from(&scene);
+            Ok((mass, stiffness, damping, contacts, scene.friction_coefficient))
+        };
+        let wish = "eigenvalues depend on masses, stiffnesses, damping, slider.angle and \
+                    friction.coefficient";
+        check_effect(name, [values[0], values[values.len() - 1]], matrices, wish)?;
+    }
+    let bar = progress(1);
     match others {
-        None => family.follow(None, &bar)?,
-        Some(others) => others.iter().try_for_each(|&at| family.follow(Some(at), &bar))?,
+        None => family.follow(None, is_uniform, &bar)?,
+        Some(others) => {
+            others.iter().try_for_each(|&at| family.follow(Some(at), is_uniform, &bar))?;
+        }
     }
     bar.finish_and_clear();
     if arguments.csv {
@@ -69,45 +98,34 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     }
 }
 
-/// The scene with another value of a parameter.
-fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
-    let mut scene = scene.clone();
-    assign(&mut scene, name, value)?;
-    scene.check()?;
-    Ok(scene)
-}
-
 impl Family<'_> {
-    /// Refuses a parameter that no eigenvalue depends on.
-    fn check_effect(&self, (name, values): (&str, &Vec<f64>)) -> Result<(), Failure> {
-        let matrices = |value: f64| -> Result<_, Error> {
-            let scene = with(self.scene, name, value)?;
-            let LumpedModel { mass, stiffness, damping, contacts, .. } = LumpedModel::from(&scene);
-            Ok((mass, stiffness, damping, contacts, scene.friction_coefficient))
-        };
-        let (first, last) = (values[0], values[values.len() - 1]);
-        if matrices(first)? != matrices(last)? {
-            return Ok(());
-        }
-        Err(Failure::Usage(format!(
-            "no eigenvalue of a contact state depends on {name}; those of {} depend on masses, \
-             stiffnesses, damping, slider.angle and {FRICTION}",
-            Joined(&self.states)
-        )))
-    }
-
     /// Adds the locus for one value of the other parameter.
-    fn follow(&mut self, at: Option<f64>, bar: &ProgressBar) -> Result<(), Error> {
+    fn follow(
+        &mut self,
+        at: Option<f64>,
+        is_uniform: bool,
+        bar: &ProgressBar,
+    ) -> Result<(), Error> {
         let scene = match self.other.zip(at) {
             Some((other, at)) => with(self.scene, other, at)?,
             None => self.scene.clone(),
         };
-        let evaluate = |value: f64| {
+        let model_at = |value: f64| {
             let scene = with(&scene, self.name, value)?;
-            roots(&LumpedModel::from(&scene), &self.states, scene.friction_coefficient)
+            Ok((Cow::Owned(LumpedModel::from(&scene)), scene.friction_coefficient))
         };
-        let locus = locus(&evaluate, self.values, &|_| bar.inc(1))?;
-        self.members.push(Member { at, locus });
+        bar.reset();
+        let done = |done: usize, all: usize| {
+            bar.set_length(all as u64);
+            bar.set_position(done as u64);
+        };
+        let locus = locus(&model_at, &self.states, self.values, &done)?;
+        let has_equilibrium = |value: f64| {
+            let scene = with(&scene, self.name, value)?;
+            ring::equilibrium(&scene, &LumpedModel::from(&scene)).map(|_| ())
+        };
+        let equilibrium = is_uniform.then(|| equilibrium_ranges(&has_equilibrium, self.values));
+        self.members.push(Member { at, locus, equilibrium });
         Ok(())
     }
 
@@ -115,9 +133,12 @@ impl Family<'_> {
         let [first, .., last] = self.values else { unreachable!("a range has two ends") };
         let states = Joined(&self.states);
         writeln!(out, "{}: state {states}, {} from {first} to {last}", self.scene.name, self.name)?;
-        for Member { at, locus } in &self.members {
+        for Member { at, locus, equilibrium } in &self.members {
             if let (Some(other), Some(at)) = (self.other, at) {
                 writeln!(out, "\n{other} = {at}")?;
+            }
+            if let Some(ranges) = equilibrium {
+                print_equilibrium(ranges, [*first, *last], out)?;
             }
             print_events(locus, out)?;
         }
@@ -127,7 +148,7 @@ impl Family<'_> {
     fn print_csv(&self, out: &mut dyn Write) -> Result<(), Failure> {
         let first = self.other.map_or_else(String::new, |other| format!("{other},"));
         writeln!(out, "{first}{},mode,growth_rate,real_hz,imaginary_hz", self.name)?;
-        for Member { at, locus } in &self.members {
+        for Member { at, locus, .. } in &self.members {
             let first = at.map_or_else(String::new, |at| format!("{at:?},"));
             for (i, value) in locus.values.iter().enumerate() {
                 for (mode, branch) in locus.branches.iter().enumerate() {
@@ -175,7 +196,7 @@ impl Family<'_> {
     /// One colour a mode or, in a family, one a member.
     fn curves(&self, part: fn(&Root) -> f64) -> Vec<Series> {
         let mut curves = Vec::new();
-        for (place, Member { at, locus }) in self.members.iter().enumerate() {
+        for (place, Member { at, locus, .. }) in self.members.iter().enumerate() {
             for (mode, branch) in locus.branches.iter().enumerate() {
                 let (label, colour) = match self.other.zip(*at) {
                     Some((other, at)) => (format!("{other} = {at}"), place),
@@ -202,8 +223,29 @@ impl Family<'_> {
             let [a, b] = c.modes.map(|mode| mode + 1);
             mark(c.value, format!("{a}–{b}: {}", significant(c.value, 5)))
         });
-        [critical.collect(), merging.collect()]
+        // Double modes begin to grow at one place, which is marked once.
+        let mut critical: Vec<Mark> = critical.collect();
+        critical.dedup_by(|a, b| a.label == b.label);
+        [critical, merging.collect()]
     }
+}
+
+/// Says where uniform sliding has an equilibrium, unless it has everywhere.
+fn print_equilibrium(
+    ranges: &[[f64; 2]],
+    [first, last]: [f64; 2],
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    if ranges.is_empty() {
+        writeln!(out, "  note: uniform sliding has no equilibrium anywhere in this range")?;
+    }
+    for [from, to] in ranges {
+        if *from > first || *to < last {
+            let [from, to] = [from, to].map(|value| significant(*value, LOCATED));
+            writeln!(out, "  note: uniform sliding has an equilibrium from {from} to {to} only")?;
+        }
+    }
+    Ok(())
 }
 
 fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
@@ -223,18 +265,15 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
     }
     writeln!(out, "  critical values:")?;
     for event in &locus.crossings {
-        writeln!(
-            out,
-            "    {}  mode {} {} {}",
-            significant(event.value, LOCATED),
-            event.mode + 1,
-            if event.becomes_unstable { "begins to grow" } else { "ceases to grow" },
-            at_frequency(event.frequency_hz),
-        )?;
+        writeln!(out, "    {}  {}", significant(event.value, LOCATED), turn(event))?;
     }
     if locus.crossings.is_empty() {
         let grows = locus.branches.iter().any(|branch| branch[0].lambda.re > 0.0);
-        writeln!(out, "    none: {} throughout", if grows { "unstable" } else { "stable" })?;
+        writeln!(out, "    none found: {}", if grows { "unstable" } else { "stable" })?;
+    }
+    for value in &locus.undecided {
+        let value = significant(*value, LOCATED);
+        writeln!(out, "  note: modes may have changed their numbers at {value}")?;
     }
     Ok(())
 }

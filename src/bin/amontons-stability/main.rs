@@ -13,7 +13,7 @@ use amontons::Error;
 use amontons::contact::{ContactState, parse_states};
 use amontons::model::LumpedModel;
 use amontons::scene::{self, Scene};
-use amontons::simulation::{assign, step_warning};
+use amontons::simulation::assign;
 use amontons::stability::candidates::uniform_sliding;
 use arguments::{Arguments, Command, Common};
 use clap::Parser;
@@ -80,9 +80,27 @@ fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
     }
     scene.friction_coefficient = friction.unwrap_or(scene.friction_coefficient);
     scene.check()?;
-    if let Some(warning) = step_warning(&scene) {
-        eprintln!("warning: {warning}");
+    Ok(scene)
+}
+
+/// Refuses a parameter of which nothing depends that an analysis looks at.
+fn check_effect<T: PartialEq>(
+    name: &str,
+    [first, last]: [f64; 2],
+    seen: impl Fn(f64) -> Result<T, Error>,
+    wish: &str,
+) -> Result<(), Failure> {
+    if seen(first)? != seen(last)? {
+        return Ok(());
     }
+    Err(Failure::Usage(format!("nothing here depends on {name}; {wish}")))
+}
+
+/// The scene with another value of a parameter.
+fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
+    let mut scene = scene.clone();
+    assign(&mut scene, name, value)?;
+    scene.check()?;
     Ok(scene)
 }
 

@@ -1,28 +1,27 @@
 //! `amontons-stability map`.
 
-use crate::arguments::{Map as Arguments, Values};
+use crate::arguments::{MAX_VALUES, Map as Arguments, Values};
 use crate::labels::axis;
-use crate::{Failure, configured, progress};
+use crate::{Failure, check_effect, configured, progress, with};
+use amontons::model::LumpedModel;
 use amontons::picture::{self, Class, Map};
 use amontons::simulation::assign;
+use amontons::stability::MAX_CONTACTS;
 use amontons::stability::map::{Verdict, map};
 use std::io::Write;
-
-/// The most points of a map.
-const MAX_POINTS: usize = 1_000_000;
 
 /// Places in the palette that belong to the verdicts, in their order.
 const COLOURS: [usize; 4] = [5, 4, 1, 6];
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
-    picture::check_name(&arguments.plot)?;
+    arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let scene = configured(&arguments.common, None)?;
     let (x_name, Values(x)) = &arguments.x;
     let (y_name, Values(y)) = &arguments.y;
     let points = x.len() * y.len();
-    if points > MAX_POINTS {
+    if points as f64 > MAX_VALUES {
         return Err(Failure::Usage(format!(
-            "{} × {} points are too many; a map has at most {MAX_POINTS}",
+            "{} × {} points are too many; a map has at most {MAX_VALUES:e}",
             x.len(),
             y.len()
         )));
@@ -31,6 +30,20 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         return Err(Failure::Usage(format!(
             "--x and --y both are {x_name}; a map needs two parameters"
         )));
+    }
+    for (name, values) in [&arguments.x, &arguments.y] {
+        let seen = |value: f64| {
+            let scene = with(&scene, name, value)?;
+            let velocity = scene.slider.velocity.partial_cmp(&0.0);
+            Ok((LumpedModel::from(&scene), scene.friction_coefficient, velocity))
+        };
+        let wish = "the verdict depends on masses, stiffnesses, damping, preload, slider.angle, \
+                    friction.coefficient and the sign of slider.velocity";
+        check_effect(name, [values.0[0], values.0[values.0.len() - 1]], seen, wish)?;
+    }
+    let contacts = LumpedModel::from(&scene).contacts.len();
+    if contacts > MAX_CONTACTS {
+        eprintln!("note: {contacts} contacts: only uniform sliding is looked at");
     }
     let scene_at = |column: usize, row: usize| {
         let mut scene = scene.clone();
@@ -42,10 +55,20 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let found = map(x.len(), y.len(), &scene_at, &|done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
     let share = |verdict: Verdict| found.iter().flatten().filter(|v| **v == verdict).count();
-    writeln!(out, "{}: {points} points of {x_name} and {y_name}", scene.name)?;
-    for verdict in Verdict::ALL {
-        writeln!(out, "  {:14} {}", verdict.to_string(), share(verdict))?;
+    if arguments.csv {
+        writeln!(out, "{x_name},{y_name},verdict")?;
+        for (row, y) in found.iter().zip(y) {
+            for (verdict, x) in row.iter().zip(x) {
+                writeln!(out, "{x:?},{y:?},{verdict}")?;
+            }
+        }
+    } else {
+        writeln!(out, "{}: {points} points of {x_name} and {y_name}", scene.name)?;
+        for verdict in Verdict::ALL {
+            writeln!(out, "  {:25} {}", verdict.to_string(), share(verdict))?;
+        }
     }
+    let Some(path) = &arguments.plot else { return Ok(()) };
     // The legend has only what is there.
     let classes: Vec<(Verdict, usize)> =
         Verdict::ALL.into_iter().zip(COLOURS).filter(|(verdict, _)| share(*verdict) > 0).collect();
@@ -64,5 +87,5 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
             .map(|&(verdict, colour)| Class { name: verdict.to_string(), colour })
             .collect(),
     };
-    Ok(picture.write(&arguments.plot)?)
+    Ok(picture.write(path)?)
 }

@@ -23,18 +23,22 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     for (i, mode) in found.all().enumerate() {
         writeln!(
             out,
-            "\nmode {}: {:.4} Hz, growth rate {} 1/s, damping ratio {}, residual {:.0e}",
+            "\nmode {}: {:.4} Hz, growth rate {} 1/s, damping ratio {}, residual {:.0e}{}",
             i + 1,
             mode.frequency_hz(),
             significant(mode.growth_rate(), 5),
             significant(mode.damping_ratio(), 4),
-            mode.residual
+            mode.residual,
+            waves(mode.waves),
         )?;
         let head = DOFS.map(|dof| format!("{dof:>8} {:>8}", "phase")).join("  ");
         writeln!(out, "  {:>9}  {head}", "")?;
         for (module, shape) in mode.shape.chunks(DOFS.len()).enumerate() {
             let values = shape.iter().map(|x| {
+                // −180° and 180° are one, as are −0 and 0.
                 let phase = if x.norm() < 1e-9 { 0.0 } else { x.arg().to_degrees() };
+                let phase = if phase < -179.95 { phase + 360.0 } else { phase };
+                let phase = if phase.abs() < 0.05 { 0.0 } else { phase };
                 format!("{:8.4} {phase:7.1}°", x.norm())
             });
             let values = values.collect::<Vec<_>>().join("  ");
@@ -57,4 +61,13 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         modes: picture.collect(),
     };
     Ok(picture.write(path)?)
+}
+
+/// How many waves a shape has around a ring of equal modules.
+fn waves(count: Option<usize>) -> String {
+    match count {
+        None => String::new(),
+        Some(1) => ", 1 wave around the ring".into(),
+        Some(count) => format!(", {count} waves around the ring"),
+    }
 }

@@ -13,11 +13,16 @@ use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
 use std::io::Write;
 
+/// The most contacts of which departures are printed: each mode asks for the forces of all.
+const MAX_LEAVING: usize = 32;
+
 /// A state and what was found of it.
 struct Row {
     states: Vec<ContactState>,
     spectrum: Spectrum,
     has_equilibrium: bool,
+    /// How many states symmetry makes equal to it, where it is the first of them; else zero.
+    alike: usize,
 }
 
 /// What is to be printed.
@@ -25,15 +30,16 @@ struct Report {
     scene: Scene,
     rows: Vec<Row>,
     equilibrium: Result<Equilibrium, Error>,
-    departures: Result<Vec<(Leaving, Departure)>, Error>,
+    /// Or why there are none.
+    departures: Result<Vec<(Leaving, Option<Departure>)>, String>,
 }
 
 /// A mode of uniform sliding, as its departure is printed.
 struct Leaving {
     frequency_hz: f64,
     growth_rate: f64,
-    /// Speed, m/s, at the amplitude of the departure.
-    speed: f64,
+    /// |λ|, 1/s.
+    rate: f64,
 }
 
 pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
@@ -45,14 +51,20 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
     }
     let found = spectra(arguments.point.state.as_deref(), &scene, &model)?;
     let resting = resting_state(&scene, &model);
-    let rows = found.into_iter().map(|(states, spectrum)| Row {
+    let rows = found.into_iter().map(|(states, spectrum, alike)| Row {
         has_equilibrium: equilibrium.is_ok() && states == resting,
         states,
         spectrum,
+        alike,
     });
     let report = Report {
         rows: rows.collect(),
-        departures: departures(&scene, &model, &equilibrium),
+        departures: match model.contacts.len() {
+            0..=MAX_LEAVING => {
+                departures(&scene, &model, &equilibrium).map_err(|error| error.to_string())
+            }
+            _ => Err(format!("they are looked at for up to {MAX_LEAVING} contacts")),
+        },
         equilibrium,
         scene,
     };
@@ -64,12 +76,12 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The states asked for with their spectra: one, or all.
+/// The states asked for, one or all, with their spectra and how many are alike ([`Row::alike`]).
 fn spectra(
     name: Option<&str>,
     scene: &Scene,
     model: &LumpedModel,
-) -> Result<Vec<(Vec<ContactState>, Spectrum)>, Error> {
+) -> Result<Vec<(Vec<ContactState>, Spectrum, usize)>, Error> {
     let contacts = model.contacts.len();
     let mu = scene.friction_coefficient;
     if name.is_none() && contacts > MAX_CONTACTS {
@@ -81,7 +93,7 @@ fn spectra(
     if name.is_some() || contacts > MAX_CONTACTS {
         let states = state(name, scene, model)?;
         let spectrum = Spectrum::of(model, &states, mu)?;
-        return Ok(vec![(states, spectrum)]);
+        return Ok(vec![(states, spectrum, 1)]);
     }
     let classes = StateClasses::of(model)?;
     let bar = progress(classes.representatives.len());
@@ -89,7 +101,12 @@ fn spectra(
     bar.finish_and_clear();
     eprintln!("{} states, {} solved", classes.class_of.len(), spectra.len());
     let all = all_states(u32::try_from(contacts).expect("few"));
-    Ok(all.zip(&classes.class_of).map(|(s, &class)| (s, spectra[class].clone())).collect())
+    let found = all.zip(&classes.class_of).map(|(states, &class)| {
+        let is_first = states == classes.representatives[class];
+        let alike = if is_first { classes.size(class) } else { 0 };
+        (states, spectra[class].clone(), alike)
+    });
+    Ok(found.collect())
 }
 
 /// The one state in which a scene can be at rest in its own frame: uniform sliding, or all stuck
@@ -105,19 +122,18 @@ fn departures(
     scene: &Scene,
     model: &LumpedModel,
     equilibrium: &Result<Equilibrium, Error>,
-) -> Result<Vec<(Leaving, Departure)>, Error> {
+) -> Result<Vec<(Leaving, Option<Departure>)>, Error> {
     let (mu, velocity) = (scene.friction_coefficient, scene.slider.velocity);
     let sliding = uniform_sliding(model, velocity)?;
     let equilibrium = equilibrium.as_ref().map_err(Error::clone)?;
     let found = modes(model, &sliding, mu)?;
-    let leaving = found.all().filter_map(|mode| {
-        let departure = departure(model, equilibrium, mu, velocity, mode)?;
+    let leaving = found.all().map(|mode| {
         let leaving = Leaving {
             frequency_hz: mode.frequency_hz(),
             growth_rate: mode.growth_rate(),
-            speed: departure.amplitude * mode.eigenvalue.norm(),
+            rate: mode.eigenvalue.norm(),
         };
-        Some((leaving, departure))
+        (leaving, departure(model, equilibrium, mu, velocity, mode))
     });
     Ok(leaving.collect())
 }
@@ -127,7 +143,7 @@ impl Report {
         let states: Map<String, Value> = self
             .rows
             .iter()
-            .map(|Row { states, spectrum, has_equilibrium }| {
+            .map(|Row { states, spectrum, has_equilibrium, .. }| {
                 let oscillating = spectrum.oscillating.iter().map(|v| [v.re / TAU, v.im / TAU]);
                 let value = json!({
                     "eigenvalues_hz": oscillating.collect::<Vec<_>>(),
@@ -138,16 +154,17 @@ impl Report {
                 (Joined(states).to_string(), value)
             })
             .collect();
-        let departures = self.departures.iter().flatten().map(|(leaving, departure)| {
-            json!({
+        let departures = self.departures.iter().flatten().filter_map(|(leaving, departure)| {
+            let departure = departure.as_ref()?;
+            Some(json!({
                 "frequency_hz": leaving.frequency_hz,
                 "growth_rate": leaving.growth_rate,
                 "amplitude": departure.amplitude,
                 "of": dof_name(departure.dof),
-                "speed": leaving.speed,
+                "speed": departure.amplitude * leaving.rate,
                 "contact": departure.contact + 1,
                 "into": departure.into.to_string(),
-            })
+            }))
         });
         json!({
             "scene": self.scene.name,
@@ -181,6 +198,9 @@ impl Report {
         } else {
             print_list(&self.rows, out)?;
         }
+        if let Some(row) = self.rows.iter().find(|row| row.has_equilibrium) {
+            writeln!(out, "Equilibrium: {}\n", Joined(&row.states))?;
+        }
         self.print_departures(out)
     }
 
@@ -196,15 +216,21 @@ impl Report {
             out,
             "Uniform sliding: how large each mode may become before a contact leaves sliding"
         )?;
-        for (Leaving { frequency_hz, speed, .. }, departure) in departures {
+        for (Leaving { frequency_hz, rate, .. }, departure) in departures {
+            let frequency = match frequency_hz {
+                0.0 => "real".to_owned(),
+                frequency_hz => format!("{frequency_hz:.2} Hz"),
+            };
+            let Some(Departure { contact, into, amplitude, dof }) = departure else {
+                writeln!(out, "  {frequency:>11}  moves no contact")?;
+                continue;
+            };
             writeln!(
                 out,
-                "  {:>8} Hz  {:.3e} m of {} ({speed:.3e} m/s): contact[{}] into {}",
-                if *frequency_hz == 0.0 { "real".into() } else { format!("{frequency_hz:.2}") },
-                departure.amplitude,
-                dof_name(departure.dof),
-                departure.contact + 1,
-                departure.into,
+                "  {frequency:>11}  {amplitude:.3e} m of {} ({:.3e} m/s): contact[{}] into {into}",
+                dof_name(*dof),
+                amplitude * rate,
+                contact + 1,
             )?;
         }
         Ok(())
@@ -255,9 +281,10 @@ fn print_paper_table(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Each state that symmetry does not make equal to one before it.
 fn print_list(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
-    for row in rows {
-        let note = if row.has_equilibrium { " (equilibrium)" } else { "" };
+    for row in rows.iter().filter(|row| row.alike > 0) {
+        let note = if row.alike > 1 { format!(" ({} alike)", row.alike) } else { String::new() };
         writeln!(out, "{}{note}", Joined(&row.states))?;
         for cell in cells(&row.spectrum) {
             writeln!(out, "  {cell}")?;

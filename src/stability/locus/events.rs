@@ -1,0 +1,123 @@
+//! Where roots merge and where they begin to grow, located to the last digits.
+
+use super::follow::Evaluate;
+use super::{Coalescence, Crossing, Root};
+use crate::Error;
+use nalgebra::Complex;
+use std::f64::consts::TAU;
+
+/// Bisects on whether the root nearest to a merging pair's centre is real; the centre is known at two
+/// values.
+pub(super) fn locate_coalescence(
+    evaluate: &Evaluate<'_>,
+    modes: [usize; 2],
+    [from, to]: [(f64, Complex<f64>); 2],
+    merge: bool,
+) -> Result<Coalescence, Error> {
+    let at = |value: f64| -> Result<Root, Error> {
+        let part = (value - from.0) / (to.0 - from.0);
+        Ok(nearest(evaluate(value)?, from.1 + (to.1 - from.1) * part))
+    };
+    let (mut low, mut high) = (from.0, to.0);
+    while let Some(middle) = between(low, high) {
+        if at(middle)?.is_real() == merge { low = middle } else { high = middle }
+    }
+    let value = 0.5 * (low + high);
+    Ok(Coalescence { value, modes, frequency_hz: at(value)?.lambda.im / TAU, merge })
+}
+
+/// A value of the parameter and the root of a branch there.
+pub(super) type Point = (f64, Root);
+
+/// Bisects on the sign of Re λ along one branch, between two points that differ in it.
+pub(super) fn locate_crossing(
+    evaluate: &Evaluate<'_>,
+    mode: usize,
+    [from, to]: [Point; 2],
+) -> Result<Crossing, Error> {
+    let (mut low, mut high) = (from, to);
+    while let Some(middle) = between(low.0, high.0) {
+        let point = on_branch(evaluate, [low, high], middle)?;
+        let side = if point.1.grows() == from.1.grows() { &mut low } else { &mut high };
+        *side = point;
+    }
+    let (value, root) = if from.1.grows() { high } else { low };
+    Ok(Crossing { value, mode, frequency_hz: root.lambda.im / TAU, becomes_unstable: to.1.grows() })
+}
+
+/// The root at `value` of a branch that is known at two points: the nearest to the line between.
+pub(in crate::stability) fn on_branch(
+    evaluate: &Evaluate<'_>,
+    [low, high]: [Point; 2],
+    value: f64,
+) -> Result<Point, Error> {
+    let part = (value - low.0) / (high.0 - low.0);
+    let expected = low.1.sigma + (high.1.sigma - low.1.sigma) * part;
+    Ok((value, nearest(evaluate(value)?, expected)))
+}
+
+/// Pairs of crossings between two neighbouring points at which a branch is on the same side. Where
+/// Re λ comes nearest to zero among the points, its extremum is sought beside that place.
+pub(super) fn hidden_crossings(
+    evaluate: &Evaluate<'_>,
+    trace: &[Point],
+    mode: usize,
+) -> Result<Vec<Crossing>, Error> {
+    let mut found = Vec::new();
+    for three in trace.windows(3) {
+        let [left, middle, right] = *three else { unreachable!("windows of three") };
+        let one_side = [left, right].iter().all(|point| point.1.grows() == middle.1.grows());
+        let below = |point: &Point| -point.1.lambda.re.abs();
+        let rise = [left, right].map(|side| below(&middle) - below(&side));
+        let is_peak = one_side && rise[0] >= 0.0 && rise[1] > 0.0;
+        // A smooth curve rises between points by no more than it fell to the next.
+        if !is_peak || below(&middle) + 2.0 * rise[0].max(rise[1]) < 0.0 {
+            continue;
+        }
+        if let Some(other) = other_side(evaluate, [left, middle, right])? {
+            let [before, after] = if other.0 < middle.0 { [left, middle] } else { [middle, right] };
+            found.push(locate_crossing(evaluate, mode, [before, other])?);
+            found.push(locate_crossing(evaluate, mode, [other, after])?);
+        }
+    }
+    Ok(found)
+}
+
+/// A point beside the middle one where Re λ has the other sign, if there is one: golden-section
+/// search of the extremum.
+fn other_side(
+    evaluate: &Evaluate<'_>,
+    [mut left, mut middle, mut right]: [Point; 3],
+) -> Result<Option<Point>, Error> {
+    const GOLDEN: f64 = 0.381_966_011_250_105;
+    let grows = middle.1.grows();
+    let resolution = 1e-9 * (right.0 - left.0);
+    while right.0 - left.0 > resolution {
+        let leftwards = middle.0 - left.0 > right.0 - middle.0;
+        let side = if leftwards { left } else { right };
+        let at = middle.0 + GOLDEN * (side.0 - middle.0);
+        let point = on_branch(evaluate, [middle, side], at)?;
+        if point.1.grows() != grows {
+            return Ok(Some(point));
+        }
+        let better = point.1.lambda.re.abs() < middle.1.lambda.re.abs();
+        match (better, leftwards) {
+            (true, true) => (middle, right) = (point, middle),
+            (true, false) => (middle, left) = (point, middle),
+            (false, true) => left = point,
+            (false, false) => right = point,
+        }
+    }
+    Ok(None)
+}
+
+/// The middle of an interval, until none is left.
+pub(in crate::stability) fn between(low: f64, high: f64) -> Option<f64> {
+    let middle = 0.5 * (low + high);
+    (low < middle && middle < high).then_some(middle)
+}
+
+fn nearest(roots: Vec<Root>, expected: Complex<f64>) -> Root {
+    let distance = |root: &Root| (root.sigma - expected).norm();
+    roots.into_iter().min_by(|a, b| distance(a).total_cmp(&distance(b))).expect("there are roots")
+}
