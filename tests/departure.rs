@@ -3,7 +3,7 @@
 
 use amontons::contact::ContactState;
 use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement, Statistics};
-use amontons::model::{LumpedModel, ring};
+use amontons::model::{self, LumpedModel};
 use amontons::scene::builtin;
 use amontons::stability::{Departure, departure, modes};
 use nalgebra::Complex;
@@ -13,7 +13,7 @@ fn states_met(mu: f64, velocity: f64, mode: usize, scale: f64) -> (Departure, Ve
     let mut scene = builtin("set1").unwrap().scene();
     (scene.friction_coefficient, scene.slider.velocity) = (mu, velocity);
     let model = LumpedModel::from(&scene);
-    let equilibrium = ring::equilibrium(&scene, &model).unwrap();
+    let equilibrium = model::equilibrium(&scene, &model).unwrap();
     let sliding = [ContactState::Slide; 2];
     let mode = &modes(&model, &sliding, mu).unwrap().oscillating[mode];
     let found = departure(&model, &equilibrium, mu, velocity, mode).unwrap();
@@ -26,8 +26,7 @@ fn states_met(mu: f64, velocity: f64, mode: usize, scale: f64) -> (Departure, Ve
         contacts: sliding.to_vec(),
         statistics: Statistics::default(),
     };
-    let mut drive =
-        Drive { force: vec![0.0; 8], slider_velocity: velocity, friction_coefficient: mu };
+    let mut drive = Drive::uniform(vec![0.0; 8], 2, velocity, mu);
     for (i, contact) in model.contacts.iter().enumerate() {
         motion.displacement[4 * i + 3] = 0.0;
         motion.velocity[4 * i + 3] = 0.0;

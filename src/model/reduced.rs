@@ -24,7 +24,8 @@ pub struct ReducedMatrices {
 }
 
 impl LumpedModel {
-    /// The reduced matrices of a contact state, one entry of `states` a contact. `None` where the
+    /// The reduced matrices of a contact state at a µ that is common to all contacts without an own
+    /// one, one entry of `states` a contact. `None` where the
     /// contacts leave a motion or a force undetermined: redundant ones on one mass whose friction
     /// differs, such as Sl and R-Sl at the same place.
     ///
@@ -46,7 +47,9 @@ impl LumpedModel {
             contact.tangent.add_to(&mut tangent, 1.0);
             if let Some(direction) = state.sliding_direction() {
                 constraints.push(normal.clone());
-                contact.tangent.add_to(&mut normal, direction * friction_coefficient);
+                contact
+                    .tangent
+                    .add_to(&mut normal, direction * contact.friction(friction_coefficient));
                 forces.push(normal);
             } else if *state == ContactState::Stick {
                 constraints.extend([normal.clone(), tangent.clone()]);
@@ -60,7 +63,10 @@ impl LumpedModel {
         }
         let mass = &tests * dense(&self.mass) * &motions;
         let stiffness = &tests * dense(&self.stiffness) * &motions;
-        let damping = &mass * self.damping.alpha + &stiffness * self.damping.beta;
+        let mut damping = &mass * self.damping.alpha + &stiffness * self.damping.beta;
+        if !self.dampers.is_empty() {
+            damping += &tests * dense(&self.dampers) * &motions;
+        }
         Some(ReducedMatrices { mass, damping, stiffness, motions })
     }
 }

@@ -1,9 +1,10 @@
 //! The scene file as its user writes it (TOML), turned into a [`Scene`].
 
-use super::per_module::PerModule;
-use super::{Damping, Experiment, MAX_MODULES, Module, Scene, Slider};
+use super::network_file::{self, ContactTable, DamperTable, MassTable, SpringTable};
+use super::{Damping, Experiment, Scene, Slider, Structure, ring_file};
 use crate::Error;
 use serde::Deserialize;
+use std::collections::HashSet;
 use std::path::Path;
 
 #[derive(Deserialize)]
@@ -11,11 +12,19 @@ use std::path::Path;
 struct File {
     #[serde(default)]
     description: String,
-    slider: Slider,
-    friction: Friction,
+    slider: Option<Slider>,
+    friction: Option<Friction>,
     #[serde(default)]
     damping: Damping,
-    ring: Ring,
+    ring: Option<ring_file::Ring>,
+    #[serde(default)]
+    mass: Vec<MassTable>,
+    #[serde(default)]
+    spring: Vec<SpringTable>,
+    #[serde(default)]
+    damper: Vec<DamperTable>,
+    #[serde(default)]
+    contact: Vec<ContactTable>,
     #[serde(default)]
     initial: Vec<Initial>,
     integrator: Integrator,
@@ -35,42 +44,46 @@ struct Integrator {
     step: f64,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Ring {
-    modules: usize,
-    m1: PerModule,
-    m2: PerModule,
-    k1: PerModule,
-    k2: PerModule,
-    k3: PerModule,
-    k4: PerModule,
-    k5: PerModule,
-    k6: PerModule,
-    preload: PerModule,
+/// An initial displacement or velocity, relative to the equilibrium: of a module of a ring (x1 … v4)
+/// or of a mass of a network (x … vy).
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub(super) struct Initial {
+    pub(super) module: Option<usize>,
+    pub(super) mass: Option<String>,
+    x1: Option<f64>,
+    x2: Option<f64>,
+    x3: Option<f64>,
+    x4: Option<f64>,
+    v1: Option<f64>,
+    v2: Option<f64>,
+    v3: Option<f64>,
+    v4: Option<f64>,
+    x: Option<f64>,
+    y: Option<f64>,
+    vx: Option<f64>,
+    vy: Option<f64>,
 }
 
-/// An initial displacement or velocity of one module, relative to the equilibrium.
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct Initial {
-    module: usize,
-    #[serde(default)]
-    x1: f64,
-    #[serde(default)]
-    x2: f64,
-    #[serde(default)]
-    x3: f64,
-    #[serde(default)]
-    x4: f64,
-    #[serde(default)]
-    v1: f64,
-    #[serde(default)]
-    v2: f64,
-    #[serde(default)]
-    v3: f64,
-    #[serde(default)]
-    v4: f64,
+impl Initial {
+    /// Displacements and velocities of a module.
+    pub(super) fn of_module(&self) -> [[Option<f64>; 4]; 2] {
+        [[self.x1, self.x2, self.x3, self.x4], [self.v1, self.v2, self.v3, self.v4]]
+    }
+
+    /// Displacements, then velocities, of a mass along its axes.
+    pub(super) fn along_axes(&self) -> [Option<f64>; 4] {
+        [self.x, self.y, self.vx, self.vy]
+    }
+
+    /// Whose it is.
+    fn owner(&self) -> String {
+        match (&self.module, &self.mass) {
+            (Some(module), _) => format!("module = {module}"),
+            (None, Some(mass)) => format!("mass = \"{mass}\""),
+            (None, None) => String::new(),
+        }
+    }
 }
 
 /// Reads and checks a scene file; its name becomes the file's stem.
@@ -98,84 +111,74 @@ pub fn read(path: &Path) -> Result<(Scene, String), Error> {
 pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
     let file: File =
         toml::from_str(text).map_err(|error| Error::scene(error.to_string().trim_end()))?;
-    let mut modules = file.ring.modules()?;
-    for (i, initial) in file.initial.iter().enumerate() {
-        if file.initial[..i].iter().any(|other| other.module == initial.module) {
+    let mut owners = HashSet::new();
+    for owner in file.initial.iter().map(Initial::owner) {
+        if owners.contains(&owner) {
             return Err(Error::scene(format!(
-                "initial.module = {} stands twice; give all its values in one [[initial]]",
-                initial.module
+                "initial.{owner} stands twice; give all its values in one [[initial]]"
             )));
         }
-        initial.apply(&mut modules)?;
+        owners.insert(owner);
     }
+    let structure = file.structure()?;
+    let slider = file.slider.or_else(|| structure_needs_no_slider(&structure));
+    let friction = file.friction.as_ref().map(|friction| friction.coefficient);
+    let friction = friction.or_else(|| structure_needs_no_friction(&structure));
+    let missing = |table: &str, keys: &str| {
+        Error::scene(format!(
+            "[{table}] is missing; it gives {keys} of the contacts without own ones"
+        ))
+    };
     let scene = Scene {
         name: name.to_owned(),
-        description: file.description,
-        slider: file.slider,
-        friction_coefficient: file.friction.coefficient,
+        slider: slider.ok_or_else(|| missing("slider", "velocity and angle"))?,
+        friction_coefficient: friction.ok_or_else(|| missing("friction", "the coefficient"))?,
         damping: file.damping,
-        modules,
+        structure,
         step: file.integrator.step,
         experiment: file.experiment,
+        description: file.description,
     };
     scene.check()?;
     Ok(scene)
 }
 
-impl Ring {
-    fn modules(&self) -> Result<Vec<Module>, Error> {
-        if self.modules == 0 || self.modules > MAX_MODULES {
-            return Err(Error::scene(format!(
-                "ring.modules = {}: a ring has 1 to {MAX_MODULES} modules",
-                self.modules
-            )));
+impl File {
+    fn structure(&self) -> Result<Structure, Error> {
+        let network = [self.mass.len(), self.spring.len(), self.damper.len(), self.contact.len()];
+        match &self.ring {
+            Some(_) if network != [0; 4] => Err(Error::scene(
+                "a scene is either a [ring] or a network of [[mass]], [[spring]], [[damper]] and \
+                 [[contact]], not both",
+            )),
+            Some(ring) => {
+                let mut modules = ring.modules()?;
+                self.initial
+                    .iter()
+                    .try_for_each(|values| ring_file::apply(values, &mut modules))?;
+                Ok(Structure::Ring(modules))
+            }
+            None if self.mass.is_empty() => Err(Error::scene(
+                "a scene needs a structure: a [ring], or the [[mass]]es of a network",
+            )),
+            None => {
+                let tables =
+                    (&self.mass[..], &self.spring[..], &self.damper[..], &self.contact[..]);
+                Ok(Structure::Network(network_file::network(tables, &self.initial)?))
+            }
         }
-        let value = |key: &str, values: &PerModule, i: usize| match values.length() {
-            Some(length) if length != self.modules => Err(Error::scene(format!(
-                "ring.{key} lists {length} values, but the ring has {} modules; \
-                 give one number for all, or one a module",
-                self.modules
-            ))),
-            _ => Ok(values.of(i).expect("the length was just checked")),
-        };
-        (0..self.modules)
-            .map(|i| {
-                Ok(Module {
-                    mass: [value("m1", &self.m1, i)?, value("m2", &self.m2, i)?],
-                    stiffness: [
-                        value("k1", &self.k1, i)?,
-                        value("k2", &self.k2, i)?,
-                        value("k3", &self.k3, i)?,
-                        value("k4", &self.k4, i)?,
-                        value("k5", &self.k5, i)?,
-                        value("k6", &self.k6, i)?,
-                    ],
-                    preload: value("preload", &self.preload, i)?,
-                    force: [0.0; 4],
-                    displacement: [0.0; 4],
-                    velocity: [0.0; 4],
-                })
-            })
-            .collect()
     }
 }
 
-impl Initial {
-    fn apply(&self, modules: &mut [Module]) -> Result<(), Error> {
-        let count = modules.len();
-        let module =
-            self.module.checked_sub(1).and_then(|i| modules.get_mut(i)).ok_or_else(|| {
-                Error::scene(format!(
-                    "initial.module = {}: the ring has modules 1 to {count}",
-                    self.module
-                ))
-            })?;
-        let displacement = [self.x1, self.x2, self.x3, self.x4];
-        let velocity = [self.v1, self.v2, self.v3, self.v4];
-        for j in 0..4 {
-            module.displacement[j] += displacement[j];
-            module.velocity[j] += velocity[j];
-        }
-        Ok(())
-    }
+/// A slider that nothing rubs on, where all contacts have own values.
+fn structure_needs_no_slider(structure: &Structure) -> Option<Slider> {
+    let Structure::Network(network) = structure else { return None };
+    let independent = |c: &super::RubbingPlace| c.angle.is_some() && c.velocity.is_some();
+    network.contacts.iter().all(independent).then_some(Slider { velocity: 0.0, angle: 0.0 })
+}
+
+/// A friction coefficient that no contact has, where all have own ones.
+fn structure_needs_no_friction(structure: &Structure) -> Option<f64> {
+    let Structure::Network(network) = structure else { return None };
+    network.contacts.iter().all(|contact| contact.friction.is_some()).then_some(0.0)
 }

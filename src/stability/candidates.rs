@@ -6,7 +6,7 @@ use super::parallel;
 use super::states::StateClasses;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::LumpedModel;
+use crate::model::{Contact, LumpedModel};
 use std::f64::consts::TAU;
 
 /// What a range of µ holds.
@@ -38,12 +38,14 @@ pub struct Candidate {
     pub at_end: [f64; 2],
 }
 
-/// The state of uniform sliding at this slider velocity: all contacts alike.
+/// The state of uniform sliding at this slider velocity, or at a contact's own.
 #[must_use]
 pub fn uniform_sliding(model: &LumpedModel, slider_velocity: f64) -> Vec<ContactState> {
-    let state =
-        if slider_velocity < 0.0 { ContactState::ReverseSlide } else { ContactState::Slide };
-    vec![state; model.contacts.len()]
+    let state = |contact: &Contact| match contact.velocity(slider_velocity) {
+        velocity if velocity < 0.0 => ContactState::ReverseSlide,
+        _ => ContactState::Slide,
+    };
+    model.contacts.iter().map(state).collect()
 }
 
 /// Looks through all states over ascending values of µ, on all cores; `done` hears how many are done.

@@ -3,11 +3,13 @@
 //! With C̃ = α M̃ + β K̃, which Rayleigh damping gives because friction follows the whole normal
 //! force, the quadratic problem (λ² M̃ + λ C̃ + K̃) u = 0 has the eigenvectors of M̃⁻¹ K̃, and each of
 //! its eigenvalues σ two eigenvalues of the state: λ² + (α + β σ) λ + σ = 0. So the problem solved is
-//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not.
+//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not. With single
+//! dampers there are no such σ; `damped_modes` then solves the problem at its full size.
 
+use super::damped_modes;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::{LumpedModel, ReducedMatrices};
+use crate::model::{Damping, LumpedModel, ReducedMatrices};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
@@ -17,7 +19,8 @@ use std::f64::consts::TAU;
 pub struct Mode {
     /// λ, 1/s.
     pub eigenvalue: Complex<f64>,
-    /// The eigenvalue σ of M̃⁻¹ K̃ that λ belongs to, 1/s².
+    /// σ with λ² + (α + β σ) λ + σ = 0, 1/s²: the eigenvalue of M̃⁻¹ K̃ that λ belongs to, but where
+    /// there are single dampers.
     pub stiffness_eigenvalue: Complex<f64>,
     /// x, one value a degree of freedom; the largest is 1.
     pub shape: Vec<Complex<f64>>,
@@ -61,6 +64,32 @@ impl Modes {
         self.all().any(|mode| mode.growth_rate() > 0.0)
     }
 
+    /// Takes in one eigenvalue with its vector; of each conjugate pair one stays.
+    fn add(
+        &mut self,
+        reduced: &ReducedMatrices,
+        eigenvalue: Complex<f64>,
+        stiffness_eigenvalue: Complex<f64>,
+        vector: &[Complex<f64>],
+    ) {
+        let list = match Kind::of(eigenvalue) {
+            Kind::Real => &mut self.real,
+            Kind::Oscillating => &mut self.oscillating,
+            Kind::Conjugate => return,
+        };
+        list.push(Mode {
+            eigenvalue,
+            stiffness_eigenvalue,
+            residual: residual(reduced, eigenvalue, vector),
+            shape: shape(&reduced.motions, vector),
+        });
+    }
+
+    fn sort(&mut self) {
+        self.oscillating.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
+        self.real.sort_by(|a, b| a.eigenvalue.re.total_cmp(&b.eigenvalue.re));
+    }
+
     /// Oscillating modes, then real ones.
     pub fn all(&self) -> impl Iterator<Item = &Mode> {
         self.oscillating.iter().chain(&self.real)
@@ -80,6 +109,15 @@ pub fn modes(
 ) -> Result<Modes, Error> {
     let mut found = Modes { oscillating: Vec::new(), real: Vec::new() };
     let Some(reduced) = model.reduced(states, friction_coefficient) else { return Ok(found) };
+    if !model.dampers.is_empty() {
+        for (eigenvalue, vector) in damped_modes::solve(&reduced)? {
+            let Damping { alpha, beta } = model.damping;
+            let rayleigh = -eigenvalue * (eigenvalue + alpha) / (eigenvalue * beta + 1.0);
+            found.add(&reduced, eigenvalue, rayleigh, &vector);
+        }
+        found.sort();
+        return Ok(found);
+    }
     let size = reduced.mass.nrows();
     let eigen = operator(&reduced)?.eigen().map_err(|error| no_convergence(&error))?;
     for (column, &sigma) in eigen.S().column_vector().iter().enumerate() {
@@ -88,22 +126,10 @@ pub fn modes(
             .map(|row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im))
             .collect();
         for eigenvalue in quadratic_roots(model, sigma) {
-            let kind = Kind::of(eigenvalue);
-            let mode = || Mode {
-                eigenvalue,
-                stiffness_eigenvalue: sigma,
-                residual: residual(&reduced, eigenvalue, &vector),
-                shape: shape(&reduced.motions, &vector),
-            };
-            match kind {
-                Kind::Real => found.real.push(mode()),
-                Kind::Oscillating => found.oscillating.push(mode()),
-                Kind::Conjugate => {}
-            }
+            found.add(&reduced, eigenvalue, sigma, &vector);
         }
     }
-    found.oscillating.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
-    found.real.sort_by(|a, b| a.eigenvalue.re.total_cmp(&b.eigenvalue.re));
+    found.sort();
     Ok(found)
 }
 
@@ -122,13 +148,21 @@ impl Spectrum {
     /// # Errors
     /// As [`modes`].
     pub fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Result<Self, Error> {
+        if !model.dampers.is_empty() {
+            let Some(reduced) = model.reduced(states, friction) else { return Ok(Self::default()) };
+            return Ok(Self::from_eigenvalues(damped_modes::eigenvalues(&reduced)?));
+        }
         Ok(Self::from_stiffness(model, &stiffness_eigenvalues(model, states, friction)?))
     }
 
     /// The eigenvalues λ that belong to all eigenvalues σ of M̃⁻¹ K̃ of a state of this model.
     pub(super) fn from_stiffness(model: &LumpedModel, sigmas: &[Complex<f64>]) -> Self {
+        Self::from_eigenvalues(sigmas.iter().flat_map(|&sigma| quadratic_roots(model, sigma)))
+    }
+
+    fn from_eigenvalues(eigenvalues: impl IntoIterator<Item = Complex<f64>>) -> Self {
         let mut found = Self::default();
-        for eigenvalue in sigmas.iter().flat_map(|&sigma| quadratic_roots(model, sigma)) {
+        for eigenvalue in eigenvalues {
             match Kind::of(eigenvalue) {
                 Kind::Real => found.real.push(eigenvalue.re),
                 Kind::Oscillating => found.oscillating.push(eigenvalue),
@@ -160,6 +194,13 @@ pub(super) fn stiffness_eigenvalues(
     states: &[ContactState],
     friction: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
+    if !model.dampers.is_empty() {
+        return Err(Error::analysis(
+            "root loci, bi-stable ranges and waves follow the eigenvalues of M⁻¹ K, which needs \
+             damping by α M + β K alone; this scene has single dampers: look at its states and \
+             modes at one value of µ at a time",
+        ));
+    }
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
     let values = operator(&reduced)?.eigenvalues().map_err(|error| no_convergence(&error))?;
     Ok(values.into_iter().map(|sigma| cleaned(Complex::new(sigma.re, sigma.im))).collect())
@@ -180,7 +221,7 @@ fn operator(reduced: &ReducedMatrices) -> Result<Mat<f64>, Error> {
     Ok(Mat::from_fn(size, size, |i, j| matrix[(i, j)]))
 }
 
-fn no_convergence(error: &dyn std::fmt::Debug) -> Error {
+pub(super) fn no_convergence(error: &dyn std::fmt::Debug) -> Error {
     Error::analysis(format!("the eigenvalues of the contact state were not found: {error:?}"))
 }
 

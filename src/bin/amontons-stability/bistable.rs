@@ -4,7 +4,7 @@ use crate::arguments::Bistable;
 use crate::{configured, progress};
 use amontons::Error;
 use amontons::contact::Joined;
-use amontons::model::{LumpedModel, ring};
+use amontons::model::{LumpedModel, equilibrium};
 use amontons::stability::candidates::{bistability, uniform_sliding};
 use amontons::stability::{MAX_CONTACTS, StateClasses};
 
@@ -15,7 +15,7 @@ pub fn run(arguments: &Bistable) -> Result<(), Error> {
     let [first, last] = arguments.friction;
     let scene = configured(&arguments.common, Some(first))?;
     let model = LumpedModel::from(&scene);
-    ring::equilibrium(&scene, &model)?;
+    equilibrium(&scene, &model)?;
     let values: Vec<f64> = (0..=INTERVALS)
         .map(|i| first + (last - first) * (f64::from(i) / f64::from(INTERVALS)))
         .collect();

@@ -7,9 +7,10 @@ use amontons::contact::Joined;
 use amontons::model::LumpedModel;
 use amontons::picture::{ModeShape, ModeShapes};
 use amontons::stability::modes;
+use nalgebra::Complex;
 
 /// Degrees of freedom by name, in their order in a module.
-pub const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
+const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
 
 pub fn run(arguments: &Arguments) -> Result<(), Error> {
     let scene = configured(&arguments.common, arguments.friction)?;
@@ -27,16 +28,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
             mode.damping_ratio(),
             mode.residual
         );
-        println!("  {:>9}  {}", "", DOFS.map(|dof| format!("{dof:>8} {:>8}", "phase")).join("  "));
-        for (module, shape) in mode.shape.chunks(DOFS.len()).enumerate() {
-            let values = shape.iter().map(|x| {
-                let phase = if x.norm() < 1e-9 { 0.0 } else { x.arg().to_degrees() };
-                format!("{:8.4} {phase:7.1}°", x.norm())
-            });
-            println!("  module[{}]  {}", module + 1, values.collect::<Vec<_>>().join("  "));
+        match scene.network() {
+            None => print_modules(&mode.shape),
+            Some(_) => print_dofs(&scene.dof_names(), &mode.shape),
         }
     }
     let Some(path) = &arguments.plot else { return Ok(()) };
+    scene.require_ring("moving mode shapes are drawn")?;
     let picture = found.all().enumerate().map(|(i, mode)| ModeShape {
         title: format!(
             "Mode {}: {:.2} Hz, growth {:+.2} 1/s",
@@ -52,4 +50,26 @@ pub fn run(arguments: &Arguments) -> Result<(), Error> {
         modes: picture.collect(),
     }
     .write(path)
+}
+
+/// One line a module, its four degrees of freedom side by side.
+fn print_modules(shape: &[Complex<f64>]) {
+    println!("  {:>9}  {}", "", DOFS.map(|dof| format!("{dof:>8} {:>8}", "phase")).join("  "));
+    for (module, shape) in shape.chunks(DOFS.len()).enumerate() {
+        let values: Vec<String> = shape.iter().map(amplitude_and_phase).collect();
+        println!("  module[{}]  {}", module + 1, values.join("  "));
+    }
+}
+
+/// One line a degree of freedom.
+fn print_dofs(names: &[String], shape: &[Complex<f64>]) {
+    let width = names.iter().map(String::len).max().unwrap_or(0);
+    for (name, x) in names.iter().zip(shape) {
+        println!("  {name:width$}  {}", amplitude_and_phase(x));
+    }
+}
+
+fn amplitude_and_phase(x: &Complex<f64>) -> String {
+    let phase = if x.norm() < 1e-9 { 0.0 } else { x.arg().to_degrees() };
+    format!("{:8.4} {phase:7.1}°", x.norm())
 }

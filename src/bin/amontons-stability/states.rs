@@ -1,11 +1,10 @@
 //! `amontons-stability states`.
 
 use crate::arguments::{Format, States};
-use crate::modes::DOFS;
 use crate::{configured, progress};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined, all_states};
-use amontons::model::{Equilibrium, LumpedModel, ring};
+use amontons::model::{self, Equilibrium, LumpedModel};
 use amontons::scene::Scene;
 use amontons::stability::candidates::uniform_sliding;
 use amontons::stability::{
@@ -25,7 +24,7 @@ struct Row<'a> {
 pub fn run(arguments: &States) -> Result<(), Error> {
     let scene = configured(&arguments.common, arguments.friction)?;
     let model = LumpedModel::from(&scene);
-    let equilibrium = ring::equilibrium(&scene, &model);
+    let equilibrium = model::equilibrium(&scene, &model);
     let resting = resting_state(&scene, &model);
     let row = |states: Vec<ContactState>, spectrum| Row {
         has_equilibrium: equilibrium.is_ok() && states == resting,
@@ -82,7 +81,7 @@ fn resting_state(scene: &Scene, model: &LumpedModel) -> Vec<ContactState> {
 /// Equal modules in equal states are solved wave by wave.
 fn spectrum_of(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Spectrum, Error> {
     let uniform = states.iter().all(|state| *state == states[0]);
-    if uniform && Symmetry::of(model) == Symmetry::Ring {
+    if uniform && !states.is_empty() && Symmetry::of(model) == Symmetry::Ring {
         return uniform_ring_spectrum(model, states[0], mu);
     }
     Spectrum::of(model, states, mu)
@@ -103,7 +102,7 @@ fn print(
                 "{}: eigenvalues / 2π [Hz] at µ = {}; * grows\n",
                 scene.name, scene.friction_coefficient
             );
-            if rows.len() == 16 {
+            if rows.len() == 16 && scene.network().is_none() {
                 print_paper_table(rows);
             } else {
                 print_list(rows);
@@ -203,17 +202,17 @@ fn print_departures(scene: &Scene, model: &LumpedModel, equilibrium: Option<&Equ
     let sliding = uniform_sliding(model, scene.slider.velocity);
     let Ok(found) = modes(model, &sliding, mu) else { return };
     println!("Uniform sliding: how large each mode may become before a contact leaves sliding");
+    let names = scene.dof_names();
     for mode in &found.oscillating {
         let first = departure(model, equilibrium, mu, scene.slider.velocity, mode);
         let Some(Departure { contact, into, amplitude, dof }) = first else { continue };
         println!(
-            "  {:8.2} Hz  {:.3e} m of module[{}].{} ({:.3e} m/s): contact[{}] into {into}",
+            "  {:8.2} Hz  {:.3e} m of {} ({:.3e} m/s): {} into {into}",
             mode.frequency_hz(),
             amplitude,
-            dof / DOFS.len() + 1,
-            DOFS[dof % DOFS.len()],
+            names[dof],
             amplitude * mode.eigenvalue.norm(),
-            contact + 1,
+            scene.contact_name(contact),
         );
     }
 }
