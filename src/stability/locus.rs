@@ -419,8 +419,8 @@ mod tests {
         // ground springs (none in phase, four times k1 and k2 out of phase). In uniform sliding x4 = 0,
         // so σ are the roots of a cubic whose discriminant changes sign where two of them merge.
         let scene = builtin("set1").unwrap().scene();
-        let [k1, k2, k3, k4, k5, k6] = scene.modules[0].stiffness;
-        let [m1, m2] = scene.modules[0].mass;
+        let [k1, k2, k3, k4, k5, k6] = scene.modules()[0].stiffness;
+        let [m1, m2] = scene.modules()[0].mass;
         let (s, c) = scene.slider.angle.sin_cos();
         let discriminant = |links: f64, mu: f64| {
             let (kx, ky) = (k4 + k6 + links * k1, k3 + k5 + links * k2);
@@ -473,7 +473,8 @@ mod tests {
     #[test]
     fn double_modes_of_a_ring_of_five_merge_in_pairs_and_never_part() {
         let mut scene = builtin("set1").unwrap().scene();
-        scene.modules = vec![scene.modules[0]; 5];
+        let module = scene.modules()[0];
+        *scene.modules_mut() = vec![module; 5];
         let model = LumpedModel::from(&scene);
         let evaluate = |mu| roots(&model, &[ContactState::Slide; 5], mu);
         let found = locus(&evaluate, &grid(3.5, 0.02), &|_| {}).unwrap();

@@ -3,12 +3,14 @@
 //! With C̃ = α M̃ + β K̃, which Rayleigh damping gives because friction follows the whole normal
 //! force, the quadratic problem (λ² M̃ + λ C̃ + K̃) u = 0 has the eigenvectors of M̃⁻¹ K̃, and each of
 //! its eigenvalues σ two eigenvalues of the state: λ² + (α + β σ) λ + σ = 0. So the problem solved is
-//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not.
+//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not. With single
+//! dampers there are no such σ; `damped_modes` then solves the problem at its full size.
 
+use super::damped_modes;
 use super::eigenvalues::eigenvalues;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::{LumpedModel, ReducedMatrices};
+use crate::model::{Damping, LumpedModel, ReducedMatrices};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
@@ -18,7 +20,8 @@ use std::f64::consts::TAU;
 pub struct Mode {
     /// λ, 1/s.
     pub eigenvalue: Complex<f64>,
-    /// The eigenvalue σ of M̃⁻¹ K̃ that λ belongs to, 1/s².
+    /// σ with λ² + (α + β σ) λ + σ = 0, 1/s²: the eigenvalue of M̃⁻¹ K̃ that λ belongs to, but where
+    /// there are single dampers.
     pub stiffness_eigenvalue: Complex<f64>,
     /// x, one value a degree of freedom; the largest is 1.
     pub shape: Vec<Complex<f64>>,
@@ -62,6 +65,32 @@ impl Modes {
         self.all().any(|mode| mode.growth_rate() > 0.0)
     }
 
+    /// Takes in one eigenvalue with its vector; of each conjugate pair one stays.
+    fn add(
+        &mut self,
+        reduced: &ReducedMatrices,
+        eigenvalue: Complex<f64>,
+        stiffness_eigenvalue: Complex<f64>,
+        vector: &[Complex<f64>],
+    ) {
+        let list = match Kind::of(eigenvalue) {
+            Kind::Real => &mut self.real,
+            Kind::Oscillating => &mut self.oscillating,
+            Kind::Conjugate => return,
+        };
+        list.push(Mode {
+            eigenvalue,
+            stiffness_eigenvalue,
+            residual: residual(reduced, eigenvalue, vector),
+            shape: shape(&reduced.motions, vector),
+        });
+    }
+
+    fn sort(&mut self) {
+        self.oscillating.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
+        self.real.sort_by(|a, b| a.eigenvalue.re.total_cmp(&b.eigenvalue.re));
+    }
+
     /// Oscillating modes, then real ones.
     pub fn all(&self) -> impl Iterator<Item = &Mode> {
         self.oscillating.iter().chain(&self.real)
@@ -82,34 +111,23 @@ pub fn modes(
     let mut found = Modes { oscillating: Vec::new(), real: Vec::new() };
     check_size(model)?;
     let Some(reduced) = model.reduced(states, friction_coefficient) else { return Ok(found) };
-    let size = reduced.mass.nrows();
+    if !model.dampers.is_empty() {
+        for (eigenvalue, vector) in damped_modes::solve(&reduced)? {
+            let Damping { alpha, beta } = model.damping;
+            let rayleigh = -eigenvalue * (eigenvalue + alpha) / (eigenvalue * beta + 1.0);
+            found.add(&reduced, eigenvalue, rayleigh, &vector);
+        }
+        found.sort();
+        return Ok(found);
+    }
     let operator = operator(&reduced)?;
-    let operator = Mat::from_fn(size, size, |i, j| operator[(i, j)]);
-    let eigen = operator.eigen().map_err(|error| {
-        Error::analysis(format!("the modes of the contact state were not found: {error:?}"))
-    })?;
-    for (column, &sigma) in eigen.S().column_vector().iter().enumerate() {
-        let sigma = cleaned(Complex::new(sigma.re, sigma.im));
-        let vector: Vec<Complex<f64>> = (0..size)
-            .map(|row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im))
-            .collect();
+    for (sigma, vector) in eigenpairs(&operator)? {
+        let sigma = cleaned(sigma, &operator);
         for eigenvalue in quadratic_roots(model, sigma) {
-            let kind = Kind::of(eigenvalue);
-            let mode = || Mode {
-                eigenvalue,
-                stiffness_eigenvalue: sigma,
-                residual: residual(&reduced, eigenvalue, &vector),
-                shape: shape(&reduced.motions, &vector),
-            };
-            match kind {
-                Kind::Real => found.real.push(mode()),
-                Kind::Oscillating => found.oscillating.push(mode()),
-                Kind::Conjugate => {}
-            }
+            found.add(&reduced, eigenvalue, sigma, &vector);
         }
     }
-    found.oscillating.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
-    found.real.sort_by(|a, b| a.eigenvalue.re.total_cmp(&b.eigenvalue.re));
+    found.sort();
     Ok(found)
 }
 
@@ -120,13 +138,44 @@ pub(super) fn stiffness_eigenvalues(
     friction: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
     check_size(model)?;
+    if !model.dampers.is_empty() {
+        return Err(Error::analysis(
+            "root loci and bi-stable ranges follow the eigenvalues of M⁻¹ K, which needs damping by \
+             α M + β K alone; this scene has single dampers: look at its states and modes at one \
+             value of µ at a time",
+        ));
+    }
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
-    Ok(eigenvalues(operator(&reduced)?)?.into_iter().map(cleaned).collect())
+    let operator = operator(&reduced)?;
+    let found = eigenvalues(operator.clone())?;
+    Ok(found.into_iter().map(|sigma| cleaned(sigma, &operator)).collect())
+}
+
+/// An eigenvalue with its vector.
+pub(super) type Eigenpair = (Complex<f64>, Vec<Complex<f64>>);
+
+/// The eigenvalues of a matrix with their vectors.
+pub(super) fn eigenpairs(matrix: &DMatrix<f64>) -> Result<Vec<Eigenpair>, Error> {
+    let size = matrix.nrows();
+    let eigen = Mat::from_fn(size, size, |i, j| matrix[(i, j)]).eigen().map_err(|error| {
+        Error::analysis(format!("the modes of the contact state were not found: {error:?}"))
+    })?;
+    let values = eigen.S().column_vector();
+    let pairs = values.iter().enumerate().map(|(column, value)| {
+        let part = |row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im);
+        (Complex::new(value.re, value.im), (0..size).map(part).collect())
+    });
+    Ok(pairs.collect())
 }
 
 /// A double real eigenvalue, as equal modules have, comes out of rounding as a pair that is complex
-/// by a little. Where two real ones do merge, this moves the place by 1e-14 of the parameter.
-fn cleaned(sigma: Complex<f64>) -> Complex<f64> {
+/// by a little. Where two real ones do merge, this moves the place by 1e-14 of the parameter. A motion
+/// that nothing holds, as of a mass that only its contact carries, has zero, and grows no more than
+/// rounding says.
+fn cleaned(sigma: Complex<f64>, operator: &DMatrix<f64>) -> Complex<f64> {
+    if sigma.norm() <= 1e-13 * operator.amax() {
+        return Complex::ZERO;
+    }
     let is_real = sigma.im.abs() <= 1e-7 * sigma.re.abs();
     if is_real { Complex::new(sigma.re, 0.0) } else { sigma }
 }
@@ -134,7 +183,7 @@ fn cleaned(sigma: Complex<f64>) -> Complex<f64> {
 /// The most degrees of freedom that are analysed as one dense matrix: some seconds of work.
 const MAX_DENSE: usize = 1200;
 
-fn check_size(model: &LumpedModel) -> Result<(), Error> {
+pub(super) fn check_size(model: &LumpedModel) -> Result<(), Error> {
     if model.dofs() <= MAX_DENSE {
         return Ok(());
     }
@@ -147,14 +196,18 @@ fn check_size(model: &LumpedModel) -> Result<(), Error> {
 
 /// M̃⁻¹ K̃.
 fn operator(reduced: &ReducedMatrices) -> Result<DMatrix<f64>, Error> {
-    let ReducedMatrices { mass, stiffness, .. } = reduced;
+    per_mass(&reduced.mass, &reduced.stiffness)
+}
+
+/// M̃⁻¹ A.
+pub(super) fn per_mass(mass: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
     let size = mass.nrows();
     let diagonal = mass.diagonal();
     let quotient = if *mass == DMatrix::from_diagonal(&diagonal) {
         let is_possible = diagonal.iter().all(|mass| *mass != 0.0);
-        is_possible.then(|| DMatrix::from_fn(size, size, |i, j| stiffness[(i, j)] / diagonal[i]))
+        is_possible.then(|| DMatrix::from_fn(size, size, |i, j| matrix[(i, j)] / diagonal[i]))
     } else {
-        mass.clone().lu().solve(stiffness)
+        mass.clone().lu().solve(matrix)
     };
     let quotient = quotient.ok_or_else(|| {
         Error::analysis("the masses that this contact state leaves free cannot be accelerated")
@@ -162,7 +215,9 @@ fn operator(reduced: &ReducedMatrices) -> Result<DMatrix<f64>, Error> {
     if quotient.iter().all(|value| value.is_finite()) {
         return Ok(quotient);
     }
-    Err(Error::analysis("M⁻¹ K leaves the range of numbers; look for a value that is too large"))
+    Err(Error::analysis(
+        "M⁻¹ K or M⁻¹ C leaves the range of numbers; look for a value that is too large",
+    ))
 }
 
 /// Which of the eigenvalues of a real problem one is.
