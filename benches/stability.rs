@@ -202,7 +202,8 @@ fn all_states(lapack: &mut Lapack) {
 
 fn equal(modules: usize) -> Scene {
     let mut scene = builtin("set1").expect("it is built in").scene();
-    scene.modules = vec![scene.modules[0]; modules];
+    let module = scene.modules()[0];
+    *scene.modules_mut() = vec![module; modules];
     scene
 }
 
@@ -210,7 +211,7 @@ fn equal(modules: usize) -> Scene {
 fn unequal(modules: usize) -> Scene {
     let mut scene = equal(modules);
     let mut turn = 0.0_f64;
-    for module in &mut scene.modules {
+    for module in scene.modules_mut() {
         for value in module.mass.iter_mut().chain(&mut module.stiffness) {
             turn += 1.0;
             *value *= 1.0 + 0.02 * turn.sin();

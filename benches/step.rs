@@ -14,7 +14,7 @@
 
 use amontons::contact::ContactState;
 use amontons::integrator::{self, Drive, Integrator, Motion, Statistics};
-use amontons::model::{LumpedModel, ring};
+use amontons::model::{self, LumpedModel};
 use amontons::package;
 use amontons::scene::{Builtin, Scene, builtin};
 use amontons::simulation::Simulation;
@@ -42,7 +42,7 @@ fn main() {
 
 fn against_c() {
     let mut scene = set("set1").scene();
-    scene.modules[0].velocity = [0.01, 0.0, 0.0, 0.0];
+    scene.modules_mut()[0].velocity = [0.01, 0.0, 0.0, 0.0];
     let [mut ours, mut theirs] = [Ring::new(&scene), Ring::new(&scene)];
     ours.advance(5_000_000); // Five seconds: up to the fourth its amplitude still changes.
     ours.motion.statistics = Statistics::default();
@@ -97,8 +97,9 @@ fn rings() {
     println!("Rings    ns a module and step   state changes");
     let [mut a, mut b, mut c] = [12, 64, 1024].map(|modules| {
         let mut scene = set("ring12").scene();
-        scene.modules.resize(modules, scene.modules[0]);
-        for (i, module) in scene.modules.iter_mut().enumerate() {
+        let module = scene.modules()[0];
+        scene.modules_mut().resize(modules, module);
+        for (i, module) in scene.modules_mut().iter_mut().enumerate() {
             module.velocity[1] = 0.1 * (i as f64).sin();
         }
         let mut ring = Ring::new(&scene);
@@ -171,22 +172,23 @@ impl Ring {
     fn new(scene: &Scene) -> Self {
         let model = LumpedModel::from(scene);
         // Measured from the equilibrium, the contact forces that balance the load are left of it.
-        let equilibrium = ring::equilibrium(scene, &model).expect("it has an equilibrium");
+        let equilibrium = model::equilibrium(scene, &model).expect("it has an equilibrium");
         let mut force = vec![0.0; model.dofs()];
         for (i, contact) in model.contacts.iter().enumerate() {
             contact.normal.add_to(&mut force, -equilibrium.normal_force[i]);
             contact.tangent.add_to(&mut force, -equilibrium.friction_force[i]);
         }
         Self {
-            drive: Drive {
+            drive: Drive::uniform(
                 force,
-                slider_velocity: scene.slider.velocity,
-                friction_coefficient: scene.friction_coefficient,
-            },
+                model.contacts.len(),
+                scene.slider.velocity,
+                scene.friction_coefficient,
+            ),
             step: scene.step,
             motion: Motion {
                 displacement: vec![0.0; model.dofs()],
-                velocity: scene.modules.iter().flat_map(|module| module.velocity).collect(),
+                velocity: scene.initial_velocities().collect(),
                 contacts: vec![ContactState::Slide; model.contacts.len()],
                 statistics: Statistics::default(),
             },
@@ -227,8 +229,8 @@ impl From<&Ring> for Problem {
             stiffness: from_fn(|i| from_fn(|j| stiffness.get(i, j))),
             damping: from_fn(|i| from_fn(|j| c(i, j))),
             force: from_fn(|i| ring.drive.force[i]),
-            slider_velocity: ring.drive.slider_velocity,
-            friction: ring.drive.friction_coefficient,
+            slider_velocity: ring.drive.slider_velocity[0],
+            friction: ring.drive.friction_coefficient[0],
             step: ring.step,
         }
     }

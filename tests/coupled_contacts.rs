@@ -1,9 +1,9 @@
 //! Gauss–Seidel over contacts that masses couple, against a brute-force search of all contact
-//! states, and the dense integrator against the one for rings.
+//! states, and the general integrator against the one for rings.
 
 use amontons::contact::{ContactState, all_states};
 use amontons::integrator::{
-    DenseForwardIncrement, Drive, Integrator, Motion, RingForwardIncrement, Statistics,
+    Drive, Integrator, Motion, RingForwardIncrement, SparseForwardIncrement, Statistics,
 };
 use amontons::model::{Contact, Damping, Direction, Entry, LumpedModel, SparseMatrix};
 use amontons::scene::builtin;
@@ -30,12 +30,10 @@ fn model(contacts: usize, coupling: &[f64]) -> LumpedModel {
         mass: SparseMatrix::from_entries(dofs, entries),
         stiffness: SparseMatrix::diagonal(&vec![50.0; dofs]),
         damping: Damping { alpha: 0.1, beta: 1e-4 },
+        dampers: SparseMatrix::zero(dofs),
         load: vec![0.0; dofs],
         contacts: (0..contacts)
-            .map(|i| Contact {
-                tangent: Direction::unit(2 * i),
-                normal: Direction::unit(2 * i + 1),
-            })
+            .map(|i| Contact::new(Direction::unit(2 * i + 1), Direction::unit(2 * i)))
             .collect(),
     }
 }
@@ -61,7 +59,7 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
     let (x, v) =
         (DVector::from(motion.displacement.clone()), DVector::from(motion.velocity.clone()));
     let impulse = (DVector::from(drive.force.clone()) - damping * &v - stiffness * x) * STEP;
-    let friction = drive.friction_coefficient;
+    let friction = drive.friction_coefficient[0];
     all_states(u32::try_from(m).unwrap())
         .filter_map(|states| {
             // Unknowns: v⁺, then N and T of each contact.
@@ -82,7 +80,7 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
                     ContactState::Stick => {
                         a[(row, normal)] = 1.0;
                         a[(row + 1, tangent)] = 1.0;
-                        b[row + 1] = drive.slider_velocity;
+                        b[row + 1] = drive.slider_velocity[0];
                     }
                     sliding => {
                         a[(row, normal)] = 1.0;
@@ -93,7 +91,8 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
             }
             let solution = a.lu().solve(&b)?;
             let consistent = states.iter().enumerate().all(|(i, state)| {
-                let (slip, lift) = (drive.slider_velocity - solution[2 * i], solution[2 * i + 1]);
+                let (slip, lift) =
+                    (drive.slider_velocity[0] - solution[2 * i], solution[2 * i + 1]);
                 let (normal, force) = (solution[n + 2 * i], solution[n + 2 * i + 1]);
                 match state {
                     ContactState::Detached => lift >= 0.0,
@@ -120,13 +119,9 @@ proptest! {
     ) {
         let model = model(contacts, &coupling);
         let mut motion = closed(contacts, &velocity);
-        let drive = Drive {
-            force: force[..2 * contacts].to_vec(),
-            slider_velocity: 0.005,
-            friction_coefficient: friction,
-        };
+        let drive = Drive::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
         let candidates = by_enumeration(&model, &motion, &drive);
-        let mut integrator = DenseForwardIncrement::new(&model).unwrap();
+        let mut integrator = SparseForwardIncrement::new(&model).unwrap();
         integrator.advance(&mut motion, &drive, STEP, 1).unwrap();
         let found = DVector::from(motion.velocity.clone());
         prop_assert!(
@@ -144,26 +139,21 @@ fn two_contacts_that_hold_one_mass_in_a_groove_converge_and_keep_it_there() {
         mass: SparseMatrix::diagonal(&[2.0, 2.0]),
         stiffness: SparseMatrix::diagonal(&[100.0, 100.0]),
         damping: Damping { alpha: 0.0, beta: 1e-3 },
+        dampers: SparseMatrix::zero(2),
         load: vec![0.0; 2],
         contacts: vec![
-            Contact {
-                normal: Direction(vec![(0, s), (1, c)]),
-                tangent: Direction(vec![(0, c), (1, -s)]),
-            },
-            Contact {
-                normal: Direction(vec![(0, -s), (1, c)]),
-                tangent: Direction(vec![(0, c), (1, s)]),
-            },
+            Contact::new(Direction(vec![(0, s), (1, c)]), Direction(vec![(0, c), (1, -s)])),
+            Contact::new(Direction(vec![(0, -s), (1, c)]), Direction(vec![(0, c), (1, s)])),
         ],
     };
-    let drive = Drive { force: vec![3.0, -20.0], slider_velocity: 0.0, friction_coefficient: 0.3 };
+    let drive = Drive::uniform(vec![3.0, -20.0], 2, 0.0, 0.3);
     let mut motion = Motion {
         displacement: vec![0.0; 2],
         velocity: vec![0.0; 2],
         contacts: vec![ContactState::Stick; 2],
         statistics: Statistics::default(),
     };
-    let mut integrator = DenseForwardIncrement::new(&model).unwrap();
+    let mut integrator = SparseForwardIncrement::new(&model).unwrap();
     integrator.advance(&mut motion, &drive, STEP, 10_000).unwrap();
     assert!(motion.statistics.most_sweeps > 2, "{:?}", motion.statistics);
     for x in motion.displacement.iter().chain(&motion.velocity) {
@@ -181,16 +171,12 @@ fn two_contacts_that_hold_one_mass_in_a_groove_converge_and_keep_it_there() {
 }
 
 #[test]
-fn a_ring_moves_the_same_through_the_dense_integrator() {
+fn a_ring_moves_the_same_through_the_general_integrator() {
     let mut scene = builtin("set1").unwrap().scene();
-    scene.modules.push(scene.modules[0]);
+    scene.modules_mut().extend_from_within(..1);
     let model = LumpedModel::from(&scene);
     let equilibrium = model.sliding_equilibrium(1.96, 0.025).unwrap();
-    let mut drive = Drive {
-        force: vec![0.0; model.dofs()],
-        slider_velocity: 0.025,
-        friction_coefficient: 1.96,
-    };
+    let mut drive = Drive::uniform(vec![0.0; model.dofs()], 3, 0.025, 1.96);
     for (i, contact) in model.contacts.iter().enumerate() {
         contact.normal.add_to(&mut drive.force, -equilibrium.normal_force[i]);
         contact.tangent.add_to(&mut drive.force, -equilibrium.friction_force[i]);
@@ -205,11 +191,11 @@ fn a_ring_moves_the_same_through_the_dense_integrator() {
         motion
     };
     let ring = run(&mut RingForwardIncrement::new(&model).unwrap());
-    let dense = run(&mut DenseForwardIncrement::new(&model).unwrap());
+    let general = run(&mut SparseForwardIncrement::new(&model).unwrap());
     assert!(ring.statistics.state_changes > 10 && ring.statistics.touch_downs > 0);
-    assert_eq!(ring.statistics.state_changes, dense.statistics.state_changes);
-    assert_eq!((ring.statistics.most_sweeps, dense.statistics.most_sweeps), (1, 2));
-    for (a, b) in ring.displacement.iter().zip(&dense.displacement) {
+    assert_eq!(ring.statistics.state_changes, general.statistics.state_changes);
+    assert_eq!((ring.statistics.most_sweeps, general.statistics.most_sweeps), (1, 2));
+    for (a, b) in ring.displacement.iter().zip(&general.displacement) {
         assert!((a - b).abs() < 1e-14, "{a} {b}");
     }
 }

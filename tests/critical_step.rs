@@ -15,7 +15,7 @@ fn any_module() -> impl Strategy<Value = Module> {
     (prop::array::uniform2(0.1..2.0), prop::array::uniform6(1e4..5e5)).prop_map(
         |(mass, stiffness)| {
             let scene = builtin("set1").unwrap().scene();
-            Module { mass, stiffness, ..scene.modules[0] }
+            Module { mass, stiffness, ..scene.modules()[0] }
         },
     )
 }
@@ -24,7 +24,7 @@ fn any_model(modules: std::ops::RangeInclusive<usize>) -> impl Strategy<Value = 
     (prop::collection::vec(any_module(), modules), -1.0..1.0, 0.0..1e-4, 0.0..20.0).prop_map(
         |(modules, angle, beta, alpha)| {
             let mut scene = builtin("set1").unwrap().scene();
-            scene.modules = modules;
+            *scene.modules_mut() = modules;
             scene.slider.angle = angle;
             (scene.damping.alpha, scene.damping.beta) = (alpha, beta);
             LumpedModel::from(&scene)
@@ -98,14 +98,15 @@ proptest! {
             entries.extend(model.stiffness.entries().map(|(i, j, k)| (4 * copy + i, 4 * copy + j, k)));
         }
         let mass: Vec<f64> = (0..4).map(|i| model.mass.get(i, i)).collect();
-        let contacts = (0..5).map(|copy| amontons::model::Contact {
-            tangent: amontons::model::Direction::unit(4 * copy + 2),
-            normal: amontons::model::Direction::unit(4 * copy + 3),
+        let contacts = (0..5).map(|copy| {
+            let unit = amontons::model::Direction::unit;
+            amontons::model::Contact::new(unit(4 * copy + 3), unit(4 * copy + 2))
         });
         let five = LumpedModel {
             mass: amontons::model::SparseMatrix::diagonal(&mass.repeat(5)),
             stiffness: amontons::model::SparseMatrix::from_entries(20, entries),
             damping: model.damping,
+            dampers: amontons::model::SparseMatrix::zero(20),
             load: vec![0.0; 20],
             contacts: contacts.collect(),
         };

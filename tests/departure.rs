@@ -3,7 +3,7 @@
 
 use amontons::contact::ContactState;
 use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement, Statistics};
-use amontons::model::{LumpedModel, ring};
+use amontons::model::{self, LumpedModel};
 use amontons::scene::builtin;
 use amontons::stability::candidates::uniform_sliding;
 use amontons::stability::{Departure, departure, modes};
@@ -26,7 +26,7 @@ fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
     (scene.friction_coefficient, scene.slider.velocity) = (mu, velocity);
     scene.damping.beta *= f64::from(u8::from(damped));
     let model = LumpedModel::from(&scene);
-    let equilibrium = ring::equilibrium(&scene, &model).unwrap();
+    let equilibrium = model::equilibrium(&scene, &model).unwrap();
     let sliding = uniform_sliding(&model, velocity).unwrap();
     let mode = &modes(&model, &sliding, mu).unwrap().oscillating[mode];
     let found = departure(&model, &equilibrium, mu, velocity, mode).unwrap();
@@ -39,8 +39,7 @@ fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
         contacts: sliding.clone(),
         statistics: Statistics::default(),
     };
-    let mut drive =
-        Drive { force: vec![0.0; 8], slider_velocity: velocity, friction_coefficient: mu };
+    let mut drive = Drive::uniform(vec![0.0; 8], 2, velocity, mu);
     for (i, contact) in model.contacts.iter().enumerate() {
         motion.displacement[4 * i + 3] = 0.0;
         motion.velocity[4 * i + 3] = 0.0;

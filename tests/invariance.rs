@@ -28,7 +28,7 @@ fn any_scene() -> impl Strategy<Value = Scene> {
     (prop::collection::vec(any_module(), 1..=4), 0.0..3.0, -0.3..0.3, -1.0..1.0, 0.0..1e-4)
         .prop_map(|(modules, friction_coefficient, velocity, angle, beta)| {
             let mut scene = builtin("set1").unwrap().scene();
-            scene.modules = modules;
+            *scene.modules_mut() = modules;
             scene.friction_coefficient = friction_coefficient;
             (scene.slider.velocity, scene.slider.angle) = (velocity, angle);
             scene.damping.beta = beta;

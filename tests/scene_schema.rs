@@ -24,8 +24,11 @@ fn every_key_has_a_description_for_who_writes_a_scene() {
     fn visit(path: &str, schema: &serde_json::Value) {
         assert!(schema["description"].is_string(), "{path}");
         let items = schema.get("items").unwrap_or(schema);
-        for (key, schema) in items["properties"].as_object().into_iter().flatten() {
-            visit(&format!("{path}.{key}"), schema);
+        let alternatives = items["anyOf"].as_array().map_or(&[][..], Vec::as_slice);
+        for table in alternatives.iter().chain([items]) {
+            for (key, schema) in table["properties"].as_object().into_iter().flatten() {
+                visit(&format!("{path}.{key}"), schema);
+            }
         }
     }
     visit("", &serde_json::from_str(&schema()).unwrap());

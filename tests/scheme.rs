@@ -18,12 +18,12 @@ struct Written {
 
 impl Written {
     fn new(scene: &Scene) -> Self {
-        let n = scene.modules.len();
+        let n = scene.modules().len();
         let dofs = 4 * n;
         let (s, c) = scene.slider.angle.sin_cos();
         let mut k = vec![vec![0.0; dofs]; dofs];
         let (mut mass, mut load) = (vec![0.0; dofs], vec![0.0; dofs]);
-        for (i, module) in scene.modules.iter().enumerate() {
+        for (i, module) in scene.modules().iter().enumerate() {
             let [k1, k2, k3, k4, k5, k6] = module.stiffness;
             let at = |j: usize| 4 * i + j;
             let next = 4 * ((i + 1) % n);
@@ -105,8 +105,8 @@ impl Written {
 /// Displacements after `steps` steps, from the equilibrium, by the equations as printed.
 fn by_the_book(scene: &Scene, equilibrium: &[f64], steps: usize) -> Vec<f64> {
     let written = Written::new(scene);
-    let initial = scene.modules.iter().flat_map(|module| module.displacement);
-    let velocity = scene.modules.iter().flat_map(|module| module.velocity);
+    let initial = scene.modules().iter().flat_map(|module| module.displacement);
+    let velocity = scene.modules().iter().flat_map(|module| module.velocity);
     let mut now: Vec<f64> = equilibrium.iter().zip(initial).map(|(a, b)| a + b).collect();
     let mut before: Vec<f64> = now.iter().zip(velocity).map(|(x, v)| x - scene.step * v).collect();
     for _ in 0..steps {
@@ -148,7 +148,7 @@ fn assert_same_path(scene: &Scene, steps: u32, changes: u64, touch_downs: u64) {
 fn set1(step: f64) -> Scene {
     let mut scene = builtin("set1").unwrap().scene();
     scene.step = step;
-    scene.modules[0].velocity[0] = 0.3;
+    scene.modules_mut()[0].velocity[0] = 0.3;
     scene
 }
 
@@ -160,20 +160,20 @@ fn stick_and_slip_of_set_1_follow_the_equations_as_printed() {
 #[test]
 fn detachment_and_touch_down_follow_the_equations_as_printed() {
     let mut scene = set1(1e-5);
-    scene.modules[1].velocity[3] = 0.4;
-    scene.modules[0].displacement[3] = 1e-4;
+    scene.modules_mut()[1].velocity[3] = 0.4;
+    scene.modules_mut()[0].displacement[3] = 1e-4;
     assert_same_path(&scene, 5_000, 20, 2);
 }
 
 #[test]
 fn a_ring_of_three_different_modules_follows_the_equations_as_printed() {
     let mut scene = set1(1e-5);
-    scene.modules.push(scene.modules[0]);
+    scene.modules_mut().extend_from_within(..1);
     scene.damping.alpha = 2.0;
-    scene.modules[1].stiffness = [40e3, 70e3, 30e3, 50e3, 280e3, 260e3];
-    scene.modules[2].mass = [0.4, 0.5];
-    scene.modules[2].preload = 7e-3;
-    scene.modules[2].velocity[2] = -0.3;
+    scene.modules_mut()[1].stiffness = [40e3, 70e3, 30e3, 50e3, 280e3, 260e3];
+    scene.modules_mut()[2].mass = [0.4, 0.5];
+    scene.modules_mut()[2].preload = 7e-3;
+    scene.modules_mut()[2].velocity[2] = -0.3;
     assert_same_path(&scene, 5_000, 20, 0);
 }
 
@@ -182,6 +182,6 @@ fn a_slider_that_moves_backwards_turns_everything_round() {
     let mut scene = set1(1e-5);
     scene.slider.velocity = -0.025;
     scene.friction_coefficient = 0.4;
-    scene.modules[0].velocity[2] = 0.2;
+    scene.modules_mut()[0].velocity[2] = 0.2;
     assert_same_path(&scene, 5_000, 4, 0);
 }

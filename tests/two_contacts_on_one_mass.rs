@@ -22,10 +22,11 @@ fn corner() -> LumpedModel {
         mass: SparseMatrix::diagonal(&[MASS, MASS]),
         stiffness: SparseMatrix::from_entries(2, stiffness),
         damping: Damping::default(),
+        dampers: SparseMatrix::zero(2),
         load: vec![0.0; 2],
         contacts: vec![
-            Contact { normal: Direction::unit(1), tangent: Direction::unit(0) },
-            Contact { normal: Direction::unit(0), tangent: Direction(vec![(1, -1.0)]) },
+            Contact::new(Direction::unit(1), Direction::unit(0)),
+            Contact::new(Direction::unit(0), Direction(vec![(1, -1.0)])),
         ],
     }
 }

@@ -305,7 +305,7 @@ impl Instance {
     }
 
     fn check_size(&self, scene: &Scene) -> Result<(), Error> {
-        if scene.modules.len() == self.original.modules.len() {
+        if scene.has_parts_of(&self.original) {
             return Ok(());
         }
         Err(Error::saved_state("the saved state is of another structure"))

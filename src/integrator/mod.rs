@@ -5,7 +5,7 @@
 
 mod forward_increment;
 
-pub use forward_increment::{DenseForwardIncrement, RingForwardIncrement};
+pub use forward_increment::{RingForwardIncrement, SparseForwardIncrement};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
@@ -45,10 +45,28 @@ pub struct Statistics {
 pub struct Drive {
     /// All forces but those of springs, dampers and contacts, N; one value a degree of freedom.
     pub force: Vec<f64>,
-    /// Slider velocity v along the tangents, m/s.
-    pub slider_velocity: f64,
-    /// Friction coefficient µ.
-    pub friction_coefficient: f64,
+    /// Slider velocity v along the tangent, m/s; one value a contact.
+    pub slider_velocity: Vec<f64>,
+    /// Friction coefficient µ; one value a contact.
+    pub friction_coefficient: Vec<f64>,
+}
+
+impl Drive {
+    /// A drive with these forces (N, one a degree of freedom) and the same v (m/s) and µ for as many
+    /// contacts.
+    #[must_use]
+    pub fn uniform(
+        force: Vec<f64>,
+        contacts: usize,
+        slider_velocity: f64,
+        friction_coefficient: f64,
+    ) -> Self {
+        Self {
+            force,
+            slider_velocity: vec![slider_velocity; contacts],
+            friction_coefficient: vec![friction_coefficient; contacts],
+        }
+    }
 }
 
 /// A step that could not be taken; the motion is then not to be used.
@@ -103,5 +121,5 @@ pub fn choose(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
     if let Some(ring) = RingForwardIncrement::new(model) {
         return Ok(Box::new(ring));
     }
-    Ok(Box::new(DenseForwardIncrement::new(model)?))
+    Ok(Box::new(SparseForwardIncrement::new(model)?))
 }

@@ -1,8 +1,9 @@
 //! Static equilibrium in uniform sliding.
 
 use super::banded::{self, Singular};
-use super::{Entry, LumpedModel};
+use super::{Entry, LumpedModel, ring};
 use crate::Error;
+use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// A static equilibrium with every contact closed.
@@ -16,10 +17,32 @@ pub struct Equilibrium {
     pub friction_force: Vec<f64>,
 }
 
+/// The equilibrium in uniform sliding of the scene's own µ and v; `model` is the scene's.
+///
+/// Equal modules move as one, so one is solved for all: they then are in equal states to the last
+/// bit, which a solution of the whole, with its rounding, would not give.
+///
+/// # Errors
+/// As [`LumpedModel::sliding_equilibrium`], contacts named as in the scene.
+pub fn equilibrium(scene: &Scene, model: &LumpedModel) -> Result<Equilibrium, Error> {
+    let (friction, velocity) = (scene.friction_coefficient, scene.slider.velocity);
+    let name = |contact| scene.contact_name(contact);
+    let Some(one) = ring::one_of_equal_modules(model) else {
+        return model.sliding_equilibrium_named(friction, velocity, &name);
+    };
+    let count = model.contacts.len();
+    let alone = one.sliding_equilibrium_named(friction, velocity, &name)?;
+    Ok(Equilibrium {
+        displacement: alone.displacement.repeat(count),
+        normal_force: alone.normal_force.repeat(count),
+        friction_force: alone.friction_force.repeat(count),
+    })
+}
+
 impl LumpedModel {
     /// The equilibrium in uniform sliding, K X = F + Σ (G_N + s µ G_T)ᵀ N, G_N X = 0, where s is
-    /// the sign of the slider's velocity: with v > 0 every contact is in Sl, with v < 0 in R-Sl.
-    /// With v = 0 nothing slides; the contacts start stuck, without friction force (s = 0).
+    /// the sign of the contact's slider velocity: with v > 0 it is in Sl, with v < 0 in R-Sl. With
+    /// v = 0 it does not slide; it starts stuck, without friction force (s = 0).
     ///
     /// # Errors
     /// Names the contact that opens under the load, or the friction coefficient from which on the
@@ -29,21 +52,33 @@ impl LumpedModel {
         friction_coefficient: f64,
         slider_velocity: f64,
     ) -> Result<Equilibrium, Error> {
-        let sign = if slider_velocity == 0.0 { 0.0 } else { slider_velocity.signum() };
-        match self.solve(sign * friction_coefficient) {
+        let name = |contact| format!("contact[{}]", contact + 1);
+        self.sliding_equilibrium_named(friction_coefficient, slider_velocity, &name)
+    }
+
+    fn sliding_equilibrium_named(
+        &self,
+        friction_coefficient: f64,
+        slider_velocity: f64,
+        name: &dyn Fn(usize) -> String,
+    ) -> Result<Equilibrium, Error> {
+        let slope =
+            |contact: &super::Contact| contact.sliding_slope(friction_coefficient, slider_velocity);
+        let slopes: Vec<f64> = self.contacts.iter().map(slope).collect();
+        match self.solve(&slopes) {
             Ok(equilibrium) if equilibrium.pulled_contact().is_none() => Ok(equilibrium),
-            found => Err(self.explain_missing_equilibrium(friction_coefficient, sign, &found)),
+            found => Err(self.explain_missing_equilibrium(&slopes, &found, name)),
         }
     }
 
-    /// All contacts closed and sliding with the signed friction coefficient `slope` = T/N.
-    fn solve(&self, slope: f64) -> Result<Equilibrium, Singular> {
+    /// All contacts closed and sliding with the signed friction coefficients `slopes` = T/N.
+    fn solve(&self, slopes: &[f64]) -> Result<Equilibrium, Singular> {
         let dofs = self.dofs();
         let size = dofs + self.contacts.len();
         let mut entries: Vec<Entry> = self.stiffness.entries().collect();
         // In the unit of a stiffness the border is of the size of the rest, which pivoting needs.
         let unit = entries.iter().fold(0.0_f64, |unit, entry| unit.max(entry.2.abs()));
-        for (i, contact) in self.contacts.iter().enumerate() {
+        for (i, (contact, slope)) in self.contacts.iter().zip(slopes).enumerate() {
             let multiplier = dofs + i;
             for &(dof, value) in &contact.normal.0 {
                 entries.push((multiplier, dof, unit * value));
@@ -58,40 +93,42 @@ impl LumpedModel {
         let mut displacement = banded::solve(size, &entries, &load)?;
         let normal_force: Vec<f64> =
             displacement.split_off(dofs).into_iter().map(|multiplier| unit * multiplier).collect();
-        let friction_force = normal_force.iter().map(|normal| slope * normal).collect();
+        let friction_force = slopes.iter().zip(&normal_force).map(|(slope, n)| slope * n).collect();
         Ok(Equilibrium { displacement, normal_force, friction_force })
     }
 
-    /// Why there is no equilibrium at this µ. Looks for the highest µ below it that has one: where
+    /// Why there is no equilibrium at these µ. Looks for the largest part of them that has one: where
     /// the equilibrium is lost, a normal force that falls to zero is a contact that opens, one that
     /// grows without bound is jamming.
     fn explain_missing_equilibrium(
         &self,
-        friction: f64,
-        sign: f64,
+        slopes: &[f64],
         found: &Result<Equilibrium, Singular>,
+        name: &dyn Fn(usize) -> String,
     ) -> Error {
         const GRID: u32 = 256;
-        if self.solve(0.0).is_err() {
+        let solve =
+            |part: f64| self.solve(&slopes.iter().map(|slope| part * slope).collect::<Vec<_>>());
+        if solve(0.0).is_err() {
             return Error::equilibrium(
-                "no equilibrium: the structure can move without straining a spring; \
-                 hold it with a stiffness above zero",
+                "no equilibrium: the structure can move without straining a spring, or contacts \
+                 hold it twice over; hold every motion with a stiffness above zero, and once",
             );
         }
-        let exists =
-            |mu: f64| self.solve(sign * mu).ok().filter(|found| found.pulled_contact().is_none());
-        let below = (0..GRID).rev().map(|i| friction * f64::from(i) / f64::from(GRID));
-        let Some(mut good) = below.into_iter().find(|&mu| exists(mu).is_some()) else {
+        let exists = |part: f64| solve(part).ok().filter(|found| found.pulled_contact().is_none());
+        let below = (0..GRID).rev().map(|i| f64::from(i) / f64::from(GRID));
+        let Some(mut good) = below.into_iter().find(|&part| exists(part).is_some()) else {
             let pulled = found.as_ref().ok().and_then(Equilibrium::pulled_contact);
-            let (contact, force) = pulled.unwrap_or((1, 0.0));
+            let (contact, force) = pulled.unwrap_or((0, 0.0));
             return Error::equilibrium(format!(
-                "no equilibrium in sliding: contact[{contact}] opens under the load \
+                "no equilibrium in sliding: {} opens under the load \
                  (it would have to pull with {:.3e} N); raise its preload",
+                name(contact),
                 -force
             ));
         };
         let start = exists(good).expect("just found");
-        let mut bad = friction;
+        let mut bad = 1.0;
         for _ in 0..100 {
             let middle = 0.5 * (good + bad);
             if exists(middle).is_some() { good = middle } else { bad = middle }
@@ -101,35 +138,40 @@ impl LumpedModel {
         let grown = grown.map(|(last, start)| last / start).enumerate();
         let grown = grown.max_by(|a, b| a.1.total_cmp(&b.1));
         let lightest = last.normal_force.iter().enumerate().min_by(|a, b| a.1.total_cmp(b.1));
-        match (grown, lightest) {
-            (Some((contact, growth)), _) if growth > 1e6 => Error::equilibrium(format!(
-                "no equilibrium in sliding at friction.coefficient = {friction}: contact[{}] jams \
-                 from {good:.6} on, where friction draws it into the slider; \
-                 lower the coefficient or turn slider.angle",
-                contact + 1
-            )),
-            (_, lightest) => Error::equilibrium(format!(
-                "no equilibrium in sliding at friction.coefficient = {friction}: friction \
-                 lifts contact[{}] off from {good:.6} on; raise its preload or lower the \
-                 coefficient",
-                lightest.map_or(0, |(contact, _)| contact + 1)
-            )),
-        }
+        let jams = grown.filter(|&(_, growth)| growth > 1e6).map(|(contact, _)| contact);
+        let contact = jams.or(lightest.map(|(contact, _)| contact)).unwrap_or(0);
+        let friction = slopes.get(contact).map_or(0.0, |slope| slope.abs());
+        let (limit, name) = (good * friction, name(contact));
+        // Contacts with µ of their own share a limit only where they keep their proportions.
+        let own = self.contacts.iter().any(|contact| contact.own.friction_coefficient.is_some());
+        let common = if own { " (and the others in proportion)" } else { "" };
+        Error::equilibrium(match jams {
+            Some(_) => format!(
+                "no equilibrium in sliding at friction.coefficient = {friction}{common}: {name} jams \
+                 from {limit:.6} on, where friction draws it into the slider; \
+                 lower the coefficient or turn slider.angle"
+            ),
+            None => format!(
+                "no equilibrium in sliding at friction.coefficient = {friction}{common}: friction \
+                 lifts {name} off from {limit:.6} on; raise its preload or lower the \
+                 coefficient"
+            ),
+        })
     }
 }
 
 impl Equilibrium {
-    /// The first contact (counted from 1) that would have to pull, with its normal force.
+    /// The first contact that would have to pull, with its normal force.
     fn pulled_contact(&self) -> Option<(usize, f64)> {
-        let normal = self.normal_force.iter().copied().enumerate();
-        normal.map(|(i, force)| (i + 1, force)).find(|&(_, force)| force.is_nan() || force < 0.0)
+        let mut normal = self.normal_force.iter().copied().enumerate();
+        normal.find(|&(_, force)| force.is_nan() || force < 0.0)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Contact, Direction, SparseMatrix, ring};
+    use crate::model::{Contact, Direction, SparseMatrix};
     use crate::scene::{Scene, builtin};
 
     fn set1() -> Scene {
@@ -137,13 +179,13 @@ mod tests {
     }
 
     fn equilibrium(scene: &Scene) -> Result<Equilibrium, Error> {
-        ring::equilibrium(scene, &LumpedModel::from(scene))
+        super::equilibrium(scene, &LumpedModel::from(scene))
     }
 
     #[test]
     fn forces_balance_and_contacts_are_closed() {
         let mut scene = set1();
-        scene.modules[1].preload *= 1.3;
+        scene.modules_mut()[1].preload *= 1.3;
         let model = LumpedModel::from(&scene);
         let found = equilibrium(&scene).unwrap();
         let mut contact = vec![0.0; model.dofs()];
@@ -192,8 +234,9 @@ mod tests {
                 vec![(0, 0, 4.0), (0, 1, 1.0), (1, 0, 1.0), (1, 1, 2.0)],
             ),
             damping: super::super::Damping::default(),
+            dampers: SparseMatrix::zero(2),
             load: vec![0.0, -3.0],
-            contacts: vec![Contact { tangent: Direction::unit(0), normal: Direction::unit(1) }],
+            contacts: vec![Contact::new(Direction::unit(1), Direction::unit(0))],
         }
     }
 
@@ -216,7 +259,7 @@ mod tests {
     #[test]
     fn a_contact_that_the_load_opens_is_named() {
         let mut scene = set1();
-        scene.modules[1].preload = -5e-3;
+        scene.modules_mut()[1].preload = -5e-3;
         let message = equilibrium(&scene).unwrap_err().to_string();
         assert!(message.contains("contact[2] opens under the load"), "{message}");
     }
@@ -226,7 +269,7 @@ mod tests {
         // Without friction the load would open contact 2; with it the slider's drag closes it.
         let mut scene = set1();
         scene.slider.angle = -0.5;
-        scene.modules[1].preload = -2e-3;
+        scene.modules_mut()[1].preload = -2e-3;
         scene.friction_coefficient = 0.0;
         let message = equilibrium(&scene).unwrap_err().to_string();
         assert!(message.contains("contact[2] opens under the load"), "{message}");
@@ -237,7 +280,7 @@ mod tests {
     #[test]
     fn a_mechanism_is_told_apart() {
         let mut scene = set1();
-        for module in &mut scene.modules {
+        for module in scene.modules_mut() {
             module.stiffness[3] = 0.0;
             module.stiffness[5] = 0.0;
             module.stiffness[0] = 0.0;

@@ -1,18 +1,22 @@
 //! The lumped model: mass, stiffness, damping, load, contact directions. No time here.
 //!
-//! M ẍ + C ẋ + K x = F + Σ (G_Nᵀ N + G_Tᵀ T) over the contacts (paper, eq. 1), C = α M + β K.
+//! M ẍ + C ẋ + K x = F + Σ (G_Nᵀ N + G_Tᵀ T) over the contacts (paper, eq. 1), C = α M + β K + D.
 
+mod assembly;
 mod banded;
 mod equilibrium;
+pub mod network;
 mod reduced;
 pub mod ring;
 mod sparse;
 
-pub use equilibrium::Equilibrium;
+pub use equilibrium::{Equilibrium, equilibrium};
+pub use network::Numbering;
 pub use reduced::ReducedMatrices;
 pub use sparse::{Entry, SparseMatrix};
 
 pub use crate::scene::Damping;
+use crate::scene::{Scene, Structure};
 
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,8 +25,10 @@ pub struct LumpedModel {
     pub mass: SparseMatrix,
     /// K, symmetric, N/m; n × n.
     pub stiffness: SparseMatrix,
-    /// C = α M + β K.
+    /// α and β of C = α M + β K + D.
     pub damping: Damping,
+    /// D, of single dampers, symmetric, N s/m; n × n, without entries where there are none.
+    pub dampers: SparseMatrix,
     /// F, the constant load, N; length n.
     pub load: Vec<f64>,
     /// The contacts.
@@ -36,6 +42,46 @@ pub struct Contact {
     pub normal: Direction,
     /// G_T: the tangential displacement is G_T x.
     pub tangent: Direction,
+    /// What it does not share with the other contacts.
+    pub own: OwnValues,
+}
+
+/// Values that a contact has for itself; `None` where it has the common one.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct OwnValues {
+    /// µ.
+    pub friction_coefficient: Option<f64>,
+    /// v, the velocity of the sliding surface along the tangent, m/s.
+    pub slider_velocity: Option<f64>,
+}
+
+impl Contact {
+    /// A contact with these directions and nothing of its own.
+    #[must_use]
+    pub fn new(normal: Direction, tangent: Direction) -> Self {
+        Self { normal, tangent, own: OwnValues::default() }
+    }
+
+    /// µ of this contact, where the others have `common`.
+    #[must_use]
+    pub fn friction(&self, common: f64) -> f64 {
+        self.own.friction_coefficient.unwrap_or(common)
+    }
+
+    /// v at this contact, m/s, where the others have `common`.
+    #[must_use]
+    pub fn velocity(&self, common: f64) -> f64 {
+        self.own.slider_velocity.unwrap_or(common)
+    }
+
+    /// µ in uniform sliding with the sign of the friction force: the sign of v, none where the
+    /// surface stands still.
+    #[must_use]
+    pub fn sliding_slope(&self, common_friction: f64, common_velocity: f64) -> f64 {
+        let velocity = self.velocity(common_velocity);
+        let sign = if velocity == 0.0 { 0.0 } else { velocity.signum() };
+        sign * self.friction(common_friction)
+    }
 }
 
 /// A direction in the space of the degrees of freedom, as its non-zero components.
@@ -69,6 +115,24 @@ impl Direction {
         for &(dof, value) in &self.0 {
             vector[dof] += factor * value;
         }
+    }
+}
+
+impl From<&Scene> for LumpedModel {
+    fn from(scene: &Scene) -> Self {
+        match &scene.structure {
+            Structure::Ring(modules) => ring::model(scene, modules),
+            Structure::Network(network) => network::model(scene, network),
+        }
+    }
+}
+
+/// Writes the loads of the scene as it is now, N, into `load`, one value a degree of freedom;
+/// `numbering` is the scene's.
+pub fn load(scene: &Scene, numbering: &Numbering, load: &mut [f64]) {
+    match &scene.structure {
+        Structure::Ring(modules) => ring::load(modules, load),
+        Structure::Network(network) => network::load(network, numbering, load),
     }
 }
 

@@ -25,9 +25,10 @@ pub struct ReducedMatrices {
 }
 
 impl LumpedModel {
-    /// The reduced matrices of a contact state, one entry of `states` a contact. `None` where the
-    /// contacts leave a motion or a force undetermined: redundant ones on one mass whose friction
-    /// differs, such as Sl and R-Sl at the same place.
+    /// The reduced matrices of a contact state, one entry of `states` a contact, at a µ that is common
+    /// to all contacts without one of their own. `None` where the contacts leave a motion or a force
+    /// undetermined: redundant ones on one mass whose friction differs, such as Sl and R-Sl at the
+    /// same place.
     ///
     /// # Panics
     /// Where `states` has not as many entries as the model has contacts.
@@ -46,7 +47,8 @@ impl LumpedModel {
             if let Some(direction) = state.sliding_direction() {
                 constraints.push(normal.clone());
                 let mut force = normal;
-                subtract(&mut force, -direction * friction_coefficient, &tangent);
+                let slope = direction * contact.friction(friction_coefficient);
+                subtract(&mut force, -slope, &tangent);
                 forces.push(force);
             } else if *state == ContactState::Stick {
                 constraints.extend([normal.clone(), tangent.clone()]);
@@ -60,7 +62,10 @@ impl LumpedModel {
         }
         let mass = &tests * dense(&self.mass) * &motions;
         let stiffness = &tests * dense(&self.stiffness) * &motions;
-        let damping = &mass * self.damping.alpha + &stiffness * self.damping.beta;
+        let mut damping = &mass * self.damping.alpha + &stiffness * self.damping.beta;
+        if !self.dampers.is_empty() {
+            damping += &tests * dense(&self.dampers) * &motions;
+        }
         Some(ReducedMatrices { mass, damping, stiffness, motions })
     }
 }

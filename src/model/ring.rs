@@ -15,84 +15,90 @@
 //! With two modules the ring has two links between the same masses; with one it has none.
 //! The preload moves the ground end of k3 down by δ: a load −k3 δ on x2.
 
-use super::{Contact, Direction, Entry, Equilibrium, LumpedModel, SparseMatrix};
-use crate::Error;
-use crate::scene::{Module, Scene};
+use super::assembly::{Elongation, difference, spring};
+use super::{Contact, Direction, LumpedModel, SparseMatrix};
+use crate::scene::{Module, Scene, direction};
 
 /// Degrees of freedom of a module.
 pub const MODULE_DOFS: usize = 4;
 
-impl From<&Scene> for LumpedModel {
-    fn from(scene: &Scene) -> Self {
-        let count = scene.modules.len();
-        let dofs = MODULE_DOFS * count;
-        let axes = Axes::new(scene.slider.angle);
-        let mut stiffness = Vec::new();
-        for (i, module) in scene.modules.iter().enumerate() {
-            let [k1, k2, k3, k4, k5, k6] = module.stiffness;
-            let next = (i + 1) % count;
+/// The model of a scene that is a ring of these modules.
+pub(super) fn model(scene: &Scene, modules: &[Module]) -> LumpedModel {
+    let count = modules.len();
+    let dofs = MODULE_DOFS * count;
+    let axes = Axes::new(scene.slider.angle);
+    let mut stiffness = Vec::new();
+    for (i, module) in modules.iter().enumerate() {
+        let [k1, k2, k3, k4, k5, k6] = module.stiffness;
+        let next = (i + 1) % count;
+        if next != i {
             spring(&mut stiffness, k1, &difference(upper_x(i), upper_x(next)));
             spring(&mut stiffness, k2, &difference(upper_y(i), upper_y(next)));
-            spring(&mut stiffness, k3, &upper_y(i));
-            spring(&mut stiffness, k4, &upper_x(i));
-            spring(&mut stiffness, k5, &difference(upper_y(i), axes.lower_y(i)));
-            spring(&mut stiffness, k6, &difference(upper_x(i), axes.lower_x(i)));
         }
-        let mass: Vec<f64> = scene
-            .modules
-            .iter()
-            .flat_map(|Module { mass: [m1, m2], .. }| [*m1, *m1, *m2, *m2])
-            .collect();
-        let mut model = Self {
-            mass: SparseMatrix::diagonal(&mass),
-            stiffness: SparseMatrix::from_entries(dofs, stiffness),
-            damping: scene.damping,
-            load: vec![0.0; dofs],
-            contacts: (0..count)
-                .map(|i| Contact {
-                    tangent: Direction::unit(MODULE_DOFS * i + 2),
-                    normal: Direction::unit(MODULE_DOFS * i + 3),
-                })
-                .collect(),
-        };
-        load(scene, &mut model.load);
-        model
+        spring(&mut stiffness, k3, &upper_y(i));
+        spring(&mut stiffness, k4, &upper_x(i));
+        spring(&mut stiffness, k5, &difference(upper_y(i), axes.lower_y(i)));
+        spring(&mut stiffness, k6, &difference(upper_x(i), axes.lower_x(i)));
     }
+    let mass: Vec<f64> =
+        modules.iter().flat_map(|Module { mass: [m1, m2], .. }| [*m1, *m1, *m2, *m2]).collect();
+    let contact = |i| {
+        let (tangent, normal) = (MODULE_DOFS * i + 2, MODULE_DOFS * i + 3);
+        Contact::new(Direction::unit(normal), Direction::unit(tangent))
+    };
+    let mut model = LumpedModel {
+        mass: SparseMatrix::diagonal(&mass),
+        stiffness: SparseMatrix::from_entries(dofs, stiffness),
+        damping: scene.damping,
+        dampers: SparseMatrix::zero(dofs),
+        load: vec![0.0; dofs],
+        contacts: (0..count).map(contact).collect(),
+    };
+    load(modules, &mut model.load);
+    model
 }
 
 /// Writes the preload's forces, N, into `load`, one value a degree of freedom.
-pub fn load(scene: &Scene, load: &mut [f64]) {
-    for (module, load) in scene.modules.iter().zip(load.chunks_exact_mut(MODULE_DOFS)) {
+pub(super) fn load(modules: &[Module], load: &mut [f64]) {
+    for (module, load) in modules.iter().zip(load.chunks_exact_mut(MODULE_DOFS)) {
         load[1] = -module.stiffness[2] * module.preload;
     }
 }
 
-/// The equilibrium in uniform sliding of the scene's own µ and v; `model` is the scene's.
-///
-/// Equal modules move as one, so one is solved for all: they then are in equal states to the last
-/// bit, which a solution of the whole, with its rounding, would not give.
-///
-/// # Errors
-/// As [`LumpedModel::sliding_equilibrium`].
-pub fn equilibrium(scene: &Scene, model: &LumpedModel) -> Result<Equilibrium, Error> {
-    let (friction, velocity) = (scene.friction_coefficient, scene.slider.velocity);
-    let statics = |module: &Module| (module.stiffness, module.preload);
-    let first = statics(&scene.modules[0]);
-    if !scene.modules.iter().all(|module| statics(module) == first) {
-        return model.sliding_equilibrium(friction, velocity);
+/// One module that moves as all of them do, if the model is a ring of more than one module that
+/// nothing tells apart but their masses: its links to the others, which then do not strain, are
+/// left out. As the order of assembly leaves no trace, equal modules have equal doubles.
+pub(super) fn one_of_equal_modules(model: &LumpedModel) -> Option<LumpedModel> {
+    let (dofs, count) = (model.dofs(), model.contacts.len());
+    if count < 2 || dofs != MODULE_DOFS * count {
+        return None;
     }
-    let count = scene.modules.len();
-    let one = Scene { modules: scene.modules[..1].to_vec(), ..scene.clone() };
-    let alone = LumpedModel::from(&one).sliding_equilibrium(friction, velocity)?;
-    Ok(Equilibrium {
-        displacement: alone.displacement.repeat(count),
-        normal_force: alone.normal_force.repeat(count),
-        friction_force: alone.friction_force.repeat(count),
+    let first = &model.contacts[0];
+    let in_place = |(i, contact): (usize, &Contact)| {
+        contact.tangent.as_unit() == Some(MODULE_DOFS * i + 2)
+            && contact.normal.as_unit() == Some(MODULE_DOFS * i + 3)
+            && contact.own == first.own
+    };
+    let next = |dof: usize| (dof + MODULE_DOFS) % dofs;
+    let is_turned =
+        model.stiffness.entries().all(|(i, j, k)| model.stiffness.get(next(i), next(j)) == k);
+    let load = &model.load[..MODULE_DOFS];
+    let equal = model.contacts.iter().enumerate().all(in_place)
+        && is_turned
+        && model.load.chunks_exact(MODULE_DOFS).all(|other| other == load);
+    equal.then(|| {
+        let rows = (0..MODULE_DOFS)
+            .flat_map(|i| model.stiffness.row(i).map(move |(j, k)| (i, j % MODULE_DOFS, k)));
+        LumpedModel {
+            mass: SparseMatrix::diagonal(&[1.0; MODULE_DOFS]),
+            stiffness: SparseMatrix::from_entries(MODULE_DOFS, rows.collect()),
+            damping: model.damping,
+            dampers: SparseMatrix::zero(MODULE_DOFS),
+            load: load.to_vec(),
+            contacts: vec![first.clone()],
+        }
     })
 }
-
-/// The elongation of a spring as a combination of degrees of freedom.
-type Elongation = Vec<(usize, f64)>;
 
 fn upper_x(module: usize) -> Elongation {
     vec![(MODULE_DOFS * module, 1.0)]
@@ -109,9 +115,9 @@ struct Axes {
 }
 
 impl Axes {
-    /// From the `libm` crate: the platform's own sine differs from machine to machine.
     fn new(angle: f64) -> Self {
-        Self { cos: libm::cos(angle), sin: libm::sin(angle) }
+        let [cos, sin] = direction(angle);
+        Self { cos, sin }
     }
 
     /// Horizontal displacement of m2.
@@ -125,20 +131,6 @@ impl Axes {
     }
 }
 
-fn difference(mut a: Elongation, b: Elongation) -> Elongation {
-    a.extend(b.into_iter().map(|(dof, value)| (dof, -value)));
-    a
-}
-
-/// Adds k b bᵀ for a spring k with elongation b.
-fn spring(entries: &mut Vec<Entry>, k: f64, elongation: &Elongation) {
-    for &(i, a) in elongation {
-        for &(j, b) in elongation {
-            entries.push((i, j, k * (a * b)));
-        }
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -146,7 +138,8 @@ mod tests {
 
     fn ring(modules: usize) -> LumpedModel {
         let mut scene = builtin("set1").unwrap().scene();
-        scene.modules = vec![scene.modules[0]; modules];
+        let module = scene.modules()[0];
+        *scene.modules_mut() = vec![module; modules];
         LumpedModel::from(&scene)
     }
 

@@ -15,14 +15,15 @@ impl SparseMatrix {
     /// A matrix with `rows` rows from its entries; entries at one place add up.
     ///
     /// They are added in the order of their values, not of the list, so that equal modules have
-    /// equal rows to the last bit wherever they stand, and whatever wrote the list.
+    /// equal rows to the last bit wherever they stand, and whatever wrote the list. Zeros are not
+    /// stored.
     #[must_use]
     pub fn from_entries(rows: usize, mut entries: Vec<Entry>) -> Self {
         entries.sort_by(|a, b| (a.0, a.1).cmp(&(b.0, b.1)).then(a.2.total_cmp(&b.2)));
         let mut matrix =
             Self { offsets: vec![0; rows + 1], columns: Vec::new(), values: Vec::new() };
         let mut last = None;
-        for (row, column, value) in entries {
+        for (row, column, value) in entries.into_iter().filter(|entry| entry.2 != 0.0) {
             if last == Some((row, column)) {
                 *matrix.values.last_mut().expect("it has a last entry") += value;
             } else {
@@ -38,6 +39,12 @@ impl SparseMatrix {
         matrix
     }
 
+    /// A matrix of zeros.
+    #[must_use]
+    pub fn zero(rows: usize) -> Self {
+        Self::from_entries(rows, Vec::new())
+    }
+
     /// A diagonal matrix.
     #[must_use]
     pub fn diagonal(values: &[f64]) -> Self {
@@ -49,6 +56,12 @@ impl SparseMatrix {
     #[must_use]
     pub fn rows(&self) -> usize {
         self.offsets.len() - 1
+    }
+
+    /// Is nothing stored?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
     }
 
     /// Columns and values of a row, columns ascending.

@@ -1,29 +1,59 @@
 //! The scene file as its user writes it (TOML), turned into a [`Scene`].
 
-use super::per_module::PerModule;
+use super::check::{Part, with_key};
+use super::initial_file::{self, Initial};
+use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
 #[cfg(not(feature = "tools"))]
 use super::problem;
-use super::{Damping, Experiment, MAX_MODULES, Module, Problem, Scene, Slider, text};
+use super::{Damping, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
 #[cfg(feature = "tools")]
 use super::{Rule, located};
 use crate::Error;
 use serde::Deserialize;
+use std::collections::HashMap;
 use std::path::Path;
 
-/// A scene of Amontons: a ring of modules in frictional contact with a moving slider. SI units.
+/// A scene of Amontons: a ring of modules, or a network of masses, in frictional contact with a moving
+/// slider. SI units.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "tools", schemars(extend(
+    "oneOf" = [{ "required": ["ring"] }, { "required": ["mass"] }],
+    "dependencies" = {
+        "ring": ["slider", "friction"],
+    },
+)))]
 #[serde(deny_unknown_fields)]
 struct File {
     /// One line for people.
     #[serde(default)]
     description: String,
-    slider: Slider,
-    friction: Friction,
+    /// The rigid slider.
+    ///
+    /// May be left out where every contact has an angle and a velocity of its own.
+    slider: Option<Slider>,
+    /// Coulomb friction.
+    ///
+    /// May be left out where every contact has a friction of its own.
+    friction: Option<Friction>,
     #[serde(default)]
     damping: Damping,
-    ring: Ring,
-    /// Perturbations of the equilibrium, one a module.
+    /// The ring of modules; each value once for all modules, or a list with one a module.
+    ring: Option<ring_file::Ring>,
+    /// The masses of a network.
+    #[cfg_attr(feature = "tools", schemars(length(min = 1)))]
+    #[serde(default)]
+    mass: Vec<MassTable>,
+    /// The springs of a network.
+    #[serde(default)]
+    spring: Vec<SpringTable>,
+    /// The single dampers of a network.
+    #[serde(default)]
+    damper: Vec<DamperTable>,
+    /// The contacts of a network.
+    #[serde(default)]
+    contact: Vec<ContactTable>,
+    /// Perturbations of the equilibrium, one a module or mass.
     #[serde(default)]
     initial: Vec<Initial>,
     integrator: Integrator,
@@ -31,12 +61,12 @@ struct File {
     experiment: Experiment,
 }
 
-/// Coulomb friction between the slider and every mass m2.
+/// Coulomb friction.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Friction {
-    /// Friction coefficient µ of every contact.
+    /// Friction coefficient µ of every contact that has none of its own.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
     coefficient: f64,
 }
@@ -49,77 +79,6 @@ struct Integrator {
     /// Internal time step h, s.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
     step: f64,
-}
-
-/// The ring of modules; each value once for all modules, or a list with one a module.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct Ring {
-    /// How many modules.
-    #[cfg_attr(feature = "tools", schemars(range(min = 1, max = MAX_MODULES)))]
-    modules: usize,
-    /// Mass m1, kg.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::MASS.bounds()))]
-    m1: PerModule,
-    /// Mass m2, which rubs on the slider, kg.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::MASS.bounds()))]
-    m2: PerModule,
-    /// Stiffness from m1 to the next m1, horizontal, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
-    k1: PerModule,
-    /// Stiffness from m1 to the next m1, vertical, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
-    k2: PerModule,
-    /// Stiffness from m1 to ground, vertical, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
-    k3: PerModule,
-    /// Stiffness from m1 to ground, horizontal, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
-    k4: PerModule,
-    /// Stiffness from m1 to m2, vertical, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
-    k5: PerModule,
-    /// Stiffness from m1 to m2, horizontal, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
-    k6: PerModule,
-    /// Preload: how far the ground end of k3 is moved down, m.
-    preload: PerModule,
-}
-
-/// An initial displacement or velocity of one module, relative to the equilibrium.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct Initial {
-    /// The module, counted from 1.
-    #[cfg_attr(feature = "tools", schemars(range(min = 1, max = MAX_MODULES)))]
-    module: usize,
-    /// Displacement of m1, horizontal, m.
-    #[serde(default)]
-    x1: f64,
-    /// Displacement of m1, vertical, m.
-    #[serde(default)]
-    x2: f64,
-    /// Displacement of m2 along the slider, m.
-    #[serde(default)]
-    x3: f64,
-    /// Displacement of m2 away from the slider, m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::GAP.bounds()))]
-    #[serde(default)]
-    x4: f64,
-    /// Velocity of x1, m/s.
-    #[serde(default)]
-    v1: f64,
-    /// Velocity of x2, m/s.
-    #[serde(default)]
-    v2: f64,
-    /// Velocity of x3, m/s.
-    #[serde(default)]
-    v3: f64,
-    /// Velocity of x4, m/s.
-    #[serde(default)]
-    v4: f64,
 }
 
 /// Reads and checks a scene file; its name becomes the file's stem.
@@ -163,108 +122,115 @@ pub fn schema() -> String {
     format!("{:#}\n", located::schema::<File>())
 }
 
-/// What is wrong with a ring of so many modules.
-pub(super) fn not_a_ring(modules: usize) -> Problem {
-    Problem::new("ring.modules", format!("a ring has 1 to {MAX_MODULES} modules")).of(modules)
-}
-
 impl File {
     /// The scene, or everything that is wrong with it.
     fn scene(self, name: &str) -> Result<Scene, Vec<Problem>> {
-        let mut modules = self.ring.modules()?;
-        let mut problems = Vec::new();
-        for (i, initial) in self.initial.iter().enumerate() {
-            let mut refuse = |message: String, help: &str| {
-                let path = format!("initial[{}].module", i + 1);
-                problems.push(Problem::new(path, message).of(initial.module).help(help));
-            };
-            let count = modules.len();
-            if self.initial[..i].iter().any(|other| other.module == initial.module) {
-                refuse("stands twice".to_owned(), "give all its values in one [[initial]]");
-            } else if let Some(module) = modules.get_mut(initial.module.wrapping_sub(1)) {
-                initial.apply(module);
-            } else {
-                refuse(format!("the ring has modules 1 to {count}"), "");
-            }
-        }
+        let mut names = Names::of(&self.mass);
+        let (mut structure, broken) = match self.structure(&mut names) {
+            Ok(structure) => (structure, None),
+            Err(problems) => (Structure::Ring(Vec::new()), Some(problems)),
+        };
+        let homes = match broken {
+            None => initial_file::apply(&self.initial, &mut structure, &mut names),
+            Some(_) => HashMap::new(),
+        };
+        let mut problems = names.problems;
+        problems.extend(self.missing_tables());
+        problems.extend(self.strangers());
         let scene = Scene {
             name: name.to_owned(),
-            description: self.description,
-            slider: self.slider,
-            friction_coefficient: self.friction.coefficient,
+            slider: self.slider.unwrap_or(Slider { velocity: 0.0, angle: 0.0 }),
+            friction_coefficient: self.friction.map_or(0.0, |friction| friction.coefficient),
             damping: self.damping,
-            modules,
+            structure,
             step: self.integrator.step,
             experiment: self.experiment,
+            description: self.description,
         };
-        problems.extend(scene.problems().into_iter().map(|problem| {
-            let path = key_of(&problem.path, &self.initial).unwrap_or(problem.path);
-            Problem { path, ..problem }
-        }));
+        match broken {
+            None => problems.extend(scene.problems_named(&|part, key| key_of(part, key, &homes))),
+            Some(broken) => problems.extend(broken.into_iter().chain(scene.common_problems())),
+        }
         if problems.is_empty() { Ok(scene) } else { Err(problems) }
     }
-}
 
-/// The key of the file that a variable of a module comes from, if it has another name there:
-/// `module[2].m1` comes from `ring.m1[2]`, `initial.module[2].x4` from the `[[initial]]` of module 2.
-fn key_of(variable: &str, initial: &[Initial]) -> Option<String> {
-    let (table, rest) = variable.split_once("module[")?;
-    let (module, key) = rest.split_once("].")?;
-    if table.is_empty() {
-        return Some(format!("ring.{key}[{module}]"));
-    }
-    let module: usize = module.parse().ok()?;
-    let index = initial.iter().position(|initial| initial.module == module)?;
-    Some(format!("initial[{}].{key}", index + 1))
-}
-
-impl Ring {
-    fn modules(&self) -> Result<Vec<Module>, Vec<Problem>> {
-        if self.modules == 0 || self.modules > MAX_MODULES {
-            return Err(vec![not_a_ring(self.modules)]);
-        }
-        let keys = [
-            ("m1", &self.m1),
-            ("m2", &self.m2),
-            ("k1", &self.k1),
-            ("k2", &self.k2),
-            ("k3", &self.k3),
-            ("k4", &self.k4),
-            ("k5", &self.k5),
-            ("k6", &self.k6),
-            ("preload", &self.preload),
-        ];
-        let wrong_length = |(key, values): (&str, &PerModule)| {
-            let length = values.length().filter(|&length| length != self.modules)?;
-            let values = if length == 1 { "value" } else { "values" };
-            let message =
-                format!("lists {length} {values}, but the ring has {} modules", self.modules);
-            let help = "give one number for all, or one a module";
-            Some(Problem::new(format!("ring.{key}"), message).help(help))
-        };
-        let problems: Vec<Problem> = keys.into_iter().filter_map(wrong_length).collect();
-        if !problems.is_empty() {
-            return Err(problems);
-        }
-        let module = |i: usize| {
-            let [m1, m2, k1, k2, k3, k4, k5, k6, preload] =
-                keys.map(|(_, values)| values.of(i).expect("the lengths were just checked"));
-            Module {
-                mass: [m1, m2],
-                stiffness: [k1, k2, k3, k4, k5, k6],
-                preload,
-                force: [0.0; 4],
-                displacement: [0.0; 4],
-                velocity: [0.0; 4],
+    fn structure(&self, names: &mut Names<'_>) -> Result<Structure, Vec<Problem>> {
+        match &self.ring {
+            // The walk over the schema has said so.
+            ring if cfg!(feature = "tools") && ring.is_some() != self.mass.is_empty() => {
+                Err(Vec::new())
             }
-        };
-        Ok((0..self.modules).map(module).collect())
+            Some(_) if !self.mass.is_empty() => {
+                Err(vec![Problem::new("mass", "a scene has either a [ring] or [[mass]]")])
+            }
+            Some(ring) => Ok(Structure::Ring(ring.modules()?)),
+            None => {
+                let tables = Tables {
+                    masses: &self.mass,
+                    springs: &self.spring,
+                    dampers: &self.damper,
+                    contacts: &self.contact,
+                };
+                Ok(Structure::Network(tables.network(names)))
+            }
+        }
+    }
+
+    /// Tables that a ring needs, or a contact of a network that has no values of its own.
+    fn missing_tables(&self) -> Vec<Problem> {
+        let tables = [
+            ("slider", "`angle`, `velocity`", self.slider.is_none()),
+            ("friction", "`friction`", self.friction.is_none()),
+        ];
+        let mut missing: Vec<_> =
+            tables.into_iter().filter(|(.., is_missing)| *is_missing).collect();
+        if self.ring.is_some() {
+            return missing.iter().map(|(table, ..)| Problem::new(*table, "is missing")).collect();
+        }
+        let mut problems = Vec::new();
+        for (i, contact) in self.contact.iter().enumerate() {
+            let (needed, rest): (Vec<_>, _) =
+                missing.into_iter().partition(|(table, ..)| contact.needs(table));
+            missing = rest;
+            if !needed.is_empty() {
+                let names: Vec<String> =
+                    needed.iter().map(|(name, ..)| format!("[{name}]")).collect();
+                let keys: Vec<&str> = needed.iter().map(|(_, keys, _)| *keys).collect();
+                let (names, keys) = (names.join(" and "), keys.join(", "));
+                let message = format!("needs {names}, which the file lacks");
+                let help = format!("add {names}, or give every contact its own {keys}");
+                problems.push(Problem::new(format!("contact[{}]", i + 1), message).help(help));
+            }
+        }
+        problems
+    }
+
+    /// Parts of a network beside a ring.
+    fn strangers(&self) -> impl Iterator<Item = Problem> {
+        let counts = [
+            ("spring", self.spring.len()),
+            ("damper", self.damper.len()),
+            ("contact", self.contact.len()),
+        ];
+        let is_ring = self.ring.is_some() && self.mass.is_empty();
+        counts.into_iter().filter(move |(_, count)| is_ring && *count > 0).map(|(kind, _)| {
+            Problem::new(format!("{kind}[1]"), "is part of a network, and this scene has a [ring]")
+                .help("leave it out, or write the whole scene as a network of [[mass]]")
+        })
     }
 }
 
-impl Initial {
-    fn apply(&self, module: &mut Module) {
-        module.displacement = [self.x1, self.x2, self.x3, self.x4];
-        module.velocity = [self.v1, self.v2, self.v3, self.v4];
-    }
+/// The key of the file that a value of a part stands under; `homes` are the places of initial values.
+fn key_of(part: Part, key: &str, homes: &HashMap<usize, usize>) -> String {
+    let part = match part {
+        Part::Module(i) => return format!("ring.{key}[{}]", i + 1),
+        Part::InitialOfModule(owner) | Part::InitialOfMass(owner) => {
+            format!("initial[{}]", homes.get(&owner).map_or(0, |home| home + 1))
+        }
+        Part::Mass(i) => format!("mass[{}]", i + 1),
+        Part::Spring(i) => format!("spring[{}]", i + 1),
+        Part::Damper(i) => format!("damper[{}]", i + 1),
+        Part::Contact(i) => format!("contact[{}]", i + 1),
+    };
+    with_key(part, key)
 }

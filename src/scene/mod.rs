@@ -1,16 +1,32 @@
 //! A scene: what the user wants simulated, as validated data.
 //!
-//! [`read`] and [`builtin`] give a [`Scene`]; [`Scene::check`] is the one place that says which
-//! values are possible. No physics here.
+//! [`read`] and [`builtin`] give a [`Scene`]; [`Scene::check`] says which values are possible. No physics here.
+//!
+//! | file | what it holds |
+//! | --- | --- |
+//! | `file`, `initial_file` | the file as a whole; its initial values |
+//! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
+//! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
+//! | `check`, `rule` | which scenes are possible, what a value must be |
+//! | `problem` | what is wrong with a scene |
+//! | `located`, `nearest`, `text` | reading a file with all that is wrong with it |
+//! | `builtin` | the scenes that the program carries |
 
 mod builtin;
+mod check;
 mod file;
+mod initial_file;
 #[cfg(feature = "tools")]
 mod located;
 #[cfg(feature = "tools")]
 mod nearest;
+mod network;
+mod network_check;
+mod network_file;
 mod per_module;
 mod problem;
+mod ring;
+mod ring_file;
 mod rule;
 mod text;
 
@@ -20,37 +36,42 @@ pub use file::schema;
 pub use file::{parse, read};
 #[cfg(feature = "tools")]
 pub use nearest::nearest;
+pub use network::{Damper, GROUND, MAX_PARTS, Mass, Network, RubbingPlace, Spring, direction};
 pub use problem::Problem;
+pub use ring::{MAX_MODULES, Module};
 pub use rule::Rule;
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
 
-/// The most modules a ring may have.
-pub const MAX_MODULES: usize = 100_000;
-
-/// The most rows of results that a run may have.
-const MAX_ROWS: f64 = 1e9;
-
-/// A ring of modules in frictional contact with a moving slider (paper, section 3 and Fig. 1).
+/// A structure in frictional contact, what drives it, and how it is run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// Its name: the stem of its file, or the built-in's name.
     pub name: String,
     /// One line for people.
     pub description: String,
-    /// The rigid slider that all masses m2 rub on.
+    /// The rigid slider, common to all contacts that give no own value.
     pub slider: Slider,
-    /// Friction coefficient µ of every contact, ≥ 0.
+    /// Friction coefficient µ of every contact that has no own, ≥ 0.
     pub friction_coefficient: f64,
     /// Rayleigh damping, C = α M + β K.
     pub damping: Damping,
-    /// The modules, closed in a ring.
-    pub modules: Vec<Module>,
+    /// Masses, springs and contacts.
+    pub structure: Structure,
     /// Internal time step h, s.
     pub step: f64,
     /// What a run does unless told otherwise.
     pub experiment: Experiment,
+}
+
+/// Masses, springs and contacts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Structure {
+    /// The paper's ring of modules (section 3 and Fig. 1), each with one contact.
+    Ring(Vec<Module>),
+    /// Masses in a plane, joined in any way.
+    Network(Network),
 }
 
 /// The rigid slider.
@@ -60,8 +81,7 @@ pub struct Scene {
 pub struct Slider {
     /// Velocity along the tangent t = (cos θ, sin θ), m/s; of either sign.
     pub velocity: f64,
-    /// Inclination θ against the horizontal, rad.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::ANGLE.bounds()))]
+    /// Inclination θ against the horizontal, rad; under a ring from −π/2 to π/2.
     pub angle: f64,
 }
 
@@ -76,23 +96,6 @@ pub struct Damping {
     /// Stiffness-proportional part β, s.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
     pub beta: f64,
-}
-
-/// One module: two masses, its springs, and the links to the next module.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Module {
-    /// m1 and m2, kg.
-    pub mass: [f64; 2],
-    /// k1 … k6, N/m; what each joins stands with the model, in `model::ring`.
-    pub stiffness: [f64; 6],
-    /// Preload δ: how far the ground end of k3 is moved down, m.
-    pub preload: f64,
-    /// External forces along x1 … x4, N.
-    pub force: [f64; 4],
-    /// Initial x1 … x4 relative to the equilibrium, m.
-    pub displacement: [f64; 4],
-    /// Initial velocities of x1 … x4, m/s.
-    pub velocity: [f64; 4],
 }
 
 /// What a run does unless told otherwise; FMI's DefaultExperiment.
@@ -115,67 +118,110 @@ impl Default for Experiment {
 }
 
 impl Scene {
-    /// Refuses impossible values, naming every one of them.
-    ///
-    /// # Errors
-    /// One line a problem, up to twenty: the variable, its value, what would be right.
-    pub fn check(&self) -> Result<(), Error> {
-        let problems = self.problems();
-        if problems.is_empty() { Ok(()) } else { Err(problem::error(&problems)) }
+    /// The modules of a ring; none in a network.
+    #[must_use]
+    pub fn modules(&self) -> &[Module] {
+        match &self.structure {
+            Structure::Ring(modules) => modules,
+            Structure::Network(_) => &[],
+        }
     }
 
-    /// Every impossible value; its path is the FMU's name of the variable.
+    /// The modules of a ring, for code that knows that it has one.
+    ///
+    /// # Panics
+    /// Where the scene is a network.
+    pub fn modules_mut(&mut self) -> &mut Vec<Module> {
+        match &mut self.structure {
+            Structure::Ring(modules) => modules,
+            Structure::Network(_) => panic!("{} is a network, it has no modules", self.name),
+        }
+    }
+
+    /// The modules of a ring, for what knows rings only.
+    ///
+    /// # Errors
+    /// The scene is a network; `what` is not to be had for it.
+    pub fn require_ring(&self, what: &str) -> Result<&[Module], Error> {
+        match &self.structure {
+            Structure::Ring(modules) => Ok(modules),
+            Structure::Network(_) => Err(Error::scene(format!(
+                "{} is a network, and {what} so far for a [ring] only",
+                self.name
+            ))),
+        }
+    }
+
+    /// The network, if it is one.
     #[must_use]
-    pub fn problems(&self) -> Vec<Problem> {
-        let mut problems = Vec::new();
-        let mut check = |name: &dyn Fn() -> String, value: f64, rule: Rule| {
-            if let Some(wish) = rule.broken_by(value) {
-                problems.push(Problem::new(name(), wish).of(value));
-            }
-        };
-        let named = |name: &'static str| move || name.to_owned();
-        check(&named("slider.velocity"), self.slider.velocity, Rule::Finite);
-        check(&named("slider.angle"), self.slider.angle, Rule::ANGLE);
-        check(&named("friction.coefficient"), self.friction_coefficient, Rule::FRICTION);
-        check(&named("damping.alpha"), self.damping.alpha, Rule::DAMPING);
-        check(&named("damping.beta"), self.damping.beta, Rule::DAMPING);
-        check(&named("integrator.step"), self.step, Rule::TIME);
-        let Experiment { stop_time, output_interval } = self.experiment;
-        check(&named("experiment.stop_time"), stop_time, Rule::TIME);
-        check(&named("experiment.output_interval"), output_interval, Rule::TIME);
-        for (i, module) in self.modules.iter().enumerate() {
-            let i = i + 1;
-            for (j, mass) in module.mass.into_iter().enumerate() {
-                check(&|| format!("module[{i}].m{}", j + 1), mass, Rule::MASS);
-            }
-            for (j, stiffness) in module.stiffness.into_iter().enumerate() {
-                check(&|| format!("module[{i}].k{}", j + 1), stiffness, Rule::STIFFNESS);
-            }
-            check(&|| format!("module[{i}].preload"), module.preload, Rule::Finite);
-            for j in 0..4 {
-                check(&|| format!("module[{i}].f{}", j + 1), module.force[j], Rule::Finite);
-                let rule = if j == 3 { Rule::GAP } else { Rule::Finite };
-                check(&|| format!("initial.module[{i}].x{}", j + 1), module.displacement[j], rule);
-                check(
-                    &|| format!("initial.module[{i}].v{}", j + 1),
-                    module.velocity[j],
-                    Rule::Finite,
-                );
-            }
+    pub fn network(&self) -> Option<&Network> {
+        match &self.structure {
+            Structure::Ring(_) => None,
+            Structure::Network(network) => Some(network),
         }
-        if stop_time / output_interval > MAX_ROWS {
-            let message = format!(
-                "gives more than {MAX_ROWS:e} rows up to experiment.stop_time = {stop_time}"
-            );
-            problems.push(
-                Problem::new("experiment.output_interval", message)
-                    .help("choose a longer one")
-                    .of(format!("{output_interval:e}")),
-            );
+    }
+
+    /// Number of contacts.
+    #[must_use]
+    pub fn contact_count(&self) -> usize {
+        match &self.structure {
+            // Every module has one.
+            Structure::Ring(modules) => modules.len(),
+            Structure::Network(network) => network.contacts.len(),
         }
-        if self.modules.is_empty() || self.modules.len() > MAX_MODULES {
-            problems.push(file::not_a_ring(self.modules.len()));
+    }
+
+    /// Has another scene the same parts, and so the same variables?
+    #[must_use]
+    pub fn has_parts_of(&self, other: &Self) -> bool {
+        match (&self.structure, &other.structure) {
+            (Structure::Ring(a), Structure::Ring(b)) => a.len() == b.len(),
+            (Structure::Network(a), Structure::Network(b)) => a.has_parts_of(b),
+            _ => false,
         }
-        problems
+    }
+
+    /// The name of a contact (from 0): `contact[1]` in a ring, `contact.pad` in a network.
+    #[must_use]
+    pub fn contact_name(&self, contact: usize) -> String {
+        match self.network().and_then(|network| network.contacts.get(contact)) {
+            Some(place) => format!("contact.{}", place.name),
+            None => format!("contact[{}]", contact + 1),
+        }
+    }
+
+    /// The names of the degrees of freedom, in their order: `module[1].x1`, `mass.pad.x`.
+    #[must_use]
+    pub fn dof_names(&self) -> Vec<String> {
+        let modules = (1..=self.modules().len())
+            .flat_map(|i| (1..=4).map(move |j| format!("module[{i}].x{j}")));
+        let masses = self.masses().iter().flat_map(|mass| {
+            let name = |axis: &str| format!("mass.{}.{axis}", mass.name);
+            mass.free([name("x"), name("y")])
+        });
+        modules.chain(masses).collect()
+    }
+
+    /// External forces, N, one a degree of freedom, in their order.
+    pub fn external_forces(&self) -> impl Iterator<Item = f64> + '_ {
+        let masses = self.masses().iter().flat_map(|mass| mass.free(mass.force));
+        self.modules().iter().flat_map(|module| module.force).chain(masses)
+    }
+
+    /// Initial displacements from the equilibrium, m, one a degree of freedom, in their order.
+    pub fn initial_displacements(&self) -> impl Iterator<Item = f64> + '_ {
+        let masses = self.masses().iter().flat_map(|mass| mass.free(mass.displacement));
+        self.modules().iter().flat_map(|module| module.displacement).chain(masses)
+    }
+
+    /// Initial velocities, m/s, one a degree of freedom, in their order.
+    pub fn initial_velocities(&self) -> impl Iterator<Item = f64> + '_ {
+        let masses = self.masses().iter().flat_map(|mass| mass.free(mass.velocity));
+        self.modules().iter().flat_map(|module| module.velocity).chain(masses)
+    }
+
+    /// The masses of a network; none in a ring.
+    fn masses(&self) -> &[Mass] {
+        self.network().map_or(&[], |network| &network.masses)
     }
 }

@@ -24,12 +24,12 @@ impl Rule {
     pub const STIFFNESS: Self = Self::NotNegative;
     /// Of a friction coefficient.
     pub const FRICTION: Self = Self::NotNegative;
-    /// Of α, 1/s, and β, s.
+    /// Of α, 1/s, of β, s, and of a damper, N s/m.
     pub const DAMPING: Self = Self::NotNegative;
     /// Of a time or a time step, s.
     pub const TIME: Self = Self::Positive;
-    /// Of the slider's inclination, rad.
-    pub const ANGLE: Self = Self::QuarterTurn;
+    /// Of the slider's inclination under a ring, rad.
+    pub const INCLINATION: Self = Self::QuarterTurn;
     /// Of the initial displacement of a mass on the slider along its normal, m.
     pub const GAP: Self = Self::NotInsideSlider;
 
@@ -77,7 +77,12 @@ impl Rule {
 #[cfg(feature = "tools")]
 impl schemars::transform::Transform for Bounds {
     fn transform(&mut self, schema: &mut schemars::Schema) {
-        if schema.get("type").is_some_and(|kind| kind == "number") {
+        // What may be left out is a number or null.
+        let is_number = |kind: &serde_json::Value| {
+            kind == "number"
+                || kind.as_array().is_some_and(|kinds| kinds.contains(&"number".into()))
+        };
+        if schema.get("type").is_some_and(is_number) {
             let bounds: &[(&str, f64)] = match self.0 {
                 Rule::Finite => return,
                 Rule::NotNegative | Rule::NotInsideSlider => &[("minimum", 0.0)],

@@ -1,6 +1,6 @@
 //! The catalogue of FMI variables (`modelDescription/`), and the variables of one scene.
 
-use crate::scene::Scene;
+use crate::scene::{Scene, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
@@ -10,10 +10,10 @@ pub const CATALOGUE_TEXT: [&str; 2] = [
     include_str!("../../modelDescription/units.toml"),
 ];
 
-/// An entry of the catalogue: one variable, or one a module or contact.
+/// An entry of the catalogue: one variable, or one a part of the structure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Template {
-    /// The name, `{i}` standing for the number of the module or contact.
+    /// The name; `{i}` stands for the part: `[1]` in a ring, `.pad` in a network.
     pub name: &'static str,
     /// What it is to the program.
     pub quantity: Quantity,
@@ -36,10 +36,18 @@ pub struct Template {
 pub enum Per {
     /// Once.
     Scene,
+    /// Once, in a ring.
+    Ring,
     /// Once a module.
     Module,
     /// Once a contact.
     Contact,
+    /// Once a mass of a network.
+    Mass,
+    /// Once a spring of a network.
+    Spring,
+    /// Once a damper of a network.
+    Damper,
 }
 
 /// The role of a variable.
@@ -112,7 +120,7 @@ pub struct Variable {
     pub name: String,
     /// Its entry in the catalogue.
     pub template: &'static Template,
-    /// The module or contact that it belongs to, from 0.
+    /// The part of the structure that it belongs to, from 0.
     pub index: usize,
 }
 
@@ -131,24 +139,63 @@ impl Variable {
     }
 }
 
-/// All variables of a scene, in the catalogue's order, module by module.
+/// All variables of a scene, in the catalogue's order, part by part.
 #[must_use]
 pub fn variables(scene: &Scene) -> Vec<Variable> {
     let mut variables = Vec::new();
     for group in TEMPLATES.chunk_by(|a, b| a.per == b.per) {
-        let count = match group[0].per {
-            Per::Scene => 1,
-            // Every module has one contact.
-            Per::Module | Per::Contact => scene.modules.len(),
-        };
-        for index in 0..count {
-            variables.extend(group.iter().map(|template| {
-                let name = template.name.replace("{i}", &(index + 1).to_string());
-                Variable { name, template, index }
+        for index in 0..count(scene, group[0].per) {
+            let part = part(scene, group[0].per, index);
+            let present = group.iter().filter(|template| is_present(scene, template, index));
+            variables.extend(present.map(|template| Variable {
+                name: template.name.replace("{i}", &part),
+                template,
+                index,
             }));
         }
     }
     variables
+}
+
+/// How often a scene has what a template is repeated for.
+fn count(scene: &Scene, per: Per) -> usize {
+    match (per, &scene.structure) {
+        (Per::Scene, _) | (Per::Ring, Structure::Ring(_)) => 1,
+        (Per::Module, Structure::Ring(modules)) => modules.len(),
+        (Per::Contact, _) => scene.contact_count(),
+        (Per::Mass, Structure::Network(network)) => network.masses.len(),
+        (Per::Spring, Structure::Network(network)) => network.springs.len(),
+        (Per::Damper, Structure::Network(network)) => network.dampers.len(),
+        (Per::Mass | Per::Spring | Per::Damper, Structure::Ring(_))
+        | (Per::Ring | Per::Module, Structure::Network(_)) => 0,
+    }
+}
+
+/// What stands for `{i}` in the names of a part's variables.
+fn part(scene: &Scene, per: Per, index: usize) -> String {
+    let name = match (per, scene.network()) {
+        (Per::Contact, Some(network)) => &network.contacts[index].name,
+        (Per::Mass, Some(network)) => &network.masses[index].name,
+        (Per::Spring, Some(network)) => &network.springs[index].name,
+        (Per::Damper, Some(network)) => &network.dampers[index].name,
+        _ => return format!("[{}]", index + 1),
+    };
+    format!(".{name}")
+}
+
+/// Locked degrees of freedom have no variables, and v and µ of a contact have one only where the
+/// contact has its own.
+fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
+    let Some(network) = scene.network() else {
+        return !matches!(template.quantity, Quantity::OwnVelocity | Quantity::OwnFriction);
+    };
+    match (template.per, template.quantity) {
+        (Per::Mass, Quantity::Mass) => true,
+        (Per::Mass, _) => !network.masses[index].locked[template.component],
+        (_, Quantity::OwnVelocity) => network.contacts[index].velocity.is_some(),
+        (_, Quantity::OwnFriction) => network.contacts[index].friction.is_some(),
+        _ => true,
+    }
 }
 
 #[cfg(test)]

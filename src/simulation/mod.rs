@@ -21,7 +21,7 @@ pub use warning::step_warning;
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{self, Drive, Integrator, Motion, Statistics, StepFailure};
-use crate::model::{Equilibrium, LumpedModel, ring};
+use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering, OwnValues};
 use crate::scene::Scene;
 use crate::stability::StepGuard;
 use clock::Clock;
@@ -35,6 +35,8 @@ pub struct Simulation {
     /// The values as they are now: inputs and tunable parameters may have changed since the start.
     scene: Scene,
     model: LumpedModel,
+    /// The degrees of freedom of a network's masses.
+    numbering: Numbering,
     guard: StepGuard,
     integrator: Box<dyn Integrator>,
     reference: Reference,
@@ -69,9 +71,9 @@ impl Simulation {
     pub fn new(scene: Scene, start_time: f64) -> Result<Self, Error> {
         scene.check()?;
         let model = LumpedModel::from(&scene);
-        let equilibrium = ring::equilibrium(&scene, &model)?;
+        let equilibrium = model::equilibrium(&scene, &model)?;
         let reference = Reference { equilibrium, load: model.load.clone() };
-        let motion = initial_motion(&scene);
+        let motion = initial_motion(&scene, &model);
         Self::assemble(scene, model, reference, motion, Clock::at(start_time))
     }
 
@@ -85,16 +87,14 @@ impl Simulation {
         let mut guard = StepGuard::new(&model, scene.friction_coefficient, scene.step);
         guard.check(&model, scene.friction_coefficient)?;
         let integrator = integrator::choose(&model)?;
-        let drive = Drive {
-            force: vec![0.0; model.dofs()],
-            slider_velocity: scene.slider.velocity,
-            friction_coefficient: scene.friction_coefficient,
-        };
+        let drive = Drive::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
+        let numbering = scene.network().map_or_else(Numbering::default, Numbering::of);
         let contact_forces = vec![ContactForce::detached(0.0); model.contacts.len()];
         let stale = Stale { drive: true, limit: false, contact_forces: true };
         Ok(Self {
             scene,
             model,
+            numbering,
             guard,
             integrator,
             reference,
@@ -184,10 +184,9 @@ impl Simulation {
         if !std::mem::replace(&mut self.stale.drive, false) {
             return;
         }
-        ring::load(&self.scene, &mut self.model.load);
+        model::load(&self.scene, &self.numbering, &mut self.model.load);
         let loads = self.model.load.iter().zip(&self.reference.load);
-        let external = self.scene.modules.iter().flat_map(|module| module.force);
-        let force = self.drive.force.iter_mut().zip(external);
+        let force = self.drive.force.iter_mut().zip(self.scene.external_forces());
         for ((force, external), (now, then)) in force.zip(loads) {
             *force = (now - then) + external;
         }
@@ -197,10 +196,22 @@ impl Simulation {
             contact.normal.add_to(&mut self.drive.force, -normal);
             contact.tangent.add_to(&mut self.drive.force, -friction);
         }
-        self.drive.slider_velocity = self.scene.slider.velocity;
-        self.drive.friction_coefficient = self.scene.friction_coefficient;
+        self.update_own_values();
+        for (i, contact) in self.model.contacts.iter().enumerate() {
+            self.drive.slider_velocity[i] = contact.velocity(self.scene.slider.velocity);
+            self.drive.friction_coefficient[i] = contact.friction(self.scene.friction_coefficient);
+        }
         self.model.damping = self.scene.damping;
         self.integrator.set_damping(self.scene.damping);
+    }
+
+    /// Gives the model's contacts the µ and v that are theirs alone.
+    fn update_own_values(&mut self) {
+        let places = self.scene.network().map_or(&[][..], |network| &network.contacts);
+        for (contact, place) in self.model.contacts.iter_mut().zip(places) {
+            contact.own =
+                OwnValues { friction_coefficient: place.friction, slider_velocity: place.velocity };
+        }
     }
 
     fn check_limit(&mut self) -> Result<(), Error> {
@@ -233,19 +244,22 @@ impl Simulation {
                 )
             }
             StepFailure::Wedged { contact } => format!(
-                "between {time} s and {target} s friction wedges contact[{}]: no contact force satisfies its law; \
-                 lower friction.coefficient",
-                contact + 1
+                "between {time} s and {target} s friction wedges {}: no contact \
+                 force satisfies its law; lower friction.coefficient",
+                self.scene.contact_name(contact)
             ),
         })
     }
 }
 
-fn initial_motion(scene: &Scene) -> Motion {
-    let modules = scene.modules.iter();
-    let contacts = modules.clone().map(|module| {
-        let slip = scene.slider.velocity - module.velocity[2];
-        if module.displacement[3] > 0.0 || module.velocity[3] > 0.0 {
+/// The motion at the start. A contact whose initial gap or opening speed is above zero starts in Dt;
+/// any other is closed and starts in Sl, R-Sl or St by the sign of its slip velocity.
+fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
+    let displacement: Vec<f64> = scene.initial_displacements().collect();
+    let velocity: Vec<f64> = scene.initial_velocities().collect();
+    let contacts = model.contacts.iter().map(|contact| {
+        let slip = contact.velocity(scene.slider.velocity) - contact.tangent.dot(&velocity);
+        if is_positive(&contact.normal, &displacement) || is_positive(&contact.normal, &velocity) {
             ContactState::Detached
         } else if slip > 0.0 {
             ContactState::Slide
@@ -257,8 +271,15 @@ fn initial_motion(scene: &Scene) -> Motion {
     });
     Motion {
         contacts: contacts.collect(),
-        displacement: modules.clone().flat_map(|module| module.displacement).collect(),
-        velocity: modules.flat_map(|module| module.velocity).collect(),
+        displacement,
+        velocity,
         statistics: Statistics::default(),
     }
+}
+
+/// Does the vector point along the normal, by more than what rounding leaves of zero where the normal
+/// has several components?
+fn is_positive(normal: &Direction, vector: &[f64]) -> bool {
+    let size = normal.0.iter().fold(0.0, |size, &(dof, n)| f64::max(size, (n * vector[dof]).abs()));
+    normal.dot(vector) > if normal.0.len() > 1 { 1e-12 * size } else { 0.0 }
 }

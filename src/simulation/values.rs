@@ -3,41 +3,71 @@
 use super::Simulation;
 #[cfg(feature = "tools")]
 use super::catalogue::variables;
-use super::catalogue::{Kind, Quantity, Variable};
+use super::catalogue::{Kind, Quantity, Template, Variable};
 use crate::Error;
 use crate::model::ring::MODULE_DOFS;
 #[cfg(feature = "tools")]
 use crate::scene::nearest;
-use crate::scene::{Problem, Rule, Scene};
+use crate::scene::{Problem, Rule, Scene, Structure};
+#[cfg(feature = "tools")]
+use std::collections::HashSet;
+
+/// Where a scene keeps the value of a variable, as a reference, or with `mut` one to write to; leaves
+/// the function with `None` for an output.
+macro_rules! place {
+    ($scene:expr, $variable:expr $(, $mut:ident)?) => {{
+        let (scene, i) = ($scene, $variable.index);
+        let &Template { quantity, component, .. } = $variable.template;
+        match (quantity, &$($mut)? scene.structure) {
+            (Quantity::SliderVelocity, _) => &$($mut)? scene.slider.velocity,
+            (Quantity::SliderAngle, _) => &$($mut)? scene.slider.angle,
+            (Quantity::FrictionCoefficient, _) => &$($mut)? scene.friction_coefficient,
+            (Quantity::DampingAlpha, _) => &$($mut)? scene.damping.alpha,
+            (Quantity::DampingBeta, _) => &$($mut)? scene.damping.beta,
+            (Quantity::IntegratorStep, _) => &$($mut)? scene.step,
+            (quantity, Structure::Ring(modules)) => {
+                let module = &$($mut)? modules[i];
+                match quantity {
+                    Quantity::Mass => &$($mut)? module.mass[component],
+                    Quantity::Stiffness => &$($mut)? module.stiffness[component],
+                    Quantity::Preload => &$($mut)? module.preload,
+                    Quantity::ExternalForce => &$($mut)? module.force[component],
+                    Quantity::InitialDisplacement => &$($mut)? module.displacement[component],
+                    Quantity::InitialVelocity => &$($mut)? module.velocity[component],
+                    _ => return None,
+                }
+            }
+            (quantity, Structure::Network(network)) => match quantity {
+                Quantity::Mass => &$($mut)? network.masses[i].mass,
+                Quantity::Stiffness => &$($mut)? network.springs[i].stiffness,
+                Quantity::Preload => &$($mut)? network.springs[i].preload,
+                Quantity::DamperDamping => &$($mut)? network.dampers[i].damping,
+                Quantity::ExternalForce => &$($mut)? network.masses[i].force[component],
+                Quantity::InitialDisplacement => &$($mut)? network.masses[i].displacement[component],
+                Quantity::InitialVelocity => &$($mut)? network.masses[i].velocity[component],
+                Quantity::OwnVelocity => match &$($mut)? network.contacts[i].velocity {
+                    Some(velocity) => velocity,
+                    None => return None,
+                },
+                Quantity::OwnFriction => match &$($mut)? network.contacts[i].friction {
+                    Some(friction) => friction,
+                    None => return None,
+                },
+                _ => return None,
+            },
+        }
+    }};
+}
 
 /// The value of a parameter or input in a scene; `None` for an output.
 #[must_use]
 pub fn read_scene(scene: &Scene, variable: &Variable) -> Option<f64> {
-    let component = variable.template.component;
-    let module = scene.modules.get(variable.index)?;
-    Some(match variable.template.quantity {
-        Quantity::SliderVelocity => scene.slider.velocity,
-        Quantity::SliderAngle => scene.slider.angle,
-        Quantity::FrictionCoefficient => scene.friction_coefficient,
-        Quantity::DampingAlpha => scene.damping.alpha,
-        Quantity::DampingBeta => scene.damping.beta,
-        Quantity::IntegratorStep => scene.step,
-        Quantity::Mass => module.mass[component],
-        Quantity::Stiffness => module.stiffness[component],
-        Quantity::Preload => module.preload,
-        Quantity::ExternalForce => module.force[component],
-        Quantity::InitialDisplacement => module.displacement[component],
-        Quantity::InitialVelocity => module.velocity[component],
-        Quantity::Displacement
-        | Quantity::Velocity
-        | Quantity::ContactState
-        | Quantity::NormalForce
-        | Quantity::FrictionForce
-        | Quantity::SlipVelocity
-        | Quantity::TangentialReaction
-        | Quantity::NormalReaction
-        | Quantity::StateChanges => return None,
-    })
+    Some(*place!(scene, variable))
+}
+
+/// The place of a parameter or input in a scene; `None` for an output.
+fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<&'a mut f64> {
+    Some(place!(scene, variable, mut))
 }
 
 /// Writes a parameter or input into a scene; [`Scene::check`] says whether it is possible.
@@ -45,36 +75,10 @@ pub fn read_scene(scene: &Scene, variable: &Variable) -> Option<f64> {
 /// # Errors
 /// The variable is an output.
 pub fn write_scene(scene: &mut Scene, variable: &Variable, value: f64) -> Result<(), Error> {
-    let component = variable.template.component;
-    let module = &mut scene.modules[variable.index];
-    *match variable.template.quantity {
-        Quantity::SliderVelocity => &mut scene.slider.velocity,
-        Quantity::SliderAngle => &mut scene.slider.angle,
-        Quantity::FrictionCoefficient => &mut scene.friction_coefficient,
-        Quantity::DampingAlpha => &mut scene.damping.alpha,
-        Quantity::DampingBeta => &mut scene.damping.beta,
-        Quantity::IntegratorStep => &mut scene.step,
-        Quantity::Mass => &mut module.mass[component],
-        Quantity::Stiffness => &mut module.stiffness[component],
-        Quantity::Preload => &mut module.preload,
-        Quantity::ExternalForce => &mut module.force[component],
-        Quantity::InitialDisplacement => &mut module.displacement[component],
-        Quantity::InitialVelocity => &mut module.velocity[component],
-        Quantity::Displacement
-        | Quantity::Velocity
-        | Quantity::ContactState
-        | Quantity::NormalForce
-        | Quantity::FrictionForce
-        | Quantity::SlipVelocity
-        | Quantity::TangentialReaction
-        | Quantity::NormalReaction
-        | Quantity::StateChanges => {
-            return Err(Error::variable(format!(
-                "{} cannot be set: it is an output",
-                variable.name
-            )));
-        }
-    } = value;
+    let place = place_in(scene, variable).ok_or_else(|| {
+        Error::variable(format!("{} cannot be set: it is an output", variable.name))
+    })?;
+    *place = value;
     Ok(())
 }
 
@@ -88,7 +92,11 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     let settable: Vec<Variable> =
         variables(scene).into_iter().filter(Variable::is_settable).collect();
     if let Some(variable) = settable.iter().find(|variable| variable.name == name) {
-        return match rule(variable).broken_by(value) {
+        let rule = match variable.template.quantity {
+            Quantity::SliderAngle => scene.inclination_rule(),
+            _ => rule(variable),
+        };
+        return match rule.broken_by(value) {
             None => write_scene(scene, variable, value),
             Some(wish) => Err(Error::scene(impossible(variable, value, wish))),
         };
@@ -106,8 +114,17 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     if like.iter().any(|known| group(known) == group(name)) {
         like.retain(|known| group(known) == group(name));
     } else {
-        // One module stands for all.
-        like.retain(|known| !known.contains('[') || known.contains("[1]"));
+        // One module stands for all, and so does one part of a network for its kind.
+        let mut kinds = HashSet::new();
+        let kind = |name: &str| {
+            let (kind, key) = (name.split('.').next(), name.rsplit('.').next());
+            format!("{kind:?}{key:?}")
+        };
+        let is_ring = scene.network().is_none();
+        like.retain(|known| match is_ring {
+            true => !known.contains('[') || known.contains("[1]"),
+            false => kinds.insert(kind(known)),
+        });
     }
     Err(Error::argument(format!(
         "there is no parameter or input {name}; there are {}",
@@ -123,7 +140,12 @@ impl Simulation {
     /// Contact forces that have no solution.
     pub fn read(&mut self, variable: &Variable) -> Result<f64, Error> {
         let index = variable.index;
-        let dof = MODULE_DOFS * index + variable.template.component;
+        let component = variable.template.component;
+        let dof = match self.scene.structure {
+            Structure::Ring(_) => MODULE_DOFS * index + component,
+            // Locked degrees of freedom have no variables.
+            Structure::Network(_) => self.numbering.dof(index, component).unwrap_or(0),
+        };
         Ok(match variable.template.quantity {
             Quantity::Displacement => self.motion.displacement[dof],
             Quantity::Velocity => self.motion.velocity[dof],
@@ -163,7 +185,7 @@ impl Simulation {
         self.stale.contact_forces = true;
         self.stale.limit |= matches!(
             variable.template.quantity,
-            Quantity::FrictionCoefficient | Quantity::DampingBeta
+            Quantity::FrictionCoefficient | Quantity::OwnFriction | Quantity::DampingBeta
         );
         Ok(())
     }
@@ -186,15 +208,15 @@ pub fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
     }
 }
 
-/// What the scene asks of a parameter's or input's value.
+/// What every scene asks of a parameter's or input's value.
 fn rule(variable: &Variable) -> Rule {
     match variable.template.quantity {
         Quantity::Mass => Rule::MASS,
         Quantity::Stiffness => Rule::STIFFNESS,
-        Quantity::FrictionCoefficient => Rule::FRICTION,
-        Quantity::DampingAlpha | Quantity::DampingBeta => Rule::DAMPING,
+        Quantity::FrictionCoefficient | Quantity::OwnFriction => Rule::FRICTION,
+        Quantity::DampingAlpha | Quantity::DampingBeta | Quantity::DamperDamping => Rule::DAMPING,
         Quantity::IntegratorStep => Rule::TIME,
-        Quantity::SliderAngle => Rule::ANGLE,
+        // x4 of a module.
         Quantity::InitialDisplacement if variable.template.component == 3 => Rule::GAP,
         _ => Rule::Finite,
     }
@@ -239,5 +261,42 @@ mod tests {
             }
         }
         assert_eq!(in_file, 9 * 7);
+    }
+
+    #[test]
+    fn values_of_a_network_are_refused_by_the_rules_of_its_file() {
+        let text = "[slider]\nvelocity = 0.1\nangle = 2.0\n[friction]\ncoefficient = 0.5\n\
+            [integrator]\nstep = 1e-6\n[[mass]]\nname = \"a\"\nmass = 1.0\n[[spring]]\nname = \"k\"\n\
+            between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 1.0\n[[damper]]\n\
+            name = \"d\"\nbetween = [\"a\", \"ground\"]\ndirection = \"y\"\ndamping = 1.0\n\
+            [[contact]]\nname = \"c\"\nmass = \"a\"\nvelocity = 0.2\nfriction = 0.3\n";
+        let mut scene = parse("mine", text).unwrap();
+        let mut refused = Vec::new();
+        for variable in variables(&scene).iter().filter(|variable| variable.is_settable()) {
+            for value in [-1.0, 0.0, 1.0, f64::NAN] {
+                let name = &variable.name;
+                // Where a displacement leads is a matter of the contacts, not of one value.
+                if name.starts_with("initial.") {
+                    continue;
+                }
+                let mut changed = scene.clone();
+                write_scene(&mut changed, variable, value).unwrap();
+                assert_eq!(read_scene(&changed, variable).unwrap().to_bits(), value.to_bits());
+                let problems = changed.problems();
+                let assigned = assign(&mut scene.clone(), name, value);
+                assert_eq!(assigned.is_ok(), problems.is_empty(), "{name} = {value}");
+                if value == -1.0 && !problems.is_empty() {
+                    assert_eq!(problems[0].path, *name);
+                    refused.push(name.clone());
+                }
+            }
+        }
+        let refused: HashSet<&str> = refused.iter().map(String::as_str).collect();
+        for name in ["mass.a.mass", "spring.k.stiffness", "damper.d.damping", "contact.c.friction"]
+        {
+            assert!(refused.contains(name), "{name}");
+        }
+        let error = assign(&mut scene, "mass.a.mas", 1.0).unwrap_err().to_string();
+        assert!(error.contains("did you mean mass.a.mass?"), "{error}");
     }
 }

@@ -36,12 +36,12 @@ mod tests {
             assert_eq!(step_warning(&builtin.scene()), None, "{}", builtin.name);
         }
         let mut scene = builtin("set1").unwrap().scene();
-        for module in &mut scene.modules {
+        for module in scene.modules_mut() {
             module.stiffness = module.stiffness.map(|stiffness| 1e-3 * stiffness);
         }
         let warning = step_warning(&scene).unwrap();
         assert!(warning.contains("a thousand times below") && warning.contains("N/m"), "{warning}");
-        for module in &mut scene.modules {
+        for module in scene.modules_mut() {
             module.stiffness = module.stiffness.map(|stiffness| 1e9 * stiffness);
         }
         let warning = step_warning(&scene).unwrap();

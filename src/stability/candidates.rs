@@ -7,7 +7,7 @@ use super::states::StateClasses;
 use super::symmetry::{Part, all_stiffness_eigenvalues};
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::{LumpedModel, ring};
+use crate::model::{Contact, LumpedModel};
 use crate::scene::Scene;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
@@ -43,25 +43,42 @@ pub struct Candidate {
     pub at_end: [f64; 2],
 }
 
-/// The state of uniform sliding at this slider velocity: all contacts alike.
+/// The one state in which a model can be at rest in its own frame: each contact slides by the sign of
+/// its velocity, the slider's or its own, and sticks where that is zero.
+#[must_use]
+pub fn resting_state(model: &LumpedModel, slider_velocity: f64) -> Vec<ContactState> {
+    let state = |contact: &Contact| match contact.velocity(slider_velocity) {
+        v if v > 0.0 => ContactState::Slide,
+        v if v < 0.0 => ContactState::ReverseSlide,
+        _ => ContactState::Stick,
+    };
+    model.contacts.iter().map(state).collect()
+}
+
+/// The state of uniform sliding: the resting state, where that has every contact sliding.
 ///
 /// # Errors
-/// The slider stands still.
+/// What a contact rubs on stands still.
 pub fn uniform_sliding(
     model: &LumpedModel,
     slider_velocity: f64,
 ) -> Result<Vec<ContactState>, Error> {
-    let state = match slider_velocity {
-        v if v > 0.0 => ContactState::Slide,
-        v if v < 0.0 => ContactState::ReverseSlide,
-        _ => {
-            return Err(Error::analysis(
-                "the slider stands still, so nothing slides: give slider.velocity another value, \
-                 or name a contact state with --state where a command has it",
-            ));
-        }
+    let states = resting_state(model, slider_velocity);
+    let Some(stuck) = states.iter().position(|state| *state == ContactState::Stick) else {
+        return Ok(states);
     };
-    Ok(vec![state; model.contacts.len()])
+    let problem = match model.contacts[stuck].own.slider_velocity {
+        None => {
+            "the slider stands still, so nothing slides: give slider.velocity another value".into()
+        }
+        Some(_) => format!(
+            "what contact {} rubs on stands still, so it does not slide: give it another velocity",
+            stuck + 1
+        ),
+    };
+    Err(Error::analysis(format!(
+        "{problem}, or name a contact state with --state where a command has it"
+    )))
 }
 
 /// The widest step in µ over which modes are followed; a mode that grows only in a range narrower
@@ -74,7 +91,7 @@ const FEWEST_STEPS: f64 = 200.0;
 /// classes of states are done.
 ///
 /// # Errors
-/// A slider that stands still, no equilibrium in the whole range, too many contacts, or a state that
+/// As [`uniform_sliding`], no equilibrium in the whole range, too many contacts, or a state that
 /// cannot be analysed.
 pub fn bistability(
     scene: &Scene,
@@ -90,7 +107,7 @@ pub fn bistability(
         (0..=steps as u32).map(|i| first + (last - first) * (f64::from(i) / steps)).collect();
     let has_equilibrium = |mu: f64| {
         let scene = Scene { friction_coefficient: mu, ..scene.clone() };
-        ring::equilibrium(&scene, model).map(|_| ())
+        crate::model::equilibrium(&scene, model).map(|_| ())
     };
     let equilibrium = equilibrium_ranges(&has_equilibrium, &values);
     if equilibrium.is_empty() {
@@ -248,7 +265,7 @@ mod tests {
         assert!(from == 0.0 && to < 6.0);
         let exists = |mu: f64| {
             let scene = Scene { friction_coefficient: mu, ..scene.clone() };
-            ring::equilibrium(&scene, &LumpedModel::from(&scene)).is_ok()
+            crate::model::equilibrium(&scene, &LumpedModel::from(&scene)).is_ok()
         };
         assert!(exists(to) && !exists(to + 1e-9));
         for range in found.stable.iter().chain(found.candidates.iter().map(|c| &c.range)) {

@@ -7,7 +7,16 @@
 //! the circle; but the scheme may make them grow where they do not. Their limit is the step up to
 //! which ln |z| / h ≤ max(0, Re λ) + |λ|/1000: squeal that the step invents stays below a thousandth
 //! of the frequency.
+//!
+//! With single dampers there are no such σ: `damped_step` looks at the state as a whole. Where the
+//! states are too many or too large, [`FrequencyBound`] stands in: with |k| and |c − α − β k| of all
+//! modes bounded, the step is taken at which every pair of them is admissible. Without friction that
+//! is h² k + 2 h c ≤ 4 and a guarantee; with friction too, where c and k follow from each other; with
+//! both friction and single dampers a mode of the scheme is compared to that of the physics with the
+//! same k and c, whose shape may differ.
 
+use super::damped_step;
+use super::frequency_bound::{FrequencyBound, Sizes};
 use crate::Error;
 use crate::contact::{ContactState, Joined, all_states};
 use crate::model::LumpedModel;
@@ -16,8 +25,11 @@ use nalgebra::{Complex, Schur};
 
 /// Up to this many contacts all contact states are looked at; beyond, a bound stands in.
 const MAX_ENUMERATED_CONTACTS: usize = 4;
+/// And up to this much work: n³ for each state, more of it with single dampers.
+const MAX_WORK: f64 = 3e7;
+const MAX_DAMPED_WORK: f64 = 3e5;
 /// How much faster than the physics a complex mode may grow, in parts of |λ|.
-const INVENTED_GROWTH: f64 = 1e-3;
+pub(super) const INVENTED_GROWTH: f64 = 1e-3;
 
 /// The largest step, s, at which the scheme makes no mode of any contact state grow that does not.
 #[derive(Clone, Debug, PartialEq)]
@@ -57,37 +69,66 @@ impl std::fmt::Display for CriticalStep {
 /// The critical step of a model, over all its contact states.
 ///
 /// # Errors
-/// A state whose eigenvalues are not found; more than four contacts that are coupled through their
-/// masses, for which no bound is known.
+/// A state whose eigenvalues are not found; many contacts of which more than four share masses, for
+/// which no bound is known.
 pub fn critical_step(
     model: &LumpedModel,
     friction_coefficient: f64,
 ) -> Result<CriticalStep, Error> {
-    let contacts = model.contacts.len();
-    if contacts > MAX_ENUMERATED_CONTACTS {
+    if !can_be_enumerated(model) {
         let bound = FrequencyBound::new(model, friction_coefficient).ok_or_else(|| {
             Error::step_too_large(format!(
-                "no critical step is known for {contacts} contacts that are coupled through \
-                 their masses; up to {MAX_ENUMERATED_CONTACTS} are possible"
+                "no critical step is known for {} contacts of which more than \
+                 {MAX_ENUMERATED_CONTACTS} share masses",
+                model.contacts.len()
             ))
         })?;
-        let square = bound.square(friction_coefficient);
-        let step = largest(real_limit(model.damping, square), |step| {
-            all_admissible(step, model.damping, square, friction_coefficient)
+        let sizes = bound.at(model, friction_coefficient);
+        let friction = has_friction(model, friction_coefficient);
+        let step = largest(real_limit(model.damping, sizes), |step| {
+            all_admissible(step, model.damping, sizes, friction)
         });
         return Ok(CriticalStep { step, origin: Origin::Bound });
     }
     let mut critical = CriticalStep { step: f64::INFINITY, origin: Origin::Bound };
-    for states in all_states(u32::try_from(contacts).expect("at most four")) {
-        for square in squares(model, &states, friction_coefficient)? {
-            let step = mode_limit(model.damping, square);
+    for states in all_states(u32::try_from(model.contacts.len()).expect("at most four")) {
+        for (step, coalesced) in limits(model, &states, friction_coefficient)? {
             if step < critical.step {
-                let origin = Origin::State { states: states.clone(), coalesced: square.im != 0.0 };
-                critical = CriticalStep { step, origin };
+                critical = CriticalStep {
+                    step,
+                    origin: Origin::State { states: states.clone(), coalesced },
+                };
             }
         }
     }
     Ok(critical)
+}
+
+/// Are the model's states few and small enough to look at all of them?
+fn can_be_enumerated(model: &LumpedModel) -> bool {
+    let contacts = model.contacts.len();
+    #[allow(clippy::cast_precision_loss)]
+    let work = || (model.dofs() as f64).powi(3) * f64::from(1_u32 << (2 * contacts));
+    let most = if model.dampers.is_empty() { MAX_WORK } else { MAX_DAMPED_WORK };
+    contacts <= MAX_ENUMERATED_CONTACTS && work() <= most
+}
+
+/// Does any contact rub with friction?
+fn has_friction(model: &LumpedModel, common: f64) -> bool {
+    model.contacts.iter().any(|contact| contact.friction(common) != 0.0)
+}
+
+/// The largest steps of a state's modes, and whether those have coalesced.
+fn limits(
+    model: &LumpedModel,
+    states: &[ContactState],
+    friction: f64,
+) -> Result<Vec<(f64, bool)>, Error> {
+    if model.dampers.is_empty() {
+        let squares = squares(model, states, friction)?.into_iter();
+        return Ok(squares.map(|s| (mode_limit(model.damping, s), s.im != 0.0)).collect());
+    }
+    model.reduced(states, friction).iter().map(damped_step::limit).collect()
 }
 
 /// The eigenvalues s of M̃⁻¹ K̃, 1/s²; real ones with an exact zero for their imaginary part.
@@ -125,9 +166,9 @@ fn squares(
     Ok(schur.complex_eigenvalues().iter().map(cleaned).collect())
 }
 
-/// The step at which a real mode with this ω² (1/s²) leaves the unit circle.
-fn real_limit(damping: Damping, square: f64) -> f64 {
-    let rate = damping.alpha + damping.beta * square;
+/// The step at which a real mode of these sizes leaves the unit circle.
+fn real_limit(damping: Damping, Sizes { square, dampers }: Sizes) -> f64 {
+    let rate = damping.alpha + damping.beta * square + dampers;
     // Without a frequency and without damping this is infinite, as it should be.
     4.0 / (rate + (rate * rate + 4.0 * square).sqrt())
 }
@@ -136,13 +177,15 @@ fn real_limit(damping: Damping, square: f64) -> f64 {
 fn mode_limit(damping: Damping, square: Complex<f64>) -> f64 {
     if square.im == 0.0 {
         // A real mode that diverges grows at any step, as the physics does.
-        return if square.re > 0.0 { real_limit(damping, square.re) } else { f64::INFINITY };
+        let sizes = Sizes { square: square.re, dampers: 0.0 };
+        return if square.re > 0.0 { real_limit(damping, sizes) } else { f64::INFINITY };
     }
-    largest(2.0 / square.norm().sqrt(), |step| is_admissible(step, damping, square))
+    let rate = square * damping.beta + damping.alpha;
+    largest(2.0 / square.norm().sqrt(), |step| is_admissible(step, rate, square))
 }
 
 /// The largest step below `end` up to which all steps fulfil a condition: on a grid, then refined.
-fn largest(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
+pub(super) fn largest(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
     const GRID: u32 = 256;
     if !end.is_finite() {
         return end;
@@ -157,9 +200,8 @@ fn largest(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
     good
 }
 
-/// Does the scheme make a mode with this s grow as the physics does, or not at all?
-fn is_admissible(step: f64, damping: Damping, square: Complex<f64>) -> bool {
-    let rate = square * damping.beta + damping.alpha;
+/// Does the scheme make a mode λ² + c λ + s = 0 with c = `rate` grow as the physics does, or not at all?
+fn is_admissible(step: f64, rate: Complex<f64>, square: Complex<f64>) -> bool {
     let physical = roots(rate, square);
     let numerical =
         roots(square * (step * step) + rate * step - 2.0, Complex::new(1.0, 0.0) - rate * step);
@@ -175,20 +217,32 @@ fn roots(b: Complex<f64>, c: Complex<f64>) -> [Complex<f64>; 2] {
     [(-b + root) * 0.5, (-b - root) * 0.5]
 }
 
-/// Is the step admissible for every eigenvalue, real or complex, of up to this size? Without
-/// friction all are real.
-fn all_admissible(step: f64, damping: Damping, square: f64, friction: f64) -> bool {
+/// Is the step admissible for every mode, real or complex, of up to these sizes? Without friction all
+/// are real.
+fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> bool {
     const ANGLES: u32 = 32;
     const SIZES: u32 = 12;
-    if step > real_limit(damping, square) {
+    if step > real_limit(damping, sizes) {
         return false;
     }
-    friction == 0.0
+    let on_circle = |size: f64, angle: u32| {
+        Complex::from_polar(size, std::f64::consts::PI * f64::from(angle) / f64::from(ANGLES))
+    };
+    // Single dampers add to c anything up to their size, in any direction.
+    let added = [1.0, 0.25, 0.0625].into_iter().flat_map(|part| {
+        (0..2 * ANGLES).step_by(4).map(move |angle| on_circle(part * sizes.dampers, angle))
+    });
+    let admits: &dyn Fn(Complex<f64>, Complex<f64>) -> bool = &|rate, square| {
+        is_admissible(step, rate, square)
+            && (sizes.dampers == 0.0
+                || added.clone().all(|added| is_admissible(step, rate + added, square)))
+    };
+    !friction
         || (0..SIZES).all(|size| {
-            let size = square * 0.5_f64.powi(size.cast_signed());
+            let size = sizes.square * 0.5_f64.powi(size.cast_signed());
             (1..=ANGLES).all(|angle| {
-                let angle = std::f64::consts::PI * f64::from(angle) / f64::from(ANGLES);
-                is_admissible(step, damping, Complex::from_polar(size, angle))
+                let square = on_circle(size, angle);
+                admits(square * damping.beta + damping.alpha, square)
             })
         })
 }
@@ -219,12 +273,14 @@ impl StepGuard {
     fn set_damping(&mut self, damping: Damping) {
         // No real mode above (2/h)² is admissible.
         let end = 4.0 / (self.step * self.step);
-        self.admissible = largest(end, |square| all_admissible(self.step, damping, square, 1.0));
+        self.admissible = largest(end, |square| {
+            all_admissible(self.step, damping, Sizes { square, dampers: 0.0 }, true)
+        });
         self.damping = damping;
     }
 
     /// Is the step below the critical one? `model` is the one that the guard was made for, but for
-    /// its damping.
+    /// its damping and its contacts' own values.
     ///
     /// # Errors
     /// The step, the limit, and the state that sets it.
@@ -232,7 +288,16 @@ impl StepGuard {
         if self.damping != model.damping {
             self.set_damping(model.damping);
         }
-        if self.bound.as_ref().is_some_and(|bound| bound.square(friction) <= self.admissible) {
+        let suffices = self.bound.as_ref().is_some_and(|bound| {
+            let sizes = bound.at(model, friction);
+            let rubs = has_friction(model, friction);
+            if sizes.dampers > 0.0 || !rubs {
+                all_admissible(self.step, model.damping, sizes, rubs)
+            } else {
+                sizes.square <= self.admissible
+            }
+        });
+        if suffices {
             return Ok(());
         }
         let critical = critical_step(model, friction)?;
@@ -253,59 +318,6 @@ impl StepGuard {
     }
 }
 
-/// A bound of |s| over all contact states of uncoupled contacts (diagonal mass, contact directions
-/// along degrees of freedom).
-///
-/// In every contact state the entries of M̃⁻¹ K̃ are in size at most those of the non-negative
-/// matrix B: the rows of M⁻¹ |K|, the tangential rows with µ times the normal row added. Its
-/// spectral radius is at most maxᵢ (B d)ᵢ / dᵢ for any positive d (Collatz and Wielandt); a few
-/// powers of B make a good d.
-#[derive(Clone, Debug)]
-struct FrequencyBound {
-    /// (B d)ᵢ / dᵢ, as the part without µ and the factor of µ.
-    rows: Vec<[f64; 2]>,
-}
-
-impl FrequencyBound {
-    fn new(model: &LumpedModel, friction: f64) -> Option<Self> {
-        let mass = model.mass.as_diagonal()?;
-        let dofs = model.dofs();
-        let mut dragged_by = vec![None; dofs];
-        let mut used = vec![false; dofs];
-        for contact in &model.contacts {
-            let (tangent, normal) = (contact.tangent.as_unit()?, contact.normal.as_unit()?);
-            for dof in [tangent, normal] {
-                if std::mem::replace(&mut used[dof], true) {
-                    return None;
-                }
-            }
-            dragged_by[tangent] = Some(normal);
-        }
-        let row = |dof: usize, d: &[f64]| {
-            model.stiffness.row(dof).fold(0.0, |sum, (column, value)| sum + value.abs() * d[column])
-        };
-        let apply = |d: &[f64]| -> Vec<[f64; 2]> {
-            let drag = |dof: usize| dragged_by[dof].map_or(0.0, |normal| row(normal, d));
-            (0..dofs).map(|dof| [row(dof, d) / mass[dof], drag(dof) / mass[dof]]).collect()
-        };
-        let mut d = vec![1.0; dofs];
-        for _ in 0..30 {
-            let next: Vec<f64> =
-                apply(&d).iter().map(|[own, drag]| own + friction * drag).collect();
-            let largest = next.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-            // The floor keeps d positive, as the theorem wants it, where a row is zero.
-            d = next.into_iter().map(|value| (value / largest).max(1e-6)).collect();
-        }
-        let rows = apply(&d).iter().zip(&d).map(|([own, drag], d)| [own / d, drag / d]).collect();
-        Some(Self { rows })
-    }
-
-    /// The bound of |s|, 1/s², at this µ.
-    fn square(&self, friction: f64) -> f64 {
-        self.rows.iter().fold(0.0, |largest, [own, drag]| f64::max(largest, own + friction * drag))
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -323,6 +335,7 @@ mod tests {
             mass: SparseMatrix::diagonal(&[m]),
             stiffness: SparseMatrix::diagonal(&[k]),
             damping: Damping { alpha, beta },
+            dampers: SparseMatrix::zero(1),
             load: vec![0.0],
             contacts: vec![],
         };
@@ -373,13 +386,82 @@ mod tests {
     }
 
     #[test]
-    fn five_contacts_get_a_bound_and_five_coupled_ones_an_error() {
+    fn five_contacts_get_a_bound_and_five_that_share_a_mass_an_error() {
         let mut scene = builtin("set1").unwrap().scene();
-        scene.modules = vec![scene.modules[0]; 5];
+        let module = scene.modules()[0];
+        *scene.modules_mut() = vec![module; 5];
         let mut model = LumpedModel::from(&scene);
         assert_eq!(critical_step(&model, 1.96).unwrap().origin, Origin::Bound);
-        model.contacts[0] =
-            Contact { normal: Direction::unit(3), tangent: Direction(vec![(2, 0.6), (6, 0.8)]) };
+        // Two that share a mass have a bound too, if not as sharp a one; five that do have none.
+        let free = critical_step(&model, 1.96).unwrap().step;
+        let shared = |dof| Contact::new(Direction::unit(dof), Direction(vec![(2, 0.6), (6, 0.8)]));
+        model.contacts[..1].clone_from_slice(&[3].map(shared));
+        let found = critical_step(&model, 1.96).unwrap();
+        assert!(found.origin == Origin::Bound && found.step > 0.1 * free, "{found}");
+        model.contacts = [3, 7, 11, 15, 19].map(shared).to_vec();
         assert!(critical_step(&model, 1.96).is_err());
+    }
+
+    /// Set 1 with dampers from each m2 along the tangent to the ground, and one between the m1.
+    fn damped(strength: f64) -> LumpedModel {
+        let mut model = set1();
+        let links = [(0, 0, 1.0), (4, 4, 1.0), (0, 4, -1.0), (4, 0, -1.0)];
+        let entries = [(2, 2, 1.0), (6, 6, 0.5)].into_iter().chain(links);
+        let entries = entries.map(|(i, j, d)| (i, j, strength * d)).collect();
+        model.dampers = SparseMatrix::from_entries(model.dofs(), entries);
+        model
+    }
+
+    /// The spectral radius of one step of a contact state, from the printed equations.
+    fn radius(model: &LumpedModel, states: &[ContactState], mu: f64, h: f64) -> f64 {
+        let reduced = model.reduced(states, mu).unwrap();
+        let n = reduced.mass.nrows();
+        let inverse = reduced.mass.clone().try_inverse().unwrap();
+        let (k, c) = (&inverse * reduced.stiffness * h, &inverse * reduced.damping * h);
+        let one = nalgebra::DMatrix::identity(n, n);
+        let mut step = nalgebra::DMatrix::zeros(2 * n, 2 * n);
+        step.view_mut((0, 0), (n, n)).copy_from(&(&one - &k * h));
+        step.view_mut((0, n), (n, n)).copy_from(&((&one - &c) * h));
+        step.view_mut((n, 0), (n, n)).copy_from(&-&k);
+        step.view_mut((n, n), (n, n)).copy_from(&(&one - &c));
+        step.complex_eigenvalues().iter().fold(0.0, |r, z| f64::max(r, z.norm()))
+    }
+
+    #[test]
+    fn single_dampers_set_the_limit_where_the_step_leaves_the_unit_circle() {
+        for strength in [1.0, 300.0, 1e4] {
+            let model = damped(strength);
+            let found = critical_step(&model, 0.0).unwrap();
+            let Origin::State { states, coalesced: false } = &found.origin else {
+                panic!("{found}")
+            };
+            assert!(radius(&model, states, 0.0, 0.999 * found.step) <= 1.0 + 1e-9, "{found}");
+            assert!(radius(&model, states, 0.0, 1.001 * found.step) > 1.0 + 1e-9, "{found}");
+            for states in all_states(2) {
+                assert!(radius(&model, &states, 0.0, 0.999 * found.step) <= 1.0 + 1e-9);
+            }
+            // The bound is never above it, and not useless.
+            let bound = FrequencyBound::new(&model, 0.0).unwrap().at(&model, 0.0);
+            let bound = real_limit(model.damping, bound);
+            assert!(bound <= found.step && bound > 0.3 * found.step, "{bound} {found}");
+        }
+    }
+
+    #[test]
+    fn a_damper_that_is_rayleigh_damping_in_disguise_has_the_same_limit() {
+        // D = α M in place of α: the two ways to the limit have little in common.
+        for mu in [0.3, 1.96] {
+            let (mut rayleigh, mut single) = (set1(), set1());
+            rayleigh.damping.alpha = 40.0;
+            let entries = rayleigh.mass.entries().map(|(i, j, m)| (i, j, 40.0 * m)).collect();
+            single.dampers = SparseMatrix::from_entries(8, entries);
+            let [a, b] = [&rayleigh, &single].map(|model| critical_step(model, mu).unwrap());
+            assert!((a.step / b.step - 1.0).abs() < 0.05, "{a} {b}");
+            let sizes = FrequencyBound::new(&single, mu).unwrap().at(&single, mu);
+            let bound = largest(real_limit(single.damping, sizes), |h| {
+                all_admissible(h, single.damping, sizes, true)
+            });
+            assert!(bound <= a.step, "{bound} {a}");
+        }
     }
 }

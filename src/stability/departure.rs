@@ -3,7 +3,7 @@
 
 use super::modes::{Mode, largest};
 use crate::contact::ContactState;
-use crate::model::{Equilibrium, LumpedModel};
+use crate::model::{Contact, Equilibrium, LumpedModel};
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// The first contact that a growing mode makes leave sliding.
@@ -33,20 +33,22 @@ pub fn departure(
     slider_velocity: f64,
     mode: &Mode,
 ) -> Option<Departure> {
-    let slope = slider_velocity.signum() * friction_coefficient;
-    let normal = normal_force_amplitudes(model, slope, mode)?;
+    let slope = |contact: &Contact| contact.sliding_slope(friction_coefficient, slider_velocity);
+    let slopes: Vec<f64> = model.contacts.iter().map(slope).collect();
+    let normal = normal_force_amplitudes(model, &slopes, mode)?;
     let along = |direction: &crate::model::Direction| -> Complex<f64> {
         direction.0.iter().map(|&(dof, value)| mode.shape[dof] * value).sum()
     };
     let dof = largest(&mode.shape)?;
     let first = model.contacts.iter().enumerate().flat_map(|(contact, rows)| {
         let speed = (mode.eigenvalue * along(&rows.tangent)).norm();
-        let slow = match slider_velocity {
-            _ if friction_coefficient > 0.0 => ContactState::Stick,
+        let velocity = rows.velocity(slider_velocity);
+        let slow = match velocity {
+            _ if rows.friction(friction_coefficient) > 0.0 => ContactState::Stick,
             v if v > 0.0 => ContactState::ReverseSlide,
             _ => ContactState::Slide,
         };
-        let slow = (slow, slider_velocity.abs() / speed);
+        let slow = (slow, velocity.abs() / speed);
         let open = (ContactState::Detached, equilibrium.normal_force[contact] / normal[contact]);
         [slow, open].map(|(into, amplitude)| Departure { contact, into, amplitude, dof })
     });
@@ -56,7 +58,7 @@ pub fn departure(
 }
 
 /// |N| of each contact for the shape as it is: (λ² M + λ C + K) x = Σ (G_N + s µ G_T)ᵀ N.
-fn normal_force_amplitudes(model: &LumpedModel, slope: f64, mode: &Mode) -> Option<Vec<f64>> {
+fn normal_force_amplitudes(model: &LumpedModel, slopes: &[f64], mode: &Mode) -> Option<Vec<f64>> {
     let (lambda, dofs) = (mode.eigenvalue, model.dofs());
     let damping = model.damping;
     let rest = DVector::from_fn(dofs, |row, _| {
@@ -65,10 +67,11 @@ fn normal_force_amplitudes(model: &LumpedModel, slope: f64, mode: &Mode) -> Opti
         };
         times(&model.mass) * (lambda * lambda + lambda * damping.alpha)
             + times(&model.stiffness) * (lambda * damping.beta + 1.0)
+            + times(&model.dampers) * lambda
     });
     let mut forces = DMatrix::<Complex<f64>>::zeros(dofs, model.contacts.len());
     for (column, contact) in model.contacts.iter().enumerate() {
-        for (direction, factor) in [(&contact.normal, 1.0), (&contact.tangent, slope)] {
+        for (direction, factor) in [(&contact.normal, 1.0), (&contact.tangent, slopes[column])] {
             for &(dof, value) in &direction.0 {
                 forces[(dof, column)] += Complex::new(factor * value, 0.0);
             }

@@ -5,7 +5,7 @@ use super::parallel;
 use super::spectrum::Spectrum;
 use super::states::{MAX_CONTACTS, StateClasses};
 use crate::Error;
-use crate::model::{LumpedModel, ring};
+use crate::model::{LumpedModel, equilibrium};
 use crate::scene::Scene;
 
 /// What uniform sliding is for one scene.
@@ -47,7 +47,7 @@ impl std::fmt::Display for Verdict {
 pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
     scene.check()?;
     let model = LumpedModel::from(scene);
-    if let Err(error) = ring::equilibrium(scene, &model) {
+    if let Err(error) = equilibrium(scene, &model) {
         return if error.is_equilibrium() { Ok(Verdict::NoEquilibrium) } else { Err(error) };
     }
     let mu = scene.friction_coefficient;

@@ -3,7 +3,10 @@
 //! | file | what it finds |
 //! | --- | --- |
 //! | `critical_step` | the largest step of the explicit scheme |
+//! | `damped_step` | the same for a state with single dampers |
+//! | `frequency_bound` | bounds over all contact states |
 //! | `eigenvalues` | the eigenvalues of a matrix |
+//! | `damped_modes` | the full problem where there are single dampers |
 //! | `modes` | eigenvalues and shapes of one contact state |
 //! | `symmetry` | which states of a ring are alike; waves in place of the whole ring |
 //! | `spectrum` | the eigenvalues of one contact state, without shapes |
@@ -16,11 +19,15 @@
 //! All but the critical step need the feature `tools`.
 
 mod critical_step;
+mod damped_step;
+mod frequency_bound;
 
 pub use critical_step::{CriticalStep, Origin, StepGuard, critical_step};
 
 #[cfg(feature = "tools")]
 pub mod candidates;
+#[cfg(feature = "tools")]
+mod damped_modes;
 #[cfg(feature = "tools")]
 mod departure;
 #[cfg(feature = "tools")]

@@ -3,13 +3,15 @@
 //! With C̃ = α M̃ + β K̃, which Rayleigh damping gives because friction follows the whole normal
 //! force, the quadratic problem (λ² M̃ + λ C̃ + K̃) u = 0 has the eigenvectors of M̃⁻¹ K̃, and each of
 //! its eigenvalues σ two eigenvalues of the state: λ² + (α + β σ) λ + σ = 0. So the problem solved is
-//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not.
+//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not. With single
+//! dampers there are no such σ; `damped_modes` then solves the problem at its full size.
 
+use super::damped_modes;
 use super::eigenvalues::eigenvalues;
 use super::symmetry::{Part, module_of_wave, turn};
 use crate::Error;
 use crate::contact::{ContactState, Joined};
-use crate::model::{LumpedModel, ReducedMatrices};
+use crate::model::{Damping, LumpedModel, ReducedMatrices};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
@@ -19,7 +21,8 @@ use std::f64::consts::TAU;
 pub struct Mode {
     /// λ, 1/s.
     pub eigenvalue: Complex<f64>,
-    /// The eigenvalue σ of M̃⁻¹ K̃ that λ belongs to, 1/s².
+    /// σ with λ² + (α + β σ) λ + σ = 0, 1/s²: the eigenvalue of M̃⁻¹ K̃ that λ belongs to, but where
+    /// there are single dampers.
     pub stiffness_eigenvalue: Complex<f64>,
     /// x, one value a degree of freedom; the largest is 1.
     pub shape: Vec<Complex<f64>>,
@@ -75,6 +78,11 @@ impl Modes {
         }
     }
 
+    fn sort(&mut self) {
+        self.oscillating.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
+        self.real.sort_by(|a, b| a.eigenvalue.re.total_cmp(&b.eigenvalue.re));
+    }
+
     /// Oscillating modes, then real ones.
     pub fn all(&self) -> impl Iterator<Item = &Mode> {
         self.oscillating.iter().chain(&self.real)
@@ -106,8 +114,7 @@ pub fn modes(
             }
         }
     }
-    found.oscillating.sort_by(|a, b| a.eigenvalue.im.total_cmp(&b.eigenvalue.im));
-    found.real.sort_by(|a, b| a.eigenvalue.re.total_cmp(&b.eigenvalue.re));
+    found.sort();
     Ok(found)
 }
 
@@ -124,37 +131,53 @@ fn around(mode: &Mode, k: usize, modules: usize, wave: fn(f64) -> f64) -> Mode {
 fn modes_of(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec<Mode>, Error> {
     check_size(model)?;
     let Some(reduced) = model.reduced(states, mu) else { return Ok(Vec::new()) };
-    let size = reduced.mass.nrows();
-    let (operator, scale) = operator(&reduced)?;
-    let eigen = Mat::from_fn(size, size, |i, j| operator[(i, j)]).eigen();
-    let eigen = eigen.map_err(|error| {
-        let states = Joined(states);
-        Error::analysis(format!(
-            "the modes of state {states} were not found at µ = {mu}: {error:?}"
-        ))
-    })?;
-    let floor = rounding(&operator);
     let mut found = Vec::new();
-    for (column, &sigma) in eigen.S().column_vector().iter().enumerate() {
-        let sigma = cleaned(Complex::new(sigma.re, sigma.im), floor);
-        let vector: Vec<Complex<f64>> = (0..size)
-            .map(|row| {
-                let value = eigen.U()[(row, column)];
-                Complex::new(value.re, value.im) * scale[row]
-            })
-            .collect();
-        let upper = quadratic_roots(model, sigma)
-            .into_iter()
-            .filter(|&eigenvalue| !matches!(Kind::of(eigenvalue), Kind::Conjugate));
-        found.extend(upper.map(|eigenvalue| Mode {
-            eigenvalue,
-            stiffness_eigenvalue: sigma,
-            residual: residual(&reduced, eigenvalue, &vector),
-            shape: shape(&reduced.motions, &vector),
-            waves: None,
-        }));
+    let mut add = |eigenvalue, stiffness_eigenvalue, vector: &[Complex<f64>]| {
+        if !matches!(Kind::of(eigenvalue), Kind::Conjugate) {
+            found.push(Mode {
+                eigenvalue,
+                stiffness_eigenvalue,
+                residual: residual(&reduced, eigenvalue, vector),
+                shape: shape(&reduced.motions, vector),
+                waves: None,
+            });
+        }
+    };
+    if !model.dampers.is_empty() {
+        let Damping { alpha, beta } = model.damping;
+        for (eigenvalue, vector) in damped_modes::solve(&reduced)? {
+            let rayleigh = -eigenvalue * (eigenvalue + alpha) / (eigenvalue * beta + 1.0);
+            add(eigenvalue, rayleigh, &vector);
+        }
+        return Ok(found);
+    }
+    let (operator, scale) = operator(&reduced)?;
+    let floor = rounding(&operator);
+    for (sigma, mut vector) in eigenpairs(&operator)? {
+        let sigma = cleaned(sigma, floor);
+        vector.iter_mut().zip(&scale).for_each(|(value, scale)| *value *= scale);
+        for eigenvalue in quadratic_roots(model, sigma) {
+            add(eigenvalue, sigma, &vector);
+        }
     }
     Ok(found)
+}
+
+/// An eigenvalue with its vector.
+pub(super) type Eigenpair = (Complex<f64>, Vec<Complex<f64>>);
+
+/// The eigenvalues of a matrix with their vectors.
+pub(super) fn eigenpairs(matrix: &DMatrix<f64>) -> Result<Vec<Eigenpair>, Error> {
+    let size = matrix.nrows();
+    let eigen = Mat::from_fn(size, size, |i, j| matrix[(i, j)]).eigen().map_err(|error| {
+        Error::analysis(format!("the modes of the contact state were not found: {error:?}"))
+    })?;
+    let values = eigen.S().column_vector();
+    let pairs = values.iter().enumerate().map(|(column, value)| {
+        let part = |row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im);
+        (Complex::new(value.re, value.im), (0..size).map(part).collect())
+    });
+    Ok(pairs.collect())
 }
 
 /// The eigenvalues σ of M̃⁻¹ K̃, 1/s², from the whole matrices.
@@ -164,6 +187,13 @@ pub(super) fn stiffness_eigenvalues(
     friction: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
     check_size(model)?;
+    if !model.dampers.is_empty() {
+        return Err(Error::analysis(
+            "root loci and bi-stable ranges follow the eigenvalues of M⁻¹ K, which needs damping by \
+             α M + β K alone; this scene has single dampers: look at its states and modes at one \
+             value of µ at a time",
+        ));
+    }
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
     let (operator, _) = operator(&reduced)?;
     let floor = rounding(&operator);
@@ -196,7 +226,7 @@ fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
 /// The most degrees of freedom that are analysed as one dense matrix: some seconds of work.
 const MAX_DENSE: usize = 1200;
 
-fn check_size(model: &LumpedModel) -> Result<(), Error> {
+pub(super) fn check_size(model: &LumpedModel) -> Result<(), Error> {
     if model.dofs() <= MAX_DENSE {
         return Ok(());
     }
@@ -219,15 +249,28 @@ fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), Error
         let scale: Vec<f64> = diagonal.iter().map(|mass| 1.0 / mass.sqrt()).collect();
         (DMatrix::from_fn(size, size, |i, j| scale[i] * stiffness[(i, j)] * scale[j]), scale)
     } else {
-        let solved = mass.clone().lu().solve(stiffness).ok_or_else(|| {
-            Error::analysis("the masses that this contact state leaves free cannot be accelerated")
-        })?;
-        (solved, vec![1.0; size])
+        (per_mass(mass, stiffness)?, vec![1.0; size])
     };
-    if operator.iter().all(|value| value.is_finite()) {
-        return Ok((operator, scale));
+    finite(&operator)?;
+    Ok((operator, scale))
+}
+
+/// M̃⁻¹ A.
+pub(super) fn per_mass(mass: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
+    let quotient = mass.clone().lu().solve(matrix).ok_or_else(|| {
+        Error::analysis("the masses that this contact state leaves free cannot be accelerated")
+    })?;
+    finite(&quotient)?;
+    Ok(quotient)
+}
+
+fn finite(matrix: &DMatrix<f64>) -> Result<(), Error> {
+    if matrix.iter().all(|value| value.is_finite()) {
+        return Ok(());
     }
-    Err(Error::analysis("M⁻¹ K leaves the range of numbers; look for a value that is too large"))
+    Err(Error::analysis(
+        "M⁻¹ K or M⁻¹ C leaves the range of numbers; look for a value that is too large",
+    ))
 }
 
 /// Which of the eigenvalues of a real problem one is.

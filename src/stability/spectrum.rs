@@ -1,6 +1,7 @@
 //! The eigenvalues of one contact state, without shapes.
 
-use super::modes::{Kind, quadratic_roots};
+use super::damped_modes;
+use super::modes::{Kind, check_size, quadratic_roots};
 use super::symmetry::all_stiffness_eigenvalues;
 use crate::Error;
 use crate::contact::{ContactState, Joined};
@@ -22,8 +23,14 @@ impl Spectrum {
     /// # Errors
     /// As [`modes`](super::modes()).
     pub fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Result<Self, Error> {
-        let sigmas = all_stiffness_eigenvalues(model, states, friction)?;
-        let found = Self::from_stiffness(model, &sigmas);
+        let found = if model.dampers.is_empty() {
+            let sigmas = all_stiffness_eigenvalues(model, states, friction)?;
+            Self::from_all(sigmas.iter().flat_map(|&sigma| quadratic_roots(model, sigma)))
+        } else {
+            check_size(model)?;
+            let Some(reduced) = model.reduced(states, friction) else { return Ok(Self::default()) };
+            Self::from_all(damped_modes::all_eigenvalues(&reduced)?)
+        };
         if found.growth_rate() < f64::INFINITY && found.oscillating.iter().all(|v| v.is_finite()) {
             return Ok(found);
         }
@@ -34,10 +41,9 @@ impl Spectrum {
         )))
     }
 
-    /// The eigenvalues λ that belong to all eigenvalues σ of M̃⁻¹ K̃ of a state of this model.
-    fn from_stiffness(model: &LumpedModel, sigmas: &[Complex<f64>]) -> Self {
+    fn from_all(eigenvalues: impl IntoIterator<Item = Complex<f64>>) -> Self {
         let mut found = Self::default();
-        for eigenvalue in sigmas.iter().flat_map(|&sigma| quadratic_roots(model, sigma)) {
+        for eigenvalue in eigenvalues {
             match Kind::of(eigenvalue) {
                 Kind::Real => found.real.push(eigenvalue.re),
                 Kind::Oscillating => found.oscillating.push(eigenvalue),

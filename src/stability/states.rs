@@ -30,7 +30,7 @@ impl StateClasses {
         if contacts > MAX_CONTACTS {
             return Err(Error::analysis(format!(
                 "{contacts} contacts have 4^{contacts} states; all of them are looked at for up to \
-                 {MAX_CONTACTS} contacts: make a scene of fewer modules, or look at single states \
+                 {MAX_CONTACTS} contacts: make a scene of fewer, or look at single states \
                  with `states --state` and `locus --state`"
             )));
         }
@@ -81,7 +81,7 @@ mod tests {
         let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
         assert_eq!((classes.representatives.len(), classes.class_of.len()), (10, 16));
         assert_eq!((0..10).map(|class| classes.size(class)).sum::<usize>(), 16);
-        scene.modules[0].mass[0] *= 1.5;
+        scene.modules_mut()[0].mass[0] *= 1.5;
         let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
         assert_eq!(classes.representatives.len(), 16);
     }
@@ -89,7 +89,7 @@ mod tests {
     #[test]
     fn the_spectrum_of_a_class_is_that_of_each_of_its_states() {
         let mut scene = builtin("set1").unwrap().scene();
-        scene.modules.push(scene.modules[0]);
+        scene.modules_mut().extend_from_within(..1);
         let model = LumpedModel::from(&scene);
         let classes = StateClasses::of(&model).unwrap();
         let spectra = classes.spectra(&model, 1.96, &|_| {}).unwrap();

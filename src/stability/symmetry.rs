@@ -27,9 +27,10 @@ impl Symmetry {
         let in_place = model.contacts.iter().enumerate().all(|(i, contact)| {
             contact.tangent.as_unit() == Some(MODULE_DOFS * i + 2)
                 && contact.normal.as_unit() == Some(MODULE_DOFS * i + 3)
+                && contact.own == model.contacts[0].own
         });
         let is_ring = model.contacts.len() == count && dofs == MODULE_DOFS * count && in_place;
-        if !is_ring || model.mass.as_diagonal().is_none() {
+        if !is_ring || model.mass.as_diagonal().is_none() || !model.dampers.is_empty() {
             return Self::None;
         }
         let turned = |dof: usize| (dof + MODULE_DOFS) % dofs;
@@ -140,6 +141,7 @@ pub(super) fn module_of_wave(model: &LumpedModel, k: usize, modules: usize) -> L
         mass: SparseMatrix::diagonal(&diagonal),
         stiffness: SparseMatrix::from_entries(MODULE_DOFS, entries.collect()),
         damping: model.damping,
+        dampers: SparseMatrix::zero(MODULE_DOFS),
         load: vec![0.0; MODULE_DOFS],
         contacts: model.contacts[..1].to_vec(),
     }
@@ -179,7 +181,8 @@ mod tests {
 
     fn ring(modules: usize) -> LumpedModel {
         let mut scene = builtin("set1").unwrap().scene();
-        scene.modules = vec![scene.modules[0]; modules];
+        let module = scene.modules()[0];
+        *scene.modules_mut() = vec![module; modules];
         LumpedModel::from(&scene)
     }
 
@@ -197,7 +200,7 @@ mod tests {
     #[test]
     fn one_different_module_breaks_the_symmetry() {
         let mut scene = builtin("set1").unwrap().scene();
-        scene.modules[1].stiffness[4] += 1.0;
+        scene.modules_mut()[1].stiffness[4] += 1.0;
         assert_eq!(Symmetry::of(&LumpedModel::from(&scene)), Symmetry::None);
     }
 

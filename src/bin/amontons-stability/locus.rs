@@ -5,7 +5,7 @@ use crate::labels::{FRICTION, LOCATED, at_frequency, axis, significant, turn};
 use crate::{Failure, check_effect, configured, progress, state, with};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
-use amontons::model::{LumpedModel, ring};
+use amontons::model::{LumpedModel, equilibrium};
 use amontons::picture::{self, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::stability::candidates::equilibrium_ranges;
@@ -122,7 +122,7 @@ impl Family<'_> {
         let locus = locus(&model_at, &self.states, self.values, &done)?;
         let has_equilibrium = |value: f64| {
             let scene = with(&scene, self.name, value)?;
-            ring::equilibrium(&scene, &LumpedModel::from(&scene)).map(|_| ())
+            equilibrium(&scene, &LumpedModel::from(&scene)).map(|_| ())
         };
         let equilibrium = is_uniform.then(|| equilibrium_ranges(&has_equilibrium, self.values));
         self.members.push(Member { at, locus, equilibrium });

@@ -7,14 +7,18 @@ use amontons::contact::Joined;
 use amontons::model::LumpedModel;
 use amontons::picture::{self, ModeShape, ModeShapes};
 use amontons::stability::modes;
-use std::io::Write;
+use nalgebra::Complex;
+use std::io::{self, Write};
 
 /// Degrees of freedom by name, in their order in a module.
-pub const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
+const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let scene = configured(&arguments.common, arguments.point.friction)?;
+    if arguments.plot.is_some() {
+        scene.require_ring("moving mode shapes are drawn")?;
+    }
     let model = LumpedModel::from(&scene);
     let states = state(arguments.point.state.as_deref(), &scene, &model)?;
     let found = modes(&model, &states, scene.friction_coefficient)?;
@@ -31,18 +35,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
             mode.residual,
             waves(mode.waves),
         )?;
-        let head = DOFS.map(|dof| format!("{dof:>8} {:>8}", "phase")).join("  ");
-        writeln!(out, "  {:>9}  {head}", "")?;
-        for (module, shape) in mode.shape.chunks(DOFS.len()).enumerate() {
-            let values = shape.iter().map(|x| {
-                // −180° and 180° are one, as are −0 and 0.
-                let phase = if x.norm() < 1e-9 { 0.0 } else { x.arg().to_degrees() };
-                let phase = if phase < -179.95 { phase + 360.0 } else { phase };
-                let phase = if phase.abs() < 0.05 { 0.0 } else { phase };
-                format!("{:8.4} {phase:7.1}°", x.norm())
-            });
-            let values = values.collect::<Vec<_>>().join("  ");
-            writeln!(out, "  module[{}]  {values}", module + 1)?;
+        match scene.network() {
+            None => print_modules(&mode.shape, out)?,
+            Some(_) => print_dofs(&scene.dof_names(), &mode.shape, out)?,
         }
     }
     let Some(path) = &arguments.plot else { return Ok(()) };
@@ -70,4 +65,32 @@ fn waves(count: Option<usize>) -> String {
         Some(1) => ", 1 wave around the ring".into(),
         Some(count) => format!(", {count} waves around the ring"),
     }
+}
+
+/// One line a module, its four degrees of freedom side by side.
+fn print_modules(shape: &[Complex<f64>], out: &mut dyn Write) -> io::Result<()> {
+    let head = DOFS.map(|dof| format!("{dof:>8} {:>8}", "phase")).join("  ");
+    writeln!(out, "  {:>9}  {head}", "")?;
+    for (module, shape) in shape.chunks(DOFS.len()).enumerate() {
+        let values: Vec<String> = shape.iter().map(amplitude_and_phase).collect();
+        writeln!(out, "  module[{}]  {}", module + 1, values.join("  "))?;
+    }
+    Ok(())
+}
+
+/// One line a degree of freedom.
+fn print_dofs(names: &[String], shape: &[Complex<f64>], out: &mut dyn Write) -> io::Result<()> {
+    let width = names.iter().map(String::len).max().unwrap_or(0);
+    for (name, x) in names.iter().zip(shape) {
+        writeln!(out, "  {name:width$}  {}", amplitude_and_phase(x))?;
+    }
+    Ok(())
+}
+
+fn amplitude_and_phase(x: &Complex<f64>) -> String {
+    // −180° and 180° are one, as are −0 and 0.
+    let phase = if x.norm() < 1e-9 { 0.0 } else { x.arg().to_degrees() };
+    let phase = if phase < -179.95 { phase + 360.0 } else { phase };
+    let phase = if phase.abs() < 0.05 { 0.0 } else { phase };
+    format!("{:8.4} {phase:7.1}°", x.norm())
 }

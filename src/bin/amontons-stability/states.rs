@@ -1,13 +1,12 @@
 //! `amontons-stability states`.
 
 use crate::arguments::{Format, States};
-use crate::modes::DOFS;
 use crate::{Failure, configured, progress, state};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined, all_states};
-use amontons::model::{Equilibrium, LumpedModel, ring};
+use amontons::model::{self, Equilibrium, LumpedModel};
 use amontons::scene::Scene;
-use amontons::stability::candidates::uniform_sliding;
+use amontons::stability::candidates::{resting_state, uniform_sliding};
 use amontons::stability::{Departure, MAX_CONTACTS, Spectrum, StateClasses, departure, modes};
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
@@ -45,12 +44,12 @@ struct Leaving {
 pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
     let scene = configured(&arguments.common, arguments.point.friction)?;
     let model = LumpedModel::from(&scene);
-    let equilibrium = ring::equilibrium(&scene, &model);
+    let equilibrium = model::equilibrium(&scene, &model);
     if let Err(error) = &equilibrium {
         eprintln!("note: {error}");
     }
     let found = spectra(arguments.point.state.as_deref(), &scene, &model)?;
-    let resting = resting_state(&scene, &model);
+    let resting = resting_state(&model, scene.slider.velocity);
     let rows = found.into_iter().map(|(states, spectrum, alike)| Row {
         has_equilibrium: equilibrium.is_ok() && states == resting,
         states,
@@ -109,13 +108,6 @@ fn spectra(
     Ok(found.collect())
 }
 
-/// The one state in which a scene can be at rest in its own frame: uniform sliding, or all stuck
-/// where the slider stands still.
-fn resting_state(scene: &Scene, model: &LumpedModel) -> Vec<ContactState> {
-    uniform_sliding(model, scene.slider.velocity)
-        .unwrap_or_else(|_| vec![ContactState::Stick; model.contacts.len()])
-}
-
 /// The way from the linear answer to the non-linear one: where each mode of uniform sliding makes a
 /// contact leave it.
 fn departures(
@@ -154,15 +146,16 @@ impl Report {
                 (Joined(states).to_string(), value)
             })
             .collect();
+        let names = self.scene.dof_names();
         let departures = self.departures.iter().flatten().filter_map(|(leaving, departure)| {
             let departure = departure.as_ref()?;
             Some(json!({
                 "frequency_hz": leaving.frequency_hz,
                 "growth_rate": leaving.growth_rate,
                 "amplitude": departure.amplitude,
-                "of": dof_name(departure.dof),
+                "of": names[departure.dof],
                 "speed": departure.amplitude * leaving.rate,
-                "contact": departure.contact + 1,
+                "contact": self.scene.contact_name(departure.contact),
                 "into": departure.into.to_string(),
             }))
         });
@@ -193,7 +186,7 @@ impl Report {
     fn print_table(&self, out: &mut dyn Write) -> Result<(), Failure> {
         let Scene { name, friction_coefficient, .. } = &self.scene;
         writeln!(out, "{name}: eigenvalues / 2π [Hz] at µ = {friction_coefficient}; * grows\n")?;
-        if self.rows.len() == 16 {
+        if self.rows.len() == 16 && self.scene.network().is_none() {
             print_paper_table(&self.rows, out)?;
         } else {
             print_list(&self.rows, out)?;
@@ -216,6 +209,7 @@ impl Report {
             out,
             "Uniform sliding: how large each mode may become before a contact leaves sliding"
         )?;
+        let names = self.scene.dof_names();
         for (Leaving { frequency_hz, rate, .. }, departure) in departures {
             let frequency = match frequency_hz {
                 0.0 => "real".to_owned(),
@@ -227,19 +221,14 @@ impl Report {
             };
             writeln!(
                 out,
-                "  {frequency:>11}  {amplitude:.3e} m of {} ({:.3e} m/s): contact[{}] into {into}",
-                dof_name(*dof),
+                "  {frequency:>11}  {amplitude:.3e} m of {} ({:.3e} m/s): {} into {into}",
+                names[*dof],
                 amplitude * rate,
-                contact + 1,
+                self.scene.contact_name(*contact),
             )?;
         }
         Ok(())
     }
-}
-
-/// The name of a degree of freedom.
-fn dof_name(dof: usize) -> String {
-    format!("module[{}].{}", dof / DOFS.len() + 1, DOFS[dof % DOFS.len()])
 }
 
 /// The eigenvalues of a state as the paper prints them.

@@ -6,7 +6,7 @@ use amontons::Error;
 use amontons::model::LumpedModel;
 use amontons::output::Pending;
 use amontons::package;
-use amontons::scene::{self, Scene};
+use amontons::scene::{self, Scene, Structure};
 use amontons::simulation::catalogue::Causality;
 use amontons::simulation::variables;
 use amontons::stability::critical_step;
@@ -31,9 +31,12 @@ pub fn run(arguments: &Export) -> Result<(), Error> {
 /// What went in: structure, variables, critical step.
 fn print_contents(scene: &Scene) -> Result<(), Error> {
     let model = LumpedModel::from(scene);
+    let kind = match &scene.structure {
+        Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
+        Structure::Network(network) => format!("network of {} masses", network.masses.len()),
+    };
     println!(
-        "  structure      ring of {} modules: {} degrees of freedom, {} contacts",
-        scene.modules.len(),
+        "  structure      {kind}: {} degrees of freedom, {} contacts",
         model.dofs(),
         model.contacts.len()
     );

@@ -13,11 +13,12 @@
 //!
 //! Two structures, one scheme: [`RingForwardIncrement`] for rings of modules, whose Delassus
 //! matrix G M⁻¹ Gᵀ is diagonal, so that Gauss–Seidel is done after one sweep;
-//! [`DenseForwardIncrement`] for anything else.
+//! [`SparseForwardIncrement`] for anything else.
 
-mod dense;
+mod delassus;
 mod multipliers;
 mod ring;
+mod sparse;
 
-pub use dense::DenseForwardIncrement;
 pub use ring::RingForwardIncrement;
+pub use sparse::SparseForwardIncrement;

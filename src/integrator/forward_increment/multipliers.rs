@@ -1,5 +1,6 @@
 //! Gauss–Seidel over the contacts (paper, eqs. 19–24).
 
+use super::delassus::Delassus;
 use crate::contact::LocalProblem;
 use crate::integrator::StepFailure;
 
@@ -23,9 +24,7 @@ pub(super) enum Freedom {
 ///
 /// λ holds (N, T) of each contact, N. W = G M⁻¹ Gᵀ is the Delassus matrix, 1/kg.
 pub(super) struct Multipliers {
-    contacts: usize,
-    /// W by rows, 2m × 2m, normal before tangent.
-    delassus: Vec<f64>,
+    delassus: Delassus,
     /// The accelerations that the contacts would have without their forces, m/s².
     pub(super) free: Vec<[f64; 2]>,
     /// What each contact may do.
@@ -35,10 +34,9 @@ pub(super) struct Multipliers {
 }
 
 impl Multipliers {
-    pub(super) fn new(contacts: usize, delassus: Vec<f64>) -> Self {
-        assert_eq!(delassus.len(), 4 * contacts * contacts);
+    pub(super) fn new(delassus: Delassus) -> Self {
+        let contacts = delassus.contacts();
         Self {
-            contacts,
             delassus,
             free: vec![[0.0; 2]; contacts],
             freedom: vec![Freedom::Any; contacts],
@@ -47,13 +45,13 @@ impl Multipliers {
     }
 
     /// Solves for λ from zero, so that a result depends on nothing but the present; returns the
-    /// number of sweeps. Redundant contacts (two that stick on one mass) have many solutions; the
+    /// number of sweeps. `friction` is µ of each contact. Redundant contacts (two that stick on one mass) have many solutions; the
     /// one reached from zero is taken, and the motion is the same for all.
-    pub(super) fn solve(&mut self, friction: f64) -> Result<u64, StepFailure> {
+    pub(super) fn solve(&mut self, friction: &[f64]) -> Result<u64, StepFailure> {
         self.forces.fill([0.0; 2]);
         for sweep in 1..=MAX_SWEEPS {
             let (mut change, mut largest) = (0.0_f64, f64::MIN_POSITIVE);
-            for contact in 0..self.contacts {
+            for (contact, &friction) in friction.iter().enumerate() {
                 let force = self.solve_one(contact, friction)?;
                 if !force.iter().all(|force| force.is_finite()) {
                     return Err(StepFailure::NoConvergence { sweeps: sweep });
@@ -73,15 +71,13 @@ impl Multipliers {
 
     /// Eqs. (19)–(21) for one contact: its force, those of the others held.
     fn solve_one(&self, contact: usize, friction: f64) -> Result<[f64; 2], StepFailure> {
-        let own = self.block(contact, contact);
+        let own = self.delassus.own(contact);
         let local = LocalProblem { nn: own[0], nt: own[1], tt: own[3] };
         let [mut normal, mut tangential] = self.free[contact];
-        for (other, [n, t]) in self.forces.iter().copied().enumerate() {
-            if other != contact {
-                let w = self.block(contact, other);
-                normal += w[0] * n + w[1] * t;
-                tangential += w[2] * n + w[3] * t;
-            }
+        for &(other, w) in self.delassus.others(contact) {
+            let [n, t] = self.forces[other];
+            normal += w[0] * n + w[1] * t;
+            tangential += w[2] * n + w[3] * t;
         }
         let force = match self.freedom[contact] {
             Freedom::Any => Some(local.solve([normal, tangential], friction)),
@@ -89,13 +85,6 @@ impl Multipliers {
             Freedom::Slipping(direction) => local.slide(normal, friction, direction),
         };
         force.ok_or(StepFailure::Wedged { contact })
-    }
-
-    /// The 2 × 2 block of W between two contacts, by rows.
-    fn block(&self, i: usize, j: usize) -> [f64; 4] {
-        let width = 2 * self.contacts;
-        let at = |row: usize, column: usize| self.delassus[(2 * i + row) * width + 2 * j + column];
-        [at(0, 0), at(0, 1), at(1, 0), at(1, 1)]
     }
 }
 
@@ -112,14 +101,14 @@ mod tests {
             1.0, 0.0, 2.0, 0.0,
             0.0, 0.0, 0.0, 1.0,
         ];
-        Multipliers::new(2, delassus)
+        Multipliers::new(Delassus::from_rows(2, &delassus))
     }
 
     #[test]
     fn coupled_contacts_converge_to_the_direct_solution() {
         let mut problem = coupled();
         problem.free = vec![[-3.0, 0.1], [-3.6, -9.0]];
-        let sweeps = problem.solve(0.5).unwrap();
+        let sweeps = problem.solve(&[0.5; 2]).unwrap();
         // [[2, 1], [1, 2]] N = (3, 3.6): N = (0.8, 1.4); the first sticks, the second slips.
         let expected = [[0.8, -0.1], [1.4, 0.7]];
         for (found, expected) in problem.forces.iter().flatten().zip(expected.iter().flatten()) {
@@ -133,7 +122,7 @@ mod tests {
         let mut problem = coupled();
         // Alone the second would press with 0.5; the first's 2 N lift it.
         problem.free = vec![[-4.0, 0.0], [-1.0, 0.0]];
-        problem.solve(0.5).unwrap();
+        problem.solve(&[0.5; 2]).unwrap();
         assert!((problem.forces[0][0] - 2.0).abs() < 1e-12);
         assert_eq!(problem.forces[1], [0.0, 0.0]);
     }
@@ -148,9 +137,9 @@ mod tests {
             1.0, 0.0, 1.0, 0.0,
             0.0, 1.0, 0.0, 1.0,
         ];
-        let mut problem = Multipliers::new(2, delassus);
+        let mut problem = Multipliers::new(Delassus::from_rows(2, &delassus));
         problem.free = vec![[-2.0, 0.3]; 2];
-        problem.solve(0.5).unwrap();
+        problem.solve(&[0.5; 2]).unwrap();
         let total: f64 = problem.forces.iter().map(|force| force[0]).sum();
         let friction: f64 = problem.forces.iter().map(|force| force[1]).sum();
         assert!((total - 2.0).abs() < 1e-12 && (friction + 0.3).abs() < 1e-12);
@@ -166,9 +155,12 @@ mod tests {
             0.0, 3.0, 1.0, 0.0,
             3.0, 0.0, 0.0, 9.0,
         ];
-        let mut problem = Multipliers::new(2, delassus);
+        let mut problem = Multipliers::new(Delassus::from_rows(2, &delassus));
         problem.freedom = vec![Freedom::Slipping(-1.0); 2];
         problem.free = vec![[-1.0, 0.0]; 2];
-        assert!(matches!(problem.solve(0.5), Err(StepFailure::NoConvergence { sweeps: 2.. })));
+        assert!(matches!(
+            problem.solve(&[0.5; 2]),
+            Err(StepFailure::NoConvergence { sweeps: 2.. })
+        ));
     }
 }

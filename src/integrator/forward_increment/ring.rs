@@ -39,7 +39,12 @@ struct StepConstants {
     per_step: f64,
     /// 1 − h α.
     retained: f64,
-    slider_velocity: f64,
+}
+
+/// What a mass rubs on: v and µ of its contact.
+#[derive(Clone, Copy)]
+struct Surface {
+    velocity: f64,
     friction: f64,
 }
 
@@ -49,7 +54,7 @@ impl RingForwardIncrement {
     pub fn new(model: &LumpedModel) -> Option<Self> {
         let mass = model.mass.as_diagonal()?;
         let count = model.contacts.len();
-        if count == 0 || model.dofs() != MODULE_DOFS * count {
+        if count == 0 || model.dofs() != MODULE_DOFS * count || !model.dampers.is_empty() {
             return None;
         }
         let in_place = |(i, contact): (usize, &crate::model::Contact)| {
@@ -127,13 +132,8 @@ impl Integrator for RingForwardIncrement {
         step: f64,
         count: u64,
     ) -> Result<(), StepFailure> {
-        let constants = StepConstants {
-            step,
-            per_step: 1.0 / step,
-            retained: 1.0 - step * self.damping.alpha,
-            slider_velocity: drive.slider_velocity,
-            friction: drive.friction_coefficient,
-        };
+        let constants =
+            StepConstants { step, per_step: 1.0 / step, retained: 1.0 - step * self.damping.alpha };
         self.strain(motion);
         let beta = self.damping.beta;
         // In slices of one length no index needs a check.
@@ -143,6 +143,8 @@ impl Integrator for RingForwardIncrement {
         let x = &mut motion.displacement.as_chunks_mut().0[..modules];
         let v = &mut motion.velocity.as_chunks_mut().0[..modules];
         let contacts = &mut motion.contacts[..modules];
+        let velocities = &drive.slider_velocity[..modules];
+        let frictions = &drive.friction_coefficient[..modules];
         let (mut changes, mut touch_downs) = (0, 0);
         for _ in 0..count {
             // Neighbours act with what they had before the step; these two are overwritten too early.
@@ -152,7 +154,9 @@ impl Integrator for RingForwardIncrement {
                 let own = w[i];
                 let after = if i + 1 < modules { w[i + 1] } else { first };
                 let force = blocks[i].force(&load[i], &own, &before, &after);
-                let (moved, moving, state) = constants.step_module(&blocks[i], &force, x[i], v[i]);
+                let surface = Surface { velocity: velocities[i], friction: frictions[i] };
+                let (moved, moving, state) =
+                    constants.step_module(&blocks[i], &force, surface, x[i], v[i]);
                 (x[i], v[i], w[i]) = (moved, moving, strain(&moved, &moving, beta));
                 before = own;
                 if state != contacts[i] {
@@ -190,14 +194,14 @@ impl Integrator for RingForwardIncrement {
                 let drag = self.damping.alpha * self.blocks[i].mass[place];
                 force[place] - drag * motion.velocity[dof]
             };
-            let slip = drive.slider_velocity - motion.velocity[tangent];
+            let slip = drive.slider_velocity[i] - motion.velocity[tangent];
             let pressing = -damped(NORMAL, normal);
             let open = motion.displacement[normal] > 0.0 || motion.velocity[normal] > 0.0;
             *out = if open || pressing < 0.0 {
                 ContactForce::detached(slip)
             } else {
                 let holding = -damped(TANGENT, tangent);
-                ContactForce::closed(drive.friction_coefficient, pressing, slip, holding)
+                ContactForce::closed(drive.friction_coefficient[i], pressing, slip, holding)
             };
         }
         Ok(())
@@ -215,6 +219,7 @@ impl StepConstants {
         &self,
         block: &Block,
         force: &Vector,
+        surface: Surface,
         mut x: Vector,
         v: Vector,
     ) -> (Vector, Vector, ContactState) {
@@ -225,11 +230,11 @@ impl StepConstants {
         let mut new = [predicted(0, force[0]), predicted(1, force[1]), 0.0, 0.0];
         // Multipliers, eq. (16), and corrector, eqs. (17), (18).
         let state = if let Some(normal_force) = self.normal_force(block, force, &x, &v) {
-            let lag = self.slider_velocity - v[TANGENT] * self.retained;
+            let lag = surface.velocity - v[TANGENT] * self.retained;
             let holding = block.mass[TANGENT] * lag * self.per_step - force[TANGENT];
-            let (friction, state) = coulomb(holding, self.friction * normal_force);
+            let (friction, state) = coulomb(holding, surface.friction * normal_force);
             new[TANGENT] = if state == ContactState::Stick {
-                self.slider_velocity
+                surface.velocity
             } else {
                 predicted(TANGENT, force[TANGENT] + friction)
             };

@@ -42,6 +42,13 @@ pub(super) fn taken(schema: &Value) -> Vec<&str> {
     }
 }
 
+/// The kinds that a schema takes, in one or other of its alternatives.
+fn kinds(schema: &Value) -> Vec<&str> {
+    let mut kinds: Vec<&str> = alternatives(schema).into_iter().flat_map(taken).collect();
+    kinds.dedup();
+    kinds
+}
+
 /// Does a schema without alternatives take a value of this kind? A whole number is a number too.
 pub(super) fn takes(schema: &Value, kind: &str) -> bool {
     let kinds = taken(schema);
@@ -73,17 +80,20 @@ pub(super) fn spoken(value: &DeValue<'_>) -> String {
     }
 }
 
-/// What a schema wants, as a person would say it: "a number, or a list of numbers".
-pub(super) fn wanted(schema: &Value) -> String {
+/// What a schema wants, as a person would say it: "a number", "a list of numbers".
+pub(super) fn wishes(schema: &Value) -> Vec<String> {
     let mut wishes: Vec<String> = Vec::new();
-    for part in alternatives(schema) {
+    let parts = alternatives(schema);
+    let words: Vec<&str> = parts.iter().flat_map(|part| words(part)).collect();
+    for part in parts {
         for kind in taken(part) {
             let items = part.get("items").filter(|_| kind == "array");
-            let wish = match items.map(|items| taken(items)).as_deref() {
+            let wish = match items.map(kinds).as_deref() {
                 Some(["number"]) => "a list of numbers".to_owned(),
                 Some(["integer"]) => "a list of whole numbers".to_owned(),
                 Some(["string"]) => "a list of texts".to_owned(),
                 Some(["object"]) => "a list of tables".to_owned(),
+                None if kind == "string" && !words.is_empty() => quoted(&words),
                 _ => spoken_kind(kind).to_owned(),
             };
             if !wishes.contains(&wish) {
@@ -91,7 +101,13 @@ pub(super) fn wanted(schema: &Value) -> String {
             }
         }
     }
-    wishes.join(", or ")
+    wishes
+}
+
+/// Words as a file has them, as a choice.
+pub(super) fn quoted(words: &[&str]) -> String {
+    let words: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
+    words.join(" or ")
 }
 
 /// How a value of what the schema wants is written, as an example for this key.
@@ -103,13 +119,13 @@ pub(super) fn example(key: &str, schema: &Value) -> Option<String> {
         "integer" => "2".to_owned(),
         "number" => "0.5".to_owned(),
         "boolean" => "true".to_owned(),
-        "array" if part.get("items").is_some_and(|items| taken(items) == ["object"]) => {
+        "array" if part.get("items").is_some_and(|items| kinds(items) == ["object"]) => {
             return Some(format!("[[{key}]]"));
         }
         "array" => {
             let items = part.get("items").and_then(|items| example("", items))?;
             let item = items.trim_start_matches(" = ").to_owned();
-            let count = part.get("minItems").and_then(Value::as_u64).unwrap_or(2).clamp(1, 9);
+            let count = part.get("minItems").and_then(Value::as_u64).unwrap_or(1).clamp(1, 9);
             format!("[{}]", vec![item; usize::try_from(count).ok()?].join(", "))
         }
         "object" => return Some(format!("[{key}]")),

@@ -56,7 +56,8 @@ pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
     let (mut document, errors) = DeTable::parse_recoverable(text);
     let mut problems = syntax::problems(text, &errors);
     let is_whole = problems.is_empty();
-    let walked = walk::problems(&mut document, &schema::<T>(), text.trim_end().len());
+    let end = text.trim_end().len();
+    let walked = walk::problems(&mut document, &schema::<T>(), end);
     problems.extend(
         walked
             .into_iter()
@@ -71,7 +72,7 @@ pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
                 Ok(_) => {}
                 Err(found) => {
                     for problem in found {
-                        let problem = place::locate(document.get_ref(), problem);
+                        let problem = place::locate(document.get_ref(), problem, end);
                         // What the walk has said about a place is not said again.
                         if !problems.iter().any(|known| known.span == problem.span) {
                             problems.push(problem);

@@ -10,6 +10,8 @@ pub(super) struct Keys<'s> {
     pub(super) properties: Vec<(&'s str, &'s Value)>,
     /// Those that must be there.
     pub(super) required: Vec<&'s str>,
+    /// Those that must be there beside another key.
+    pub(super) required_by: Vec<(&'s str, Vec<&'s str>)>,
     /// The schema of values under other keys, if those may be there.
     pub(super) others: Option<&'s Value>,
     /// May there be no other keys?
@@ -18,11 +20,17 @@ pub(super) struct Keys<'s> {
 
 impl<'s> Keys<'s> {
     pub(super) fn of(schemas: &[&'s Value]) -> Self {
-        let mut keys =
-            Self { properties: Vec::new(), required: Vec::new(), others: None, is_closed: false };
+        let mut keys = Self {
+            properties: Vec::new(),
+            required: Vec::new(),
+            required_by: Vec::new(),
+            others: None,
+            is_closed: false,
+        };
         for schema in schemas {
             keys.properties.extend(properties(schema));
             keys.required.extend(required(schema));
+            keys.required_by.extend(dependencies(schema));
             match schema.get("additionalProperties") {
                 Some(Value::Bool(false)) => keys.is_closed = true,
                 other => keys.others = keys.others.or(other.filter(|other| other.is_object())),
@@ -44,6 +52,14 @@ pub(super) fn properties(schema: &Value) -> impl Iterator<Item = (&str, &Value)>
 fn required(schema: &Value) -> impl Iterator<Item = &str> {
     let required = schema.get("required").and_then(Value::as_array);
     required.into_iter().flatten().filter_map(Value::as_str)
+}
+
+fn dependencies(schema: &Value) -> impl Iterator<Item = (&str, Vec<&str>)> {
+    let dependencies = schema.get("dependencies").and_then(Value::as_object);
+    dependencies.into_iter().flat_map(Map::iter).map(|(key, others)| {
+        let others = others.as_array().into_iter().flatten().filter_map(Value::as_str);
+        (&**key, others.collect())
+    })
 }
 
 /// Which of several alternatives a table is.

@@ -5,9 +5,10 @@ use std::ops::Range;
 use toml::de::{DeArray, DeTable, DeValue};
 
 /// Finds a problem's place: its path, or as much of it as the document has (a number that stands for
-/// a whole list has no items). The title then names what was found.
-pub(super) fn locate(document: &DeTable<'_>, problem: Problem) -> Located {
-    let mut span = 0..0;
+/// a whole list has no items). The title then names what was found. `end` is the place of what is not
+/// there at all.
+pub(super) fn locate(document: &DeTable<'_>, problem: Problem, end: usize) -> Located {
+    let mut span = end..end;
     let mut found = String::new();
     let mut table = Some(document);
     for part in problem.path.split('.') {

@@ -107,7 +107,8 @@ fn each_kind_of_type_has_its_messages() {
             "",
             &[
                 "the file has neither `ring` nor `spring`",
-                "= help: give one of them: `ring` or `spring`",
+                "= help: give one of them: `ring = …`",
+                "or `[[spring]]`",
             ],
         ),
         (
@@ -117,7 +118,10 @@ fn each_kind_of_type_has_its_messages() {
                 "= help: give one of them, and leave the other out",
             ],
         ),
-        ("[[spring]]\nbetween = [\"a\"]", &["spring[1].between: has 1 item, must have 2"]),
+        (
+            "[[spring]]\nbetween = [\"a\"]",
+            &["spring[1].between: has 1 item, must have 2", "= help: The two masses"],
+        ),
         (
             "[[spring]]\nbetween = [\"a\", 2]",
             &["spring[1].between[2]: must be a text, not 2", "= help: write it in quotes"],
@@ -152,7 +156,8 @@ fn each_kind_of_type_has_its_messages() {
             "ring = 1\nlaw = {}",
             &[
                 "[law] has neither `coefficient` nor `resting`",
-                "= help: give one of them: `coefficient` or `resting`",
+                "= help: give one of them: `coefficient = …`",
+                "or `resting = …`",
             ],
         ),
         ("ring = 1\nlaw = { resting = 1 }", &["[law] lacks `moving`", "= help: add `moving = …`"]),

@@ -1,8 +1,8 @@
 //! A document held against a schema.
 
-use super::kind::{self, alternatives, found, takes};
+use super::kind::{self, alternatives, found, quoted, takes};
 use super::object::{Choice, Keys, choose, properties};
-use super::wording::{addition, no_such_word, quoted, table_name, wrong_kind};
+use super::wording::{addition, no_such_word, table_name, wrong_kind};
 use super::{Located, number};
 use crate::scene::Problem;
 use crate::scene::nearest::nearest;
@@ -72,7 +72,7 @@ impl<'s> Walk<'s> {
             DeValue::String(text) => {
                 let words: Vec<&str> = parts.iter().flat_map(|part| kind::words(part)).collect();
                 if !words.is_empty() && !words.contains(&&**text) {
-                    self.report(span, &no_such_word(path, text, &words));
+                    self.report(span, &no_such_word(path, text, &words, Some(schema)));
                 }
             }
             DeValue::Array(list) => self.list(list, span, parts[0], path),
@@ -94,7 +94,8 @@ impl<'s> Walk<'s> {
             };
             let items = if length == 1 { "item" } else { "items" };
             let message = format!("has {length} {items}, must have {wish}");
-            self.report(span, &Problem::new(path, message));
+            let help = kind::meaning(schema).unwrap_or_default();
+            self.report(span, &Problem::new(path, message).help(help));
         }
         for (i, item) in list.iter_mut().enumerate() {
             // One schema for all items, or one for each.
@@ -135,7 +136,7 @@ impl<'s> Walk<'s> {
             choice => {
                 // What the other keys must be depends on the choice.
                 known = Keys::of(base);
-                self.no_choice(table, &span, choice, path);
+                self.no_choice(table, &span, (choice, &together(&choices)), path);
             }
         }
         self.missing_keys(table, &span, &known, path);
@@ -185,9 +186,11 @@ impl<'s> Walk<'s> {
         }
         properties(self.root).find_map(|(table, schema)| {
             let items = schema.get("items").filter(|items| items.is_object());
-            let mut keys = properties(items.unwrap_or(schema));
+            let mut keys = alternatives(items.unwrap_or(schema)).into_iter().flat_map(properties);
             let name = if items.is_some() { format!("[[{table}]]") } else { format!("[{table}]") };
-            keys.any(|(known, _)| known == key).then(|| format!("it is a key of {name}"))
+            let is_other = table_name(path) != name;
+            (is_other && keys.any(|(known, _)| known == key))
+                .then(|| format!("it is a key of {name}"))
         })
     }
 
@@ -198,8 +201,10 @@ impl<'s> Walk<'s> {
         known: &Keys<'s>,
         path: &str,
     ) {
+        let required_by = known.required_by.iter().filter(|(key, _)| table.contains_key(*key));
+        let required = required_by.flat_map(|(_, others)| others).chain(&known.required);
         let missing: Vec<&str> =
-            known.required.iter().filter(|key| !table.contains_key(**key)).copied().collect();
+            required.filter(|key| !table.contains_key(**key)).copied().collect();
         let help: Vec<String> =
             missing.iter().map(|key| addition(key, known.schema(key))).collect();
         self.lack(span, &missing, &help, path);
@@ -220,7 +225,7 @@ impl<'s> Walk<'s> {
         &mut self,
         table: &DeTable<'_>,
         span: &Range<usize>,
-        choice: Choice<'_>,
+        (choice, known): (Choice<'_>, &Keys<'s>),
         path: &str,
     ) {
         let listed = |keys: &[&str], word: &str| {
@@ -231,7 +236,15 @@ impl<'s> Walk<'s> {
             Choice::One(_) => {}
             Choice::Neither(keys) => {
                 let title = format!("{} has neither {}", table_name(path), listed(&keys, " nor "));
-                let help = format!("give one of them: {}", listed(&keys, " or "));
+                let with = |key: &&str| {
+                    let mut added = addition(key, known.schema(key));
+                    for (_, others) in known.required_by.iter().filter(|(by, _)| by == key) {
+                        added += &format!(", with {}", listed(others, " and "));
+                    }
+                    added
+                };
+                let additions: Vec<String> = keys.iter().map(with).collect();
+                let help = format!("give one of them: {}", additions.join("\nor "));
                 let problem = Located { span: span.clone(), title, help };
                 self.met.push(Walked { problem, is_lack: true });
             }
@@ -246,7 +259,8 @@ impl<'s> Walk<'s> {
             Choice::NoSuch(tag, names) => match table.get(tag) {
                 Some(value) => {
                     let given = value.get_ref().as_str().unwrap_or_default();
-                    self.report(value.span(), &no_such_word(&join(path, tag), given, &names));
+                    let problem = no_such_word(&join(path, tag), given, &names, None);
+                    self.report(value.span(), &problem);
                 }
                 None => {
                     let help = format!("`{tag}` = {}", quoted(&names));

@@ -1,6 +1,6 @@
 //! How the walk's problems are worded.
 
-use super::kind::{self, alternatives, spoken, takes, wanted};
+use super::kind::{self, alternatives, quoted, spoken, takes, wishes};
 use crate::scene::Problem;
 use crate::scene::nearest::nearest;
 use serde_json::Value;
@@ -21,18 +21,18 @@ pub(super) fn table_name(path: &str) -> String {
     if is_item { format!("[[{name}]]") } else { format!("[{name}]") }
 }
 
-/// Words as a file has them, as a choice.
-pub(super) fn quoted(words: &[&str]) -> String {
-    let words: Vec<String> = words.iter().map(|word| format!("\"{word}\"")).collect();
-    words.join(" or ")
-}
-
-/// A text that is none of the words that are possible.
-pub(super) fn no_such_word(path: &str, text: &str, words: &[&str]) -> Problem {
-    let problem = Problem::new(path, format!("must be {}", quoted(words))).of(format!("{text:?}"));
+/// A text that is none of the words that are possible; what the schema takes, if it is not these alone.
+pub(super) fn no_such_word(
+    path: &str,
+    text: &str,
+    words: &[&str],
+    schema: Option<&Value>,
+) -> Problem {
+    let wish = schema.map_or_else(|| quoted(words), |schema| wishes(schema).join(", or "));
+    let problem = Problem::new(path, format!("must be {wish}")).of(format!("{text:?}"));
     match nearest(text, words.iter().copied()) {
         Some(meant) => problem.help(format!("did you mean \"{meant}\"?")),
-        None => problem,
+        None => problem.help(schema.and_then(kind::meaning).unwrap_or_default()),
     }
 }
 
@@ -53,7 +53,7 @@ pub(super) fn addition(key: &str, schema: Option<&Value>) -> String {
 pub(super) fn wrong_kind(value: &DeValue<'_>, schema: &Value, path: &str) -> Problem {
     let key = path.rsplit('.').next().unwrap_or(path).split('[').next().unwrap_or(path);
     let is_item = path.ends_with(']');
-    let wishes = wanted(schema);
+    let wishes = wishes(schema).join(", or ");
     let takes = |kind: &str| alternatives(schema).into_iter().any(|part| takes(part, kind));
     let write =
         |value: &str| if is_item { format!("`{value}`") } else { format!("`{key} = {value}`") };

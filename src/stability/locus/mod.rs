@@ -240,8 +240,8 @@ mod tests {
         // ground springs (none in phase, four times k1 and k2 out of phase). In uniform sliding x4 = 0,
         // so σ are the roots of a cubic whose discriminant changes sign where two of them merge.
         let scene = builtin("set1").unwrap().scene();
-        let [k1, k2, k3, k4, k5, k6] = scene.modules[0].stiffness;
-        let [m1, m2] = scene.modules[0].mass;
+        let [k1, k2, k3, k4, k5, k6] = scene.modules()[0].stiffness;
+        let [m1, m2] = scene.modules()[0].mass;
         let (s, c) = scene.slider.angle.sin_cos();
         let discriminant = |links: f64, mu: f64| {
             let (kx, ky) = (k4 + k6 + links * k1, k3 + k5 + links * k2);
@@ -297,10 +297,10 @@ mod tests {
         // at their other ends. Two modules out of phase are such a wave with the factor 4.
         let scene = builtin("set1").unwrap().scene();
         let mut ring = scene.clone();
-        ring.modules = vec![scene.modules[0]; 5];
+        *ring.modules_mut() = vec![scene.modules()[0]; 5];
         let merging = |factor: f64| {
             let mut two = scene.clone();
-            for module in &mut two.modules {
+            for module in two.modules_mut() {
                 module.stiffness[0] *= 0.25 * factor;
                 module.stiffness[1] *= 0.25 * factor;
             }
@@ -337,8 +337,8 @@ mod tests {
     fn modules_that_nothing_joins_merge_each_on_its_own() {
         // Three copies of everything, in a state that is not uniform and so is followed as a whole.
         let mut scene = builtin("set1").unwrap().scene();
-        scene.modules = vec![scene.modules[0]; 3];
-        for module in &mut scene.modules {
+        *scene.modules_mut() = vec![scene.modules()[0]; 3];
+        for module in scene.modules_mut() {
             module.stiffness[0] = 0.0;
             module.stiffness[1] = 0.0;
         }

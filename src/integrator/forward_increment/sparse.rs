@@ -1,27 +1,29 @@
-//! The scheme on a model of any structure: full mass matrix, contacts in any directions.
+//! The scheme on a model of any structure: any mass matrix, contacts in any directions.
 
+use super::delassus::Delassus;
 use super::multipliers::{Freedom, Multipliers};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Integrator, Motion, StepFailure};
-use crate::model::{Contact, Damping, LumpedModel, SparseMatrix};
+use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 
-/// Forward increment Lagrange multipliers on dense matrices; for small models.
-pub struct DenseForwardIncrement {
+/// Forward increment Lagrange multipliers on sparse matrices: a step costs as much as M, K and D have
+/// entries, and the contacts that share masses.
+pub struct SparseForwardIncrement {
     mass: SparseMatrix,
     stiffness: SparseMatrix,
     damping: Damping,
+    dampers: SparseMatrix,
     contacts: Vec<Contact>,
-    /// M⁻¹ by rows.
-    inverse_mass: Vec<f64>,
+    inverse_mass: SparseMatrix,
     /// M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
-    responses: Vec<[Vec<f64>; 2]>,
+    responses: Vec<[Direction; 2]>,
     multipliers: Multipliers,
     force: Vec<f64>,
     acceleration: Vec<f64>,
 }
 
-impl DenseForwardIncrement {
+impl SparseForwardIncrement {
     /// The integrator for this model.
     ///
     /// # Errors
@@ -31,27 +33,26 @@ impl DenseForwardIncrement {
         let inverse_mass = inverse(&model.mass).ok_or_else(|| {
             Error::scene("the mass matrix must be symmetric and positive definite")
         })?;
-        let response = |direction: &crate::model::Direction| {
-            let mut unit = vec![0.0; dofs];
-            direction.add_to(&mut unit, 1.0);
-            let mut response = vec![0.0; dofs];
-            multiply(&inverse_mass, &unit, &mut response);
-            response
+        // M⁻¹ is symmetric: its rows are its columns.
+        let response = |direction: &Direction| {
+            let parts = direction.0.iter().flat_map(|&(dof, value)| {
+                inverse_mass.row(dof).map(move |(row, inverse)| (row, 0, inverse * value))
+            });
+            let column = SparseMatrix::from_entries(dofs, parts.collect());
+            Direction(column.entries().map(|(row, _, value)| (row, value)).collect())
         };
-        let responses: Vec<[Vec<f64>; 2]> = model
+        let responses: Vec<[Direction; 2]> = model
             .contacts
             .iter()
             .map(|contact| [response(&contact.normal), response(&contact.tangent)])
             .collect();
-        let rows = model.contacts.iter().flat_map(|contact| [&contact.normal, &contact.tangent]);
-        let delassus = rows
-            .flat_map(|row| responses.iter().flatten().map(move |response| row.dot(response)))
-            .collect();
+        let delassus = Delassus::new(&model.contacts, &responses, dofs);
         Ok(Self {
             mass: model.mass.clone(),
             stiffness: model.stiffness.clone(),
             damping: model.damping,
-            multipliers: Multipliers::new(model.contacts.len(), delassus),
+            dampers: model.dampers.clone(),
+            multipliers: Multipliers::new(delassus),
             contacts: model.contacts.clone(),
             inverse_mass,
             responses,
@@ -71,14 +72,21 @@ impl DenseForwardIncrement {
                 .fold(0.0, |sum, (column, k)| sum + k * (x[column] + beta * v[column]));
             *force = drive.force[row] - springs - alpha * self.mass.row_times(row, v);
         }
-        multiply(&self.inverse_mass, &self.force, &mut self.acceleration);
+        if !self.dampers.is_empty() {
+            for (row, force) in self.force.iter_mut().enumerate() {
+                *force -= self.dampers.row_times(row, v);
+            }
+        }
+        for (row, acceleration) in self.acceleration.iter_mut().enumerate() {
+            *acceleration = self.inverse_mass.row_times(row, &self.force);
+        }
     }
 
     fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
         self.free_acceleration(motion, drive);
         for (i, contact) in self.contacts.iter().enumerate() {
             let normal = contact.normal.dot(&motion.velocity);
-            let slip = contact.tangent.dot(&motion.velocity) - drive.slider_velocity;
+            let slip = contact.tangent.dot(&motion.velocity) - drive.slider_velocity[i];
             // A closed contact has no gap: a rounding error of one would be an impulse gap/h.
             let gap = match motion.contacts[i] {
                 // Below zero it is what rounding leaves when a contact opens.
@@ -91,17 +99,15 @@ impl DenseForwardIncrement {
                 contact.tangent.dot(&self.acceleration) + slip / h,
             ];
         }
-        let sweeps = self.multipliers.solve(drive.friction_coefficient)?;
+        let sweeps = self.multipliers.solve(&drive.friction_coefficient)?;
         let statistics = &mut motion.statistics;
         statistics.steps += 1;
         statistics.sweeps += sweeps;
         statistics.most_sweeps = statistics.most_sweeps.max(sweeps);
 
         for (force, responses) in self.multipliers.forces.iter().zip(&self.responses) {
-            for (force, response) in force.iter().zip(responses) {
-                for (a, r) in self.acceleration.iter_mut().zip(response) {
-                    *a += force * r;
-                }
+            for (&force, response) in force.iter().zip(responses) {
+                response.add_to(&mut self.acceleration, force);
             }
         }
         for (v, a) in motion.velocity.iter_mut().zip(&self.acceleration) {
@@ -114,17 +120,17 @@ impl DenseForwardIncrement {
     /// Moves the masses on; where a contact lies along a degree of freedom, its gap and its slip
     /// become exact zeros, so that the tolerance of the multipliers leaves no drift.
     fn settle(&self, motion: &mut Motion, drive: &Drive, h: f64) {
-        let forces = self.multipliers.forces.iter();
-        for ((contact, &force), old) in self.contacts.iter().zip(forces).zip(&mut motion.contacts) {
-            let slip = drive.slider_velocity - contact.tangent.dot(&motion.velocity);
-            let state = state_of(force, drive.friction_coefficient, slip);
+        for (i, (contact, old)) in self.contacts.iter().zip(&mut motion.contacts).enumerate() {
+            let force = self.multipliers.forces[i];
+            let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
+            let state = state_of(force, drive.friction_coefficient[i], slip);
             if state != *old {
                 motion.statistics.state_changes += 1;
                 motion.statistics.touch_downs += u64::from(*old == ContactState::Detached);
                 *old = state;
             }
             if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
-                motion.velocity[dof] = drive.slider_velocity;
+                motion.velocity[dof] = drive.slider_velocity[i];
             }
         }
         let closed = |i: usize| motion.contacts[i] != ContactState::Detached;
@@ -144,7 +150,7 @@ impl DenseForwardIncrement {
     }
 }
 
-impl Integrator for DenseForwardIncrement {
+impl Integrator for SparseForwardIncrement {
     fn advance(
         &mut self,
         motion: &mut Motion,
@@ -166,7 +172,7 @@ impl Integrator for DenseForwardIncrement {
     ) -> Result<(), StepFailure> {
         self.free_acceleration(motion, drive);
         for (i, contact) in self.contacts.iter().enumerate() {
-            let slip = drive.slider_velocity - contact.tangent.dot(&motion.velocity);
+            let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
             self.multipliers.freedom[i] = match motion.contacts[i] {
                 ContactState::Detached => Freedom::Open,
                 ContactState::Stick => Freedom::Any,
@@ -176,15 +182,15 @@ impl Integrator for DenseForwardIncrement {
             self.multipliers.free[i] =
                 [contact.normal.dot(&self.acceleration), contact.tangent.dot(&self.acceleration)];
         }
-        self.multipliers.solve(drive.friction_coefficient)?;
+        self.multipliers.solve(&drive.friction_coefficient)?;
         for (i, out) in forces.iter_mut().enumerate() {
             let force = self.multipliers.forces[i];
             let slip = match motion.contacts[i] {
                 ContactState::Stick => 0.0,
-                _ => drive.slider_velocity - self.contacts[i].tangent.dot(&motion.velocity),
+                _ => drive.slider_velocity[i] - self.contacts[i].tangent.dot(&motion.velocity),
             };
             *out = ContactForce {
-                state: state_of(force, drive.friction_coefficient, slip),
+                state: state_of(force, drive.friction_coefficient[i], slip),
                 normal_force: force[0],
                 friction_force: force[1],
                 slip_velocity: slip,
@@ -202,7 +208,9 @@ impl Integrator for DenseForwardIncrement {
 fn state_of([normal, tangential]: [f64; 2], friction: f64, slip: f64) -> ContactState {
     if normal <= 0.0 {
         ContactState::Detached
-    } else if tangential.abs() < friction * normal {
+    } else if tangential.abs() < friction * normal
+        || (slip == 0.0 && tangential.abs() <= friction * normal)
+    {
         ContactState::Stick
     } else if tangential > 0.0 || (tangential == 0.0 && slip > 0.0) {
         ContactState::Slide
@@ -211,15 +219,18 @@ fn state_of([normal, tangential]: [f64; 2], friction: f64, slip: f64) -> Contact
     }
 }
 
-/// `matrix` (by rows) times `vector`.
-fn multiply(matrix: &[f64], vector: &[f64], product: &mut [f64]) {
-    for (row, out) in matrix.chunks_exact(vector.len()).zip(product) {
-        *out = row.iter().zip(vector).fold(0.0, |sum, (a, b)| sum + a * b);
+/// The inverse of a mass matrix; `None` if it is not positive definite.
+fn inverse(matrix: &SparseMatrix) -> Option<SparseMatrix> {
+    match matrix.as_diagonal() {
+        Some(masses) => masses.iter().all(|&mass| mass > 0.0).then(|| {
+            SparseMatrix::diagonal(&masses.iter().map(|mass| 1.0 / mass).collect::<Vec<_>>())
+        }),
+        None => full_inverse(matrix),
     }
 }
 
-/// The inverse by rows, through Cholesky's factors; `None` if not positive definite.
-fn inverse(matrix: &SparseMatrix) -> Option<Vec<f64>> {
+/// The inverse through Cholesky's factors, for small matrices; `None` if not positive definite.
+fn full_inverse(matrix: &SparseMatrix) -> Option<SparseMatrix> {
     let n = matrix.rows();
     let mut lower = vec![0.0; n * n];
     for i in 0..n {
@@ -235,7 +246,7 @@ fn inverse(matrix: &SparseMatrix) -> Option<Vec<f64>> {
             };
         }
     }
-    let mut inverse = vec![0.0; n * n];
+    let mut inverse = Vec::with_capacity(n * n);
     for column in 0..n {
         let mut x = vec![0.0; n];
         x[column] = 1.0;
@@ -247,9 +258,7 @@ fn inverse(matrix: &SparseMatrix) -> Option<Vec<f64>> {
             let known = (i + 1..n).fold(0.0, |sum, k| sum + lower[k * n + i] * x[k]);
             x[i] = (x[i] - known) / lower[i * n + i];
         }
-        for i in 0..n {
-            inverse[i * n + column] = x[i];
-        }
+        inverse.extend(x.into_iter().enumerate().map(|(row, value)| (row, column, value)));
     }
-    Some(inverse)
+    Some(SparseMatrix::from_entries(n, inverse))
 }

@@ -1,0 +1,110 @@
+//! The Delassus matrix W = G M⁻¹ Gᵀ, 1/kg, as the blocks of the contacts that share masses.
+
+use crate::model::{Contact, Direction};
+
+/// The 2 × 2 block of W between two contacts, by rows, normal before tangent.
+type Block = [f64; 4];
+
+/// W by rows of contacts.
+pub(super) struct Delassus {
+    /// Each contact's own block.
+    own: Vec<Block>,
+    /// Where the blocks of each contact with others begin in `others`.
+    offsets: Vec<usize>,
+    /// The other contacts, ascending, with their blocks.
+    others: Vec<(usize, Block)>,
+}
+
+impl Delassus {
+    /// W of contacts whose `responses` are M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
+    pub(super) fn new(contacts: &[Contact], responses: &[[Direction; 2]], dofs: usize) -> Self {
+        let mut moved_by = vec![Vec::new(); dofs];
+        for (contact, pair) in responses.iter().enumerate() {
+            for &(dof, _) in pair.iter().flat_map(|response| &response.0) {
+                moved_by[dof].push(contact);
+            }
+        }
+        let mut delassus = Self { own: Vec::new(), offsets: vec![0], others: Vec::new() };
+        for (i, contact) in contacts.iter().enumerate() {
+            let rows = [&contact.normal, &contact.tangent];
+            let block = |j: usize| -> Block {
+                let [[nn, nt], [tn, tt]] =
+                    rows.map(|row| [0, 1].map(|k| dot(row, &responses[j][k])));
+                [nn, nt, tn, tt]
+            };
+            let touched = rows.iter().flat_map(|row| &row.0).flat_map(|&(dof, _)| &moved_by[dof]);
+            let mut others: Vec<usize> = touched.copied().filter(|&j| j != i).collect();
+            others.sort_unstable();
+            others.dedup();
+            delassus.own.push(block(i));
+            delassus.others.extend(others.into_iter().map(|j| (j, block(j))));
+            delassus.offsets.push(delassus.others.len());
+        }
+        delassus
+    }
+
+    /// Number of contacts.
+    pub(super) fn contacts(&self) -> usize {
+        self.own.len()
+    }
+
+    /// A contact's own block.
+    pub(super) fn own(&self, contact: usize) -> Block {
+        self.own[contact]
+    }
+
+    /// The contacts that share masses with one, ascending, with their blocks.
+    pub(super) fn others(&self, contact: usize) -> &[(usize, Block)] {
+        &self.others[self.offsets[contact]..self.offsets[contact + 1]]
+    }
+
+    /// From the full matrix, by rows.
+    #[cfg(test)]
+    pub(super) fn from_rows(contacts: usize, rows: &[f64]) -> Self {
+        let at = |row: usize, column: usize| rows[row * 2 * contacts + column];
+        let block = |i: usize, j: usize| {
+            let (i, j) = (2 * i, 2 * j);
+            [at(i, j), at(i, j + 1), at(i + 1, j), at(i + 1, j + 1)]
+        };
+        let others =
+            |i: usize| (0..contacts).filter(move |&j| j != i).map(move |j| (j, block(i, j)));
+        Self {
+            own: (0..contacts).map(|i| block(i, i)).collect(),
+            offsets: (0..=contacts).map(|i| i * (contacts - 1)).collect(),
+            others: (0..contacts).flat_map(others).collect(),
+        }
+    }
+}
+
+/// The product of two sparse vectors.
+fn dot(a: &Direction, b: &Direction) -> f64 {
+    let part = |&(dof, value): &(usize, f64)| {
+        let matching = b.0.iter().filter(move |other| other.0 == dof);
+        matching.fold(0.0, |sum, other| sum + value * other.1)
+    };
+    a.0.iter().map(part).fold(0.0, |sum, part| sum + part)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn contacts_are_coupled_through_the_masses_that_they_share_alone() {
+        // Contact 1 rubs on the mass of contact 0; contact 2 is elsewhere. All masses are 2 kg.
+        let difference = |a, b| Direction(vec![(a, 1.0), (b, -1.0)]);
+        let contacts = [
+            Contact::new(Direction::unit(0), Direction::unit(1)),
+            Contact::new(difference(2, 0), difference(3, 1)),
+            Contact::new(Direction::unit(4), Direction::unit(5)),
+        ];
+        let half = |d: &Direction| Direction(d.0.iter().map(|&(i, v)| (i, 0.5 * v)).collect());
+        let responses = contacts.each_ref().map(|c| [half(&c.normal), half(&c.tangent)]);
+        let delassus = Delassus::new(&contacts, &responses, 6);
+        assert_eq!(delassus.own(0), [0.5, 0.0, 0.0, 0.5]);
+        assert_eq!(delassus.own(1), [1.0, 0.0, 0.0, 1.0]);
+        assert_eq!(delassus.others(0), [(1, [-0.5, 0.0, 0.0, -0.5])]);
+        assert_eq!(delassus.others(1), [(0, [-0.5, 0.0, 0.0, -0.5])]);
+        assert!(delassus.others(2).is_empty());
+    }
+}

@@ -1,0 +1,143 @@
+//! Which scenes are possible.
+
+use super::{Experiment, Problem, Rule, Scene, Structure, network_check, problem, ring};
+use crate::Error;
+
+/// The most rows of results that a run may have.
+const MAX_ROWS: f64 = 1e9;
+
+/// What a value belongs to, by its place from 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Part {
+    Module(usize),
+    InitialOfModule(usize),
+    Mass(usize),
+    InitialOfMass(usize),
+    Spring(usize),
+    Damper(usize),
+    Contact(usize),
+}
+
+/// The path of a part's value for who reads it: the FMU's name, or the way through a file. Without a
+/// key it is the part's own.
+pub(super) type Naming<'a> = &'a dyn Fn(Part, &str) -> String;
+
+/// The problems found so far.
+pub(super) struct Checks<'a> {
+    naming: Naming<'a>,
+    pub(super) problems: Vec<Problem>,
+}
+
+impl Checks<'_> {
+    /// The path of a part's value, or of the part itself where there is no key.
+    pub(super) fn path(&self, part: Part, key: &str) -> String {
+        (self.naming)(part, key)
+    }
+
+    /// A problem at that path.
+    pub(super) fn problem(&self, part: Part, key: &str, message: impl Into<String>) -> Problem {
+        Problem::new(self.path(part, key), message)
+    }
+
+    /// Takes note of a value that breaks its rule.
+    pub(super) fn value(&mut self, part: Part, key: &str, value: f64, rule: Rule) {
+        if let Some(wish) = rule.broken_by(value) {
+            self.problems.push(self.problem(part, key, wish).of(value));
+        }
+    }
+}
+
+impl Scene {
+    /// Refuses impossible values, naming every one of them.
+    ///
+    /// # Errors
+    /// One line a problem, up to twenty: the variable, its value, what would be right.
+    pub fn check(&self) -> Result<(), Error> {
+        let problems = self.problems();
+        if problems.is_empty() { Ok(()) } else { Err(problem::error(&problems)) }
+    }
+
+    /// Every impossible value; its path is the FMU's name of the variable.
+    #[must_use]
+    pub fn problems(&self) -> Vec<Problem> {
+        self.problems_named(&|part, key| self.variable_name(part, key))
+    }
+
+    /// What the slider's inclination must be: the modules of a ring stand on it, while the masses of a
+    /// network may be anywhere around it.
+    #[must_use]
+    pub fn inclination_rule(&self) -> Rule {
+        match self.structure {
+            Structure::Ring(_) => Rule::INCLINATION,
+            Structure::Network(_) => Rule::Finite,
+        }
+    }
+
+    /// Every impossible value, named for who reads it.
+    pub(super) fn problems_named(&self, naming: Naming<'_>) -> Vec<Problem> {
+        let mut checks = Checks { naming, problems: self.common_problems() };
+        match &self.structure {
+            Structure::Ring(modules) => ring::check(modules, &mut checks),
+            Structure::Network(network) => {
+                network_check::check(network, self.slider, &mut checks);
+            }
+        }
+        checks.problems
+    }
+
+    /// Impossible values that are not the structure's.
+    pub(super) fn common_problems(&self) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        let Experiment { stop_time, output_interval } = self.experiment;
+        for (name, value, rule) in [
+            ("slider.velocity", self.slider.velocity, Rule::Finite),
+            ("slider.angle", self.slider.angle, self.inclination_rule()),
+            ("friction.coefficient", self.friction_coefficient, Rule::FRICTION),
+            ("damping.alpha", self.damping.alpha, Rule::DAMPING),
+            ("damping.beta", self.damping.beta, Rule::DAMPING),
+            ("integrator.step", self.step, Rule::TIME),
+            ("experiment.stop_time", stop_time, Rule::TIME),
+            ("experiment.output_interval", output_interval, Rule::TIME),
+        ] {
+            if let Some(wish) = rule.broken_by(value) {
+                problems.push(Problem::new(name, wish).of(value));
+            }
+        }
+        if stop_time / output_interval > MAX_ROWS {
+            let message = format!(
+                "gives more than {MAX_ROWS:e} rows up to experiment.stop_time = {stop_time}"
+            );
+            problems.push(
+                Problem::new("experiment.output_interval", message)
+                    .help("choose a longer one")
+                    .of(format!("{output_interval:e}")),
+            );
+        }
+        problems
+    }
+
+    /// The FMU's name of a part's value.
+    fn variable_name(&self, part: Part, key: &str) -> String {
+        let network = self.network();
+        let mass = |i: usize| network.map_or("", |network| &*network.masses[i].name);
+        let part = match part {
+            Part::Module(i) => format!("module[{}]", i + 1),
+            Part::InitialOfModule(i) => format!("initial.module[{}]", i + 1),
+            Part::Mass(i) => format!("mass.{}", mass(i)),
+            Part::InitialOfMass(i) => format!("initial.mass.{}", mass(i)),
+            Part::Spring(i) => {
+                format!("spring.{}", network.map_or("", |network| &*network.springs[i].name))
+            }
+            Part::Damper(i) => {
+                format!("damper.{}", network.map_or("", |network| &*network.dampers[i].name))
+            }
+            Part::Contact(i) => self.contact_name(i),
+        };
+        with_key(part, key)
+    }
+}
+
+/// The path of a part's value, or of the part where there is no key.
+pub(super) fn with_key(part: String, key: &str) -> String {
+    if key.is_empty() { part } else { format!("{part}.{key}") }
+}

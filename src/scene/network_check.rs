@@ -1,0 +1,231 @@
+//! Which networks are possible.
+
+use super::check::{Checks, Part};
+use super::{GROUND, MAX_PARTS, Mass, Network, Problem, RubbingPlace, Rule, Slider, direction};
+use std::collections::HashMap;
+
+/// A direction whose part along the free axes is smaller than this has none.
+const NO_PART: f64 = 1e-9;
+/// What rounding may leave of a gap that is zero, in parts of the displacements.
+const ROUNDING: f64 = 1e-12;
+
+/// Looks for what is impossible in a network.
+pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) {
+    let Network { masses, springs, dampers, contacts } = network;
+    for (kind, count) in [
+        ("mass", masses.len()),
+        ("spring", springs.len()),
+        ("damper", dampers.len()),
+        ("contact", contacts.len()),
+    ] {
+        if count > MAX_PARTS {
+            let message =
+                format!("{count} are too many: a network has at most {MAX_PARTS} of a kind");
+            checks.problems.push(Problem::new(kind, message));
+        }
+    }
+    if masses.is_empty() {
+        checks.problems.push(Problem::new("mass", "a network has at least one mass"));
+    } else if masses.iter().all(is_locked) {
+        let message = "nothing can move: every mass is locked along both of its axes";
+        let problem = checks.problem(Part::Mass(0), "locked", message);
+        checks.problems.push(problem.help("leave an axis of a mass out of its `locked`"));
+    }
+    check_names(Part::Mass, masses.iter().map(|mass| &*mass.name), checks);
+    check_names(Part::Spring, springs.iter().map(|spring| &*spring.name), checks);
+    check_names(Part::Damper, dampers.iter().map(|damper| &*damper.name), checks);
+    check_names(Part::Contact, contacts.iter().map(|contact| &*contact.name), checks);
+    for (i, mass) in masses.iter().enumerate() {
+        check_mass(i, mass, checks);
+    }
+    for (i, spring) in springs.iter().enumerate() {
+        let part = Part::Spring(i);
+        check_ends(part, spring.between, masses, checks);
+        checks.value(part, "direction", spring.direction, Rule::Finite);
+        checks.value(part, "stiffness", spring.stiffness, Rule::STIFFNESS);
+        checks.value(part, "preload", spring.preload, Rule::Finite);
+    }
+    for (i, damper) in dampers.iter().enumerate() {
+        let part = Part::Damper(i);
+        check_ends(part, damper.between, masses, checks);
+        checks.value(part, "direction", damper.direction, Rule::Finite);
+        checks.value(part, "damping", damper.damping, Rule::DAMPING);
+    }
+    for (i, contact) in contacts.iter().enumerate() {
+        check_contact(Part::Contact(i), contact, masses, slider, checks);
+    }
+    check_holds(network, checks);
+}
+
+fn is_locked(mass: &Mass) -> bool {
+    mass.locked == [true; 2]
+}
+
+/// Every mass that can move must be held by a spring or a contact.
+fn check_holds(network: &Network, checks: &mut Checks<'_>) {
+    let ends = network.springs.iter().flat_map(|spring| spring.between.into_iter().flatten());
+    let rubbing = network.contacts.iter().flat_map(|contact| [Some(contact.mass), contact.on]);
+    let mut is_held = vec![false; network.masses.len()];
+    for place in ends.chain(rubbing.flatten()) {
+        match is_held.get_mut(place) {
+            Some(held) => *held = true,
+            // A mass that is not there may be meant to be any that seems to hang on nothing.
+            None => return,
+        }
+    }
+    for (i, mass) in network.masses.iter().enumerate() {
+        if !is_held[i] && !is_locked(mass) {
+            let message = "hangs on nothing; no spring and no contact joins it";
+            let problem = checks.problem(Part::Mass(i), "name", message).of(quoted(&mass.name));
+            let help = "name it in the `between` of a [[spring]] or in a [[contact]], or write \
+                        `locked = [\"x\", \"y\"]`";
+            checks.problems.push(problem.help(help));
+        }
+    }
+}
+
+fn check_names<'a>(
+    part: fn(usize) -> Part,
+    names: impl Iterator<Item = &'a str>,
+    checks: &mut Checks<'_>,
+) {
+    let is_mass = matches!(part(0), Part::Mass(_));
+    let mut firsts = HashMap::new();
+    for (i, name) in names.enumerate() {
+        let is_legal = name.starts_with(|c: char| c.is_ascii_alphabetic())
+            && name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_');
+        let first = *firsts.entry(name).or_insert(i);
+        let (message, help) = if !is_legal {
+            ("must be a letter, then letters (a to z), digits and _", String::new())
+        } else if is_mass && name == GROUND {
+            ("stands for what does not move", "give the mass another name".to_owned())
+        } else if first < i {
+            let other = checks.path(part(first), "");
+            ("stands twice", format!("{other} has it too: give each its own"))
+        } else {
+            continue;
+        };
+        let problem = checks.problem(part(i), "name", message).of(quoted(name)).help(help);
+        checks.problems.push(problem);
+    }
+}
+
+fn check_mass(i: usize, mass: &Mass, checks: &mut Checks<'_>) {
+    let (own, initial) = (Part::Mass(i), Part::InitialOfMass(i));
+    checks.value(own, "mass", mass.mass, Rule::MASS);
+    checks.value(own, "angle", mass.angle, Rule::Finite);
+    for (j, axis) in ["x", "y"].into_iter().enumerate() {
+        checks.value(own, &format!("force[{}]", j + 1), mass.load[j], Rule::Finite);
+        checks.value(own, &format!("f{axis}"), mass.force[j], Rule::Finite);
+        for (key, value) in
+            [(axis.to_owned(), mass.displacement[j]), (format!("v{axis}"), mass.velocity[j])]
+        {
+            checks.value(initial, &key, value, Rule::Finite);
+            if mass.locked[j] && value != 0.0 {
+                let message = format!("the mass is locked along {axis}");
+                let problem = checks.problem(initial, &key, message).of(value);
+                checks.problems.push(problem.help("leave it out, or unlock the mass"));
+            }
+        }
+    }
+}
+
+fn check_ends(part: Part, ends: [Option<usize>; 2], masses: &[Mass], checks: &mut Checks<'_>) {
+    for (j, _) in ends.iter().enumerate().filter(|(_, end)| end.is_some_and(|i| i >= masses.len()))
+    {
+        let problem = checks.problem(part, &format!("between[{}]", j + 1), NO_SUCH_MASS);
+        checks.problems.push(problem);
+    }
+    if ends[0] == ends[1] && ends[0].is_none_or(|i| i < masses.len()) {
+        let name = ends[0].map_or(GROUND, |i| &masses[i].name);
+        let message = format!("joins {name} to itself");
+        let problem = checks.problem(part, "between", message);
+        checks.problems.push(problem.help("give two different ends"));
+    }
+}
+
+/// Of a place that names a mass.
+pub(super) const NO_SUCH_MASS: &str = "there is no mass of this name";
+
+fn check_contact(
+    part: Part,
+    contact: &RubbingPlace,
+    masses: &[Mass],
+    slider: Slider,
+    checks: &mut Checks<'_>,
+) {
+    for (key, value, rule) in [
+        ("angle", contact.angle, Rule::Finite),
+        ("velocity", contact.velocity, Rule::Finite),
+        ("friction", contact.friction, Rule::FRICTION),
+    ] {
+        if let Some(value) = value {
+            checks.value(part, key, value, rule);
+        }
+    }
+    let mut bodies = Vec::new();
+    for (key, place) in [("mass", Some(contact.mass)), ("on", contact.on)] {
+        match place.map(|place| masses.get(place)) {
+            Some(Some(mass)) => bodies.push(mass),
+            Some(None) => checks.problems.push(checks.problem(part, key, NO_SUCH_MASS)),
+            None => {}
+        }
+    }
+    if bodies.len() != 1 + usize::from(contact.on.is_some()) {
+        return;
+    }
+    if contact.on == Some(contact.mass) {
+        let problem = checks.problem(part, "on", "the mass rubs on itself");
+        let help = "name another mass, or leave `on` out: it then rubs on the slider";
+        checks.problems.push(problem.of(quoted(&bodies[0].name)).help(help));
+        return;
+    }
+    let [cos, sin] = direction(contact.angle.unwrap_or(slider.angle));
+    let (tangent, normal) = ([cos, sin], [-sin, cos]);
+    for (what, d) in [("tangent", tangent), ("normal", normal)] {
+        let can_move = |body: &&Mass| body.free(along_axes(body, d)).any(|v| v.abs() > NO_PART);
+        if !bodies.iter().any(can_move) {
+            let message = match bodies[..] {
+                [mass, on] => format!("neither {} nor {} can move", mass.name, on.name),
+                _ => "cannot move".to_owned(),
+            };
+            let message = format!("{message} along the {what} of this contact, being locked");
+            let problem = checks.problem(part, "mass", message).of(quoted(&bodies[0].name));
+            checks.problems.push(problem.help("unlock it, or turn the contact by its `angle`"));
+        }
+    }
+    let gaps: Vec<[f64; 2]> = bodies
+        .iter()
+        .zip([1.0, -1.0])
+        .map(|(body, sign)| {
+            let [x, y] = along_axes(body, normal);
+            [sign * x * body.displacement[0], sign * y * body.displacement[1]]
+        })
+        .collect();
+    let (gap, size) = gaps
+        .iter()
+        .flatten()
+        .fold((0.0, 0.0), |(gap, size), part| (gap + part, f64::max(size, part.abs())));
+    if gap < -ROUNDING * size {
+        // The mass that is moved most into the other is the one to move less.
+        let is_other = gaps.len() > 1 && gaps[1].iter().sum::<f64>() < gaps[0].iter().sum();
+        let place = contact.on.filter(|_| is_other).unwrap_or(contact.mass);
+        let message = format!(
+            "starts inside the surface of contact {}, with a gap of {gap:e} m",
+            contact.name
+        );
+        let problem = checks.problem(Part::InitialOfMass(place), "", message);
+        checks.problems.push(problem.help("it must be ≥ 0 along the contact's normal"));
+    }
+}
+
+/// A name as a file has it.
+pub(super) fn quoted(name: &str) -> String {
+    format!("{name:?}")
+}
+
+/// A direction in space as its parts along the axes of a mass.
+fn along_axes(mass: &Mass, d: [f64; 2]) -> [f64; 2] {
+    let [cos, sin] = direction(mass.angle);
+    [d[0] * cos + d[1] * sin, d[1] * cos - d[0] * sin]
+}

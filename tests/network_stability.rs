@@ -1,0 +1,109 @@
+//! The analyser on networks: contacts with friction and velocity of their own, single dampers, masses
+//! that only their contact carries.
+#![cfg(feature = "tools")]
+
+use amontons::contact::ContactState::{Detached, ReverseSlide, Slide, Stick};
+use amontons::model::{self, LumpedModel};
+use amontons::scene::{Scene, parse};
+use amontons::stability::candidates::{bistability, resting_state, uniform_sliding};
+use amontons::stability::{Spectrum, departure, modes};
+
+const MASS: f64 = 2.0;
+const STIFFNESS: f64 = 800.0;
+
+/// A mass pressed on the slider by its load alone, held along it by a spring.
+fn pressed(contact: &str, more: &str) -> (Scene, LumpedModel) {
+    let text = format!(
+        "[slider]\nvelocity = 0.1\nangle = 0.0\n[friction]\ncoefficient = 0.5\n\
+         [integrator]\nstep = 1e-5\n\
+         [[mass]]\nname = \"pad\"\nmass = {MASS:?}\nforce = [0.0, -10.0]\n\
+         [[spring]]\nname = \"hold\"\nbetween = [\"pad\", \"ground\"]\ndirection = \"x\"\n\
+         stiffness = {STIFFNESS:?}\n[[contact]]\nname = \"c\"\nmass = \"pad\"\n{contact}{more}"
+    );
+    let scene = parse("pressed", &text).unwrap();
+    let model = LumpedModel::from(&scene);
+    (scene, model)
+}
+
+/// A second mass like the first, whose surface moves as told.
+const SECOND: &str = "[[mass]]\nname = \"b\"\nmass = 1.0\nforce = [0.0, -3.0]\n[[spring]]\n\
+    name = \"kb\"\nbetween = [\"b\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n[[contact]]\n\
+    name = \"cb\"\nmass = \"b\"\n";
+
+const DAMPER: &str =
+    "[[damper]]\nname = \"d\"\nbetween = [\"pad\", \"ground\"]\ndirection = \"x\"\ndamping = 3.0\n";
+
+#[test]
+fn each_contact_slides_by_the_sign_of_its_own_velocity() {
+    let (_, model) = pressed("", &format!("{SECOND}velocity = -0.2\n"));
+    assert_eq!(uniform_sliding(&model, 0.1).unwrap(), [Slide, ReverseSlide]);
+    assert_eq!(uniform_sliding(&model, -0.1).unwrap(), [ReverseSlide; 2]);
+    let error = uniform_sliding(&model, 0.0).unwrap_err().to_string();
+    assert!(error.contains("the slider stands still"), "{error}");
+}
+
+#[test]
+fn a_contact_whose_surface_stands_still_rests_stuck_and_does_not_slide() {
+    let (_, model) = pressed("", &format!("{SECOND}velocity = 0.0\n"));
+    assert_eq!(resting_state(&model, 0.1), [Slide, Stick]);
+    let error = uniform_sliding(&model, 0.1).unwrap_err().to_string();
+    assert!(error.contains("contact 2 rubs on stands still"), "{error}");
+}
+
+#[test]
+fn a_mass_that_only_its_contact_carries_flies_off_and_does_not_grow() {
+    for damper in ["", DAMPER] {
+        let (_, model) = pressed("", damper);
+        let found = Spectrum::of(&model, &[Detached], 0.5).unwrap();
+        assert_eq!((&found.real[..], found.unstable()), (&[0.0, 0.0][..], false), "{damper}");
+        let rate = if damper.is_empty() { 0.0 } else { -0.5 * 3.0 / MASS };
+        let omega = (STIFFNESS / MASS - rate * rate).sqrt();
+        let [lambda] = found.oscillating[..] else { panic!("{found:?}") };
+        assert!((lambda.re - rate).abs() < 1e-9 && (lambda.im - omega).abs() < 1e-9, "{lambda}");
+        assert!(!modes(&model, &[Detached], 0.5).unwrap().unstable());
+    }
+}
+
+#[test]
+fn a_contacts_own_friction_stands_in_for_the_common_one() {
+    let inclined = "[[spring]]\nname = \"s\"\nbetween = [\"pad\", \"ground\"]\ndirection = 0.9\n\
+                    stiffness = 500.0\n";
+    let (_, common) = pressed("", inclined);
+    let (_, own) = pressed("friction = 0.8\n", inclined);
+    let spectrum = |model, mu| Spectrum::of(model, &[Slide], mu).unwrap();
+    assert_eq!(spectrum(&own, 0.1), spectrum(&common, 0.8));
+    assert_ne!(spectrum(&common, 0.1), spectrum(&common, 0.8));
+}
+
+#[test]
+fn a_mode_leaves_sliding_by_the_contacts_own_velocity_and_friction() {
+    // Along a slider without coupling the normal force stays, so only the slip velocity can vanish: at
+    // the amplitude v / ω.
+    for (contact, mu, velocity, into) in [
+        ("", 0.5, 0.1, Stick),
+        ("velocity = 0.3\n", 0.5, 0.3, Stick),
+        ("velocity = 0.3\nfriction = 0.0\n", 0.5, 0.3, ReverseSlide),
+        ("velocity = -0.3\nfriction = 0.0\n", 0.5, 0.3, Slide),
+        ("friction = 0.2\n", 0.0, 0.1, Stick),
+    ] {
+        let (scene, model) = pressed(contact, "");
+        let scene = Scene { friction_coefficient: mu, ..scene };
+        let equilibrium = model::equilibrium(&scene, &model).unwrap();
+        let sliding = uniform_sliding(&model, 0.1).unwrap();
+        let mode = &modes(&model, &sliding, mu).unwrap().oscillating[0];
+        let found = departure(&model, &equilibrium, mu, 0.1, mode).unwrap();
+        let expected = velocity / (STIFFNESS / MASS).sqrt();
+        assert_eq!(found.into, into, "{contact}");
+        assert!((found.amplitude - expected).abs() < 1e-12, "{contact}");
+    }
+}
+
+#[test]
+fn loci_and_bistable_ranges_say_that_single_dampers_are_beyond_them() {
+    let (scene, _) = pressed("", DAMPER);
+    let error = bistability(&scene, [0.0, 1.0], &|_| {}).unwrap_err().to_string();
+    assert!(error.contains("single dampers") && error.contains("one value of µ"), "{error}");
+    let (scene, _) = pressed("", "");
+    let found = bistability(&scene, [0.0, 1.0], &|_| {}).unwrap();
+    assert!(found.candidates.is_empty() && found.stable == [[0.0, 1.0]], "{found:?}");
+}
