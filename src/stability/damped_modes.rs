@@ -17,7 +17,7 @@ pub(super) fn solve(reduced: &ReducedMatrices) -> Result<Vec<Pair>, Error> {
     let values = eigen.S().column_vector();
     let pairs = values.iter().enumerate().map(|(column, value)| {
         let part = |row| Complex::new(eigen.U()[(row, column)].re, eigen.U()[(row, column)].im);
-        (Complex::new(value.re, value.im) * unit, (0..size).map(part).collect())
+        (cleaned(Complex::new(value.re, value.im)) * unit, (0..size).map(part).collect())
     });
     Ok(pairs.collect())
 }
@@ -26,7 +26,14 @@ pub(super) fn solve(reduced: &ReducedMatrices) -> Result<Vec<Pair>, Error> {
 pub(super) fn eigenvalues(reduced: &ReducedMatrices) -> Result<Vec<Complex<f64>>, Error> {
     let (companion, unit) = companion(reduced)?;
     let values = companion.eigenvalues().map_err(|error| no_convergence(&error))?;
-    Ok(values.into_iter().map(|value| Complex::new(value.re, value.im) * unit).collect())
+    let lambda = |value: faer::c64| cleaned(Complex::new(value.re, value.im)) * unit;
+    Ok(values.into_iter().map(lambda).collect())
+}
+
+/// A motion that no spring and no damper holds has a double zero, which rounding parts by the root of
+/// the precision.
+fn cleaned(value: Complex<f64>) -> Complex<f64> {
+    if value.norm() < 1e-7 { Complex::new(0.0, 0.0) } else { value }
 }
 
 /// [[0, 1], [−M̃⁻¹ K̃, −M̃⁻¹ C̃]] in a unit of time that makes its parts of one size, and 1/unit in 1/s.
