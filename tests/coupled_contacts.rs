@@ -181,21 +181,26 @@ fn a_ring_moves_the_same_through_the_general_integrator() {
         contact.normal.add_to(&mut drive.force, -equilibrium.normal_force[i]);
         contact.tangent.add_to(&mut drive.force, -equilibrium.friction_force[i]);
     }
+    // Each contact with its own µ and v, and then all with the same.
+    let mut own = drive.clone();
+    (own.friction_coefficient[1], own.slider_velocity[2]) = (1.2, -0.03);
     let mut start = closed(6, &[0.0]);
     start.contacts = vec![ContactState::Slide; 3];
     start.velocity[0] = 0.3;
     start.velocity[7] = 0.4;
-    let run = |integrator: &mut dyn Integrator| {
+    let run = |integrator: &mut dyn Integrator, drive: &Drive| {
         let mut motion = start.clone();
-        integrator.advance(&mut motion, &drive, 1e-5, 5_000).unwrap();
+        integrator.advance(&mut motion, drive, 1e-5, 5_000).unwrap();
         motion
     };
-    let ring = run(&mut RingForwardIncrement::new(&model).unwrap());
-    let general = run(&mut SparseForwardIncrement::new(&model).unwrap());
-    assert!(ring.statistics.state_changes > 10 && ring.statistics.touch_downs > 0);
-    assert_eq!(ring.statistics.state_changes, general.statistics.state_changes);
-    assert_eq!((ring.statistics.most_sweeps, general.statistics.most_sweeps), (1, 2));
-    for (a, b) in ring.displacement.iter().zip(&general.displacement) {
-        assert!((a - b).abs() < 1e-14, "{a} {b}");
+    for drive in [&drive, &own] {
+        let ring = run(&mut RingForwardIncrement::new(&model).unwrap(), drive);
+        let general = run(&mut SparseForwardIncrement::new(&model).unwrap(), drive);
+        assert!(ring.statistics.state_changes > 10 && ring.statistics.touch_downs > 0);
+        assert_eq!(ring.statistics.state_changes, general.statistics.state_changes);
+        assert_eq!((ring.statistics.most_sweeps, general.statistics.most_sweeps), (1, 2));
+        for (a, b) in ring.displacement.iter().zip(&general.displacement) {
+            assert!((a - b).abs() < 1e-14, "{a} {b}");
+        }
     }
 }

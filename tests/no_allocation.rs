@@ -1,7 +1,7 @@
 //! A step, a read and a write allocate nothing.
 #![allow(unsafe_code)]
 
-use amontons::scene::builtin;
+use amontons::scene::{builtin, parse};
 use amontons::simulation::{Simulation, variables};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -29,10 +29,43 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
+/// A network that rubs on the slider, with what a ring has not.
+const NETWORK: &str = r#"
+[slider]
+velocity = 0.1
+angle = 0.0
+[friction]
+coefficient = 0.5
+[integrator]
+step = 1e-6
+[[mass]]
+name = "pad"
+mass = 0.3
+force = [0.0, -20.0]
+[[spring]]
+name = "x"
+between = ["pad", "ground"]
+direction = 0.2
+stiffness = 1e5
+preload = 1e-5
+[[damper]]
+name = "d"
+between = ["pad", "ground"]
+direction = "x"
+damping = 3.0
+[[contact]]
+name = "c"
+mass = "pad"
+angle = 0.1
+friction = 0.4
+velocity = 0.2
+"#;
+
 #[test]
 fn steps_reads_and_writes_allocate_nothing() {
-    for name in ["set1", "ring12"] {
-        let scene = builtin(name).unwrap().scene();
+    let network = parse("network", NETWORK).unwrap();
+    for scene in [builtin("set1").unwrap().scene(), builtin("ring12").unwrap().scene(), network] {
+        let name = scene.name.clone();
         let all = variables(&scene);
         let mut simulation = Simulation::new(scene, 0.0).unwrap();
         let before = ALLOCATIONS.get();

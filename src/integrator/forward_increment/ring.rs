@@ -42,7 +42,7 @@ struct StepConstants {
 }
 
 /// What a mass rubs on: v and µ of its contact.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, PartialEq)]
 struct Surface {
     velocity: f64,
     friction: f64,
@@ -99,6 +99,55 @@ impl RingForwardIncrement {
             *strained = strain(x, v, self.damping.beta);
         }
     }
+
+    /// Takes the steps, each contact on its surface. Compiled once for a surface that is common to all
+    /// and stays in registers, once for surfaces that are looked up.
+    fn run(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        step: f64,
+        count: u64,
+        surface: impl Fn(usize) -> Surface,
+    ) {
+        let constants =
+            StepConstants { step, per_step: 1.0 / step, retained: 1.0 - step * self.damping.alpha };
+        self.strain(motion);
+        let beta = self.damping.beta;
+        // In slices of one length no index needs a check.
+        let modules = self.blocks.len();
+        let (blocks, w) = (&self.blocks[..], &mut self.strained[..modules]);
+        let load = &drive.force.as_chunks().0[..modules];
+        let x = &mut motion.displacement.as_chunks_mut().0[..modules];
+        let v = &mut motion.velocity.as_chunks_mut().0[..modules];
+        let contacts = &mut motion.contacts[..modules];
+        let (mut changes, mut touch_downs) = (0, 0);
+        for _ in 0..count {
+            // Neighbours act with what they had before the step; these two are overwritten too early.
+            let first = w[0];
+            let mut before = w[modules - 1];
+            for i in 0..modules {
+                let own = w[i];
+                let after = if i + 1 < modules { w[i + 1] } else { first };
+                let force = blocks[i].force(&load[i], &own, &before, &after);
+                let (moved, moving, state) =
+                    constants.step_module(&blocks[i], &force, surface(i), x[i], v[i]);
+                (x[i], v[i], w[i]) = (moved, moving, strain(&moved, &moving, beta));
+                before = own;
+                if state != contacts[i] {
+                    changes += 1;
+                    touch_downs += u64::from(contacts[i] == ContactState::Detached);
+                    contacts[i] = state;
+                }
+            }
+        }
+        motion.statistics.steps += count;
+        motion.statistics.state_changes += changes;
+        motion.statistics.touch_downs += touch_downs;
+        // The Delassus matrix is diagonal: the first sweep over the contacts solves them.
+        motion.statistics.sweeps += count;
+        motion.statistics.most_sweeps = motion.statistics.most_sweeps.max(count.min(1));
+    }
 }
 
 /// x + β ẋ of a module.
@@ -132,46 +181,16 @@ impl Integrator for RingForwardIncrement {
         step: f64,
         count: u64,
     ) -> Result<(), StepFailure> {
-        let constants =
-            StepConstants { step, per_step: 1.0 / step, retained: 1.0 - step * self.damping.alpha };
-        self.strain(motion);
-        let beta = self.damping.beta;
-        // In slices of one length no index needs a check.
         let modules = self.blocks.len();
-        let (blocks, w) = (&self.blocks[..], &mut self.strained[..modules]);
-        let load = &drive.force.as_chunks().0[..modules];
-        let x = &mut motion.displacement.as_chunks_mut().0[..modules];
-        let v = &mut motion.velocity.as_chunks_mut().0[..modules];
-        let contacts = &mut motion.contacts[..modules];
         let velocities = &drive.slider_velocity[..modules];
         let frictions = &drive.friction_coefficient[..modules];
-        let (mut changes, mut touch_downs) = (0, 0);
-        for _ in 0..count {
-            // Neighbours act with what they had before the step; these two are overwritten too early.
-            let first = w[0];
-            let mut before = w[modules - 1];
-            for i in 0..modules {
-                let own = w[i];
-                let after = if i + 1 < modules { w[i + 1] } else { first };
-                let force = blocks[i].force(&load[i], &own, &before, &after);
-                let surface = Surface { velocity: velocities[i], friction: frictions[i] };
-                let (moved, moving, state) =
-                    constants.step_module(&blocks[i], &force, surface, x[i], v[i]);
-                (x[i], v[i], w[i]) = (moved, moving, strain(&moved, &moving, beta));
-                before = own;
-                if state != contacts[i] {
-                    changes += 1;
-                    touch_downs += u64::from(contacts[i] == ContactState::Detached);
-                    contacts[i] = state;
-                }
-            }
+        let surface = |i: usize| Surface { velocity: velocities[i], friction: frictions[i] };
+        let first = surface(0);
+        if (0..modules).all(|i| surface(i) == first) {
+            self.run(motion, drive, step, count, |_| first);
+        } else {
+            self.run(motion, drive, step, count, surface);
         }
-        motion.statistics.steps += count;
-        motion.statistics.state_changes += changes;
-        motion.statistics.touch_downs += touch_downs;
-        // The Delassus matrix is diagonal: the first sweep over the contacts solves them.
-        motion.statistics.sweeps += count;
-        motion.statistics.most_sweeps = motion.statistics.most_sweeps.max(count.min(1));
         Ok(())
     }
 
