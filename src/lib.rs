@@ -14,7 +14,7 @@
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
 //! | `fmi2` | the C interface of FMI 2.0 for co-simulation |
 //! | [`package`] | the FMU as an archive (feature `tools`) |
-//! | [`picture`] | charts, maps and moving mode shapes as SVG or PNG (feature `tools`) |
+//! | [`picture`] | charts, maps, moving mode shapes and structures as SVG or PNG (feature `tools`) |
 //!
 //! All quantities are in SI units.
 

@@ -1,7 +1,10 @@
 //! Pictures: what their files hold, and what is refused.
 
 use amontons::Error;
-use amontons::picture::{Chart, Class, Map, Mark, ModeShape, ModeShapes, Panel, Series, Style};
+use amontons::picture::{
+    Chart, Class, Link, LinkKind, Map, Mark, MassMark, ModeShape, ModeShapes, Panel, Series,
+    SliderMark, Structure, Style,
+};
 use nalgebra::Complex;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
@@ -150,6 +153,92 @@ fn mode_shapes() -> ModeShapes {
     ModeShapes { title: "Modes".into(), angle: 0.5, modes: vec![first, second] }
 }
 
+/// A block on a belt, held by a spring and a dashpot, with a second block above.
+fn structure() -> Structure {
+    let mass = |name: &str| MassMark { name: name.into(), ..MassMark::default() };
+    let link = |name: &str, ends, direction, kind| Link {
+        name: name.into(),
+        label: "5 <units>".into(),
+        ends,
+        direction,
+        kind,
+    };
+    Structure {
+        title: "Two blocks & a belt".into(),
+        masses: vec![MassMark { locked: [true, false], ..mass("upper") }, mass("lower")],
+        links: vec![
+            link("k1", [Some(0), Some(1)], 1.57, LinkKind::Spring),
+            link("k2", [None, Some(1)], 0.0, LinkKind::Spring),
+            link("d2", [None, Some(1)], 0.0, LinkKind::Damper),
+        ],
+        sliders: vec![SliderMark {
+            name: "belt".into(),
+            mass: 1,
+            velocity: 0.1,
+            ..SliderMark::default()
+        }],
+    }
+}
+
+#[test]
+fn a_structure_names_all_its_parts_and_what_their_symbols_mean() {
+    let elements = drawn(|path| structure().write(path));
+    let texts = texts(&elements);
+    for label in [
+        "Two blocks &amp; a belt",
+        "upper",
+        "lower",
+        "k1 5 &lt;units&gt;",
+        "k2 5 &lt;units&gt;",
+        "d2 5 &lt;units&gt;",
+        "belt",
+        "spring",
+        "dashpot",
+        "fixed",
+        "slider and its motion",
+        "guide: no motion towards it",
+    ] {
+        assert_eq!(texts.iter().filter(|text| **text == label).count(), 1, "{label}: {texts:?}");
+    }
+    let named = |name: &str| elements.iter().find(|e| e.name == name).unwrap();
+    assert_eq!(named("title").text, "Two blocks &amp; a belt");
+    let words = &named("desc").text;
+    assert!(words.contains("dashpot d2 5 &lt;units&gt; from ground to lower at 0°"), "{words}");
+    // A zigzag has many corners; both springs and the sample have theirs.
+    assert_eq!(curves(&elements, BLUE).len(), 3);
+}
+
+#[test]
+fn structures_of_what_is_not_there_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.svg");
+    let refused = |change: &dyn Fn(&mut Structure), words: &[&str]| {
+        let mut structure = structure();
+        change(&mut structure);
+        let error = structure.write(&path).unwrap_err();
+        let text = error.to_string();
+        assert!(error.is_picture() && text.contains("picture.svg"), "{text}");
+        for word in words {
+            assert!(text.contains(word), "{word}: {text}");
+        }
+        assert!(!path.exists());
+    };
+    refused(&|s| s.masses.clear(), &["at least one mass"]);
+    let many = |s: &mut Structure| s.masses.resize(41, MassMark::default());
+    refused(&many, &["41 masses", "up to 40 masses"]);
+    refused(&|s| s.links[1].ends[1] = Some(2), &["link 1 (k2)", "mass 2", "from 0 to 1"]);
+    refused(&|s| s.links[0].ends = [Some(1), Some(1)], &["link 0 (k1)", "two different ends"]);
+    refused(&|s| s.links[1].ends = [None, None], &["link 1 (k2)", "two different ends"]);
+    refused(&|s| s.links[2].direction = f64::NAN, &["direction of link 2 (d2)", "finite"]);
+    refused(&|s| s.masses[0].angle = f64::INFINITY, &["angle of mass 0 (upper)", "finite"]);
+    refused(&|s| s.sliders[0].mass = 7, &["slider 0 (belt)", "mass 7"]);
+    refused(&|s| s.sliders[0].on = Some(2), &["slider 0 (belt)", "mass 2"]);
+    refused(&|s| s.sliders[0].on = Some(1), &["slider 0 (belt)", "another mass"]);
+    refused(&|s| s.sliders[0].angle = f64::NAN, &["angle of slider 0 (belt)"]);
+    refused(&|s| s.sliders[0].velocity = f64::NAN, &["velocity of slider 0 (belt)"]);
+    structure().write(&path).unwrap();
+}
+
 #[test]
 fn a_chart_has_one_line_a_curve_and_one_more_after_a_break() {
     let elements = drawn(|path| chart().write(path));
@@ -257,6 +346,10 @@ fn the_same_data_give_the_same_bytes() {
         let [a, b] = ["a", "b"].map(|name| folder.path().join(format!("{name}.{ending}")));
         for path in [&a, &b] {
             map().write(path).unwrap();
+        }
+        assert_eq!(fs::read(&a).unwrap(), fs::read(&b).unwrap());
+        for path in [&a, &b] {
+            structure().write(path).unwrap();
         }
         assert_eq!(fs::read(a).unwrap(), fs::read(b).unwrap());
     }

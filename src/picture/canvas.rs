@@ -159,6 +159,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,
+    Centre,
     Right,
 }
 
@@ -197,6 +198,7 @@ impl<B: DrawingBackend> Canvas<B> {
     ) -> Result<(), Failure> {
         let across = match align {
             Align::Left => HPos::Left,
+            Align::Centre => HPos::Center,
             Align::Right => HPos::Right,
         };
         let style = self.font(size).pos(Pos::new(across, VPos::Center));
