@@ -180,20 +180,14 @@ pub(super) fn eigenpairs(matrix: &DMatrix<f64>) -> Result<Vec<Eigenpair>, Error>
     Ok(pairs.collect())
 }
 
-/// The eigenvalues σ of M̃⁻¹ K̃, 1/s², from the whole matrices.
+/// The eigenvalues σ of M̃⁻¹ K̃, 1/s², from the whole matrices; those of a state's modes where there
+/// are no single dampers.
 pub(super) fn stiffness_eigenvalues(
     model: &LumpedModel,
     states: &[ContactState],
     friction: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
     check_size(model)?;
-    if !model.dampers.is_empty() {
-        return Err(Error::analysis(
-            "root loci and bi-stable ranges follow the eigenvalues of M⁻¹ K, which needs damping by \
-             α M + β K alone; this scene has single dampers: look at its states and modes at one \
-             value of µ at a time",
-        ));
-    }
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
     let (operator, _) = operator(&reduced)?;
     let floor = rounding(&operator);

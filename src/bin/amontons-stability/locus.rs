@@ -72,8 +72,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     for (name, values) in [Some((name, values)), other.zip(others)].into_iter().flatten() {
         let matrices = |value: f64| {
             let scene = with(family.scene, name, value)?;
-            let LumpedModel { mass, stiffness, damping, contacts, .. } = LumpedModel::from(&scene);
-            Ok((mass, stiffness, damping, contacts, scene.friction_coefficient))
+            let LumpedModel { mass, stiffness, damping, dampers, contacts, .. } = (&scene).into();
+            Ok((mass, stiffness, damping, dampers, contacts, scene.friction_coefficient))
         };
         let wish = "eigenvalues depend on masses, stiffnesses, damping, slider.angle and \
                     friction.coefficient";
@@ -133,6 +133,7 @@ impl Family<'_> {
         let [first, .., last] = self.values else { unreachable!("a range has two ends") };
         let states = Joined(&self.states);
         writeln!(out, "{}: state {states}, {} from {first} to {last}", self.scene.name, self.name)?;
+        let damped = !LumpedModel::from(self.scene).dampers.is_empty();
         for Member { at, locus, equilibrium } in &self.members {
             if let (Some(other), Some(at)) = (self.other, at) {
                 writeln!(out, "\n{other} = {at}")?;
@@ -140,7 +141,7 @@ impl Family<'_> {
             if let Some(ranges) = equilibrium {
                 print_equilibrium(ranges, [*first, *last], out)?;
             }
-            print_events(locus, out)?;
+            print_events(locus, damped, out)?;
         }
         Ok(())
     }
@@ -248,8 +249,22 @@ fn print_equilibrium(
     Ok(())
 }
 
-fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
-    writeln!(out, "  modes merge or part, exactly, damped or not (C = α M + β K):")?;
+fn print_events(locus: &Locus, damped: bool, out: &mut dyn Write) -> Result<(), Failure> {
+    if damped {
+        writeln!(out, "  single dampers keep modes from merging exactly; they come nearest:")?;
+    } else {
+        writeln!(out, "  modes merge or part, exactly, damped or not (C = α M + β K):")?;
+    }
+    for event in &locus.approaches {
+        let [a, b] = event.modes.map(|mode| mode + 1);
+        writeln!(
+            out,
+            "    {}  modes {a} and {b} are {} Hz apart {}",
+            significant(event.value, 6),
+            significant(event.distance_hz, 4),
+            at_frequency(event.frequency_hz),
+        )?;
+    }
     for event in &locus.coalescences {
         let [a, b] = event.modes.map(|mode| mode + 1);
         writeln!(
@@ -260,7 +275,7 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
             at_frequency(event.frequency_hz),
         )?;
     }
-    if locus.coalescences.is_empty() {
+    if locus.coalescences.is_empty() && locus.approaches.is_empty() {
         writeln!(out, "    none")?;
     }
     writeln!(out, "  critical values:")?;

@@ -1,7 +1,7 @@
 //! Where roots merge and where they begin to grow, located to the last digits.
 
 use super::follow::Evaluate;
-use super::{Coalescence, Crossing, Root};
+use super::{Approach, Coalescence, Crossing, Root};
 use crate::Error;
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -89,7 +89,6 @@ fn other_side(
     evaluate: &Evaluate<'_>,
     [mut left, mut middle, mut right]: [Point; 3],
 ) -> Result<Option<Point>, Error> {
-    const GOLDEN: f64 = 0.381_966_011_250_105;
     let grows = middle.1.grows();
     let resolution = 1e-9 * (right.0 - left.0);
     while right.0 - left.0 > resolution {
@@ -110,6 +109,72 @@ fn other_side(
     }
     Ok(None)
 }
+
+/// Modes further apart than this part of their frequency do not come near each other.
+const NEAR: f64 = 0.05;
+
+/// Where modes come nearest to each other, between the values at which they are known.
+pub(super) fn closest_approaches(
+    evaluate: &Evaluate<'_>,
+    values: &[f64],
+    branches: &[Vec<Root>],
+) -> Result<Vec<Approach>, Error> {
+    let mut found = Vec::new();
+    for (i, a) in branches.iter().enumerate() {
+        for (j, b) in branches.iter().enumerate().skip(i + 1) {
+            let apart = |k: usize| (a[k].lambda - b[k].lambda).norm();
+            for k in 1..values.len() - 1 {
+                let is_least = apart(k) < apart(k - 1) && apart(k) <= apart(k + 1);
+                if is_least && apart(k) < NEAR * a[k].lambda.norm() {
+                    let pair = |k: usize| (values[k], [a[k], b[k]]);
+                    let nearest = nearest_point(evaluate, [k - 1, k, k + 1].map(pair))?;
+                    let (value, [a, b]) = nearest;
+                    found.push(Approach {
+                        value,
+                        modes: [i, j],
+                        distance_hz: (a.lambda - b.lambda).norm() / TAU,
+                        frequency_hz: 0.5 * (a.lambda.im + b.lambda.im) / TAU,
+                    });
+                }
+            }
+        }
+    }
+    found.sort_by(|a, b| a.value.total_cmp(&b.value));
+    Ok(found)
+}
+
+/// A value of the parameter and two roots there.
+type Pair = (f64, [Root; 2]);
+
+/// Golden-section search of the least distance of two roots. At a minimum half of the digits of the
+/// parameter are all that can be told.
+fn nearest_point(
+    evaluate: &Evaluate<'_>,
+    [mut left, mut middle, mut right]: [Pair; 3],
+) -> Result<Pair, Error> {
+    let apart = |pair: &Pair| (pair.1[0].lambda - pair.1[1].lambda).norm();
+    let resolution = 1e-9 * (right.0 - left.0);
+    while right.0 - left.0 > resolution {
+        let leftwards = middle.0 - left.0 > right.0 - middle.0;
+        let side = if leftwards { left } else { right };
+        let at = middle.0 + GOLDEN * (side.0 - middle.0);
+        let root = |which: usize| {
+            let known = [(middle.0, middle.1[which]), (side.0, side.1[which])];
+            Ok::<_, Error>(on_branch(evaluate, known, at)?.1)
+        };
+        let point = (at, [root(0)?, root(1)?]);
+        match (apart(&point) < apart(&middle), leftwards) {
+            (true, true) => (middle, right) = (point, middle),
+            (true, false) => (middle, left) = (point, middle),
+            (false, true) => left = point,
+            (false, false) => right = point,
+        }
+    }
+    Ok(middle)
+}
+
+/// The part of an interval at which golden-section search looks.
+const GOLDEN: f64 = 0.381_966_011_250_105;
 
 /// The middle of an interval, until none is left.
 pub(in crate::stability) fn between(low: f64, high: f64) -> Option<f64> {

@@ -3,7 +3,8 @@
 //! What is followed are the eigenvalues σ of M̃⁻¹ K̃, whose number never changes; each has one
 //! eigenvalue λ with Im λ ≥ 0, or two real ones. Real σ may cross (symmetric structures) or merge
 //! into a pair; the merging is exact, damped or not, because C̃ = α M̃ + β K̃ has the same
-//! eigenvectors. Parts of a problem that do not couple, as the waves around a ring of equal modules,
+//! eigenvectors. With single dampers there are no such σ, and modes come near each other instead of
+//! merging. Parts of a problem that do not couple, as the waves around a ring of equal modules,
 //! are followed one by one: their roots cross without a trace.
 //!
 //! | file | what it does |
@@ -15,6 +16,7 @@ mod events;
 mod follow;
 
 use super::modes::quadratic_roots;
+use super::spectrum::Spectrum;
 use super::symmetry::Part;
 use crate::Error;
 use crate::contact::ContactState;
@@ -23,6 +25,7 @@ use nalgebra::Complex;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
+use events::closest_approaches;
 pub(super) use events::{between, on_branch};
 use follow::{Followed, follow};
 
@@ -56,6 +59,9 @@ pub(super) fn roots(
     mu: f64,
     part: Part,
 ) -> Result<Vec<Root>, Error> {
+    if !model.dampers.is_empty() {
+        return damped_roots(model, states, mu);
+    }
     let upper = |sigma| {
         let [a, b] = quadratic_roots(model, sigma);
         if (a.im, a.re) >= (b.im, b.re) { a } else { b }
@@ -63,6 +69,22 @@ pub(super) fn roots(
     let sigmas = part.stiffness_eigenvalues(model, states, mu)?;
     let mut roots: Vec<Root> =
         sigmas.into_iter().map(|sigma| Root { sigma, lambda: upper(sigma) }).collect();
+    roots.sort_by(by_number);
+    Ok(roots)
+}
+
+/// With single dampers: what stands for σ is made of the product and the sum of a mode's two λ, which
+/// are smooth where a mode ceases to oscillate.
+fn damped_roots(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec<Root>, Error> {
+    let root = |[a, b]: [Complex<f64>; 2]| {
+        let product = (a * b).re;
+        let sigma = Complex::new(product, (a + b).re * product.abs().sqrt());
+        Root { sigma, lambda: if (a.im, a.re) >= (b.im, b.re) { a } else { b } }
+    };
+    let Spectrum { oscillating, real } = Spectrum::of(model, states, mu)?;
+    let pairs = oscillating.into_iter().map(|value| root([value, value.conj()]));
+    let real = real.chunks_exact(2).map(|pair| root([pair[0].into(), pair[1].into()]));
+    let mut roots: Vec<Root> = pairs.chain(real).collect();
     roots.sort_by(by_number);
     Ok(roots)
 }
@@ -93,6 +115,8 @@ pub struct Locus {
     pub coalescences: Vec<Coalescence>,
     /// Where a mode begins or ceases to grow.
     pub crossings: Vec<Crossing>,
+    /// Where single dampers keep two modes from merging: where they come nearest to each other.
+    pub approaches: Vec<Approach>,
     /// Values near which modes could not be told apart: there they may have changed their numbers.
     pub undecided: Vec<f64>,
 }
@@ -108,6 +132,19 @@ pub struct Coalescence {
     pub frequency_hz: f64,
     /// Do they merge (or part) as the parameter grows?
     pub merge: bool,
+}
+
+/// Two modes that come near each other without merging.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// The value of the parameter.
+    pub value: f64,
+    /// The two modes, from 0.
+    pub modes: [usize; 2],
+    /// |λ_i − λ_j| / 2π, Hz.
+    pub distance_hz: f64,
+    /// The mean of their frequencies, Hz.
+    pub frequency_hz: f64,
 }
 
 /// A mode whose growth rate changes its sign.
@@ -159,7 +196,15 @@ pub fn locus(
         };
         followed.push((follow(&evaluate, values, &one_done)?, part.copies()));
     }
-    Ok(together(values, followed))
+    let mut found = together(values, followed);
+    if ends.iter().any(|model| !model.dampers.is_empty()) {
+        let evaluate = |value: f64| {
+            let (model, mu) = model_at(value)?;
+            roots(&model, states, mu, Part::Whole)
+        };
+        found.approaches = closest_approaches(&evaluate, values, &found.branches)?;
+    }
+    Ok(found)
 }
 
 /// Puts parts, each so many times, into one locus, and numbers its modes.
@@ -194,13 +239,16 @@ fn together(values: &[f64], parts: Vec<(Followed, usize)>) -> Locus {
     crossings.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.mode.cmp(&b.mode)));
     undecided.sort_by(f64::total_cmp);
     let branches = order.iter().map(|&old| branches[old].clone()).collect();
-    Locus { values: values.to_vec(), branches, coalescences, crossings, undecided }
+    let approaches = Vec::new();
+    Locus { values: values.to_vec(), branches, coalescences, crossings, approaches, undecided }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::SparseMatrix;
     use crate::scene::builtin;
+    use std::f64::consts::TAU;
 
     /// The locus of uniform sliding over µ.
     fn over_friction(model: &LumpedModel, values: &[f64]) -> Locus {
@@ -420,6 +468,42 @@ mod tests {
             let found = over_friction(&model, &values);
             let growth = |mode: usize| found.branches[mode].last().unwrap().lambda.re;
             assert!(growth(5) > 0.0 && growth(4) < 0.0, "from {start}");
+        }
+    }
+
+    #[test]
+    fn a_single_damper_keeps_modes_from_merging_and_a_weak_one_by_a_little() {
+        let free = of_set("set1");
+        let values = grid(3.5, 0.01);
+        let merged = over_friction(&free, &values).coalescences;
+        for damping in [0.1, 1.0] {
+            let mut model = free.clone();
+            // On x1 of the first module alone: no combination of M and K.
+            model.dampers = SparseMatrix::from_entries(8, vec![(0, 0, damping)]);
+            let found = over_friction(&model, &values);
+            assert!(found.coalescences.is_empty());
+            let near = found.approaches.iter().find(|a| a.modes == [4, 5]).unwrap();
+            assert!((near.value - merged[0].value).abs() < 0.1 * damping, "{near:?}");
+            assert!(near.distance_hz > 0.0 && near.distance_hz < 2.0, "{near:?}");
+            // Where the modes are, another method says so too: the eigenvalues of eq. (6).
+            let all = Spectrum::of(&model, &[ContactState::Slide; 2], near.value).unwrap();
+            let apart = all.oscillating.windows(2).map(|pair| (pair[0] - pair[1]).norm() / TAU);
+            assert!((apart.fold(f64::MAX, f64::min) - near.distance_hz).abs() < 1e-6);
+            assert_eq!(found.crossings.len(), 2);
+        }
+    }
+
+    #[test]
+    fn dampers_that_are_rayleigh_damping_in_disguise_begin_to_grow_at_the_same_values() {
+        let rayleigh = of_set("set2");
+        let mut single = rayleigh.clone();
+        let beta = std::mem::take(&mut single.damping).beta;
+        let entries = rayleigh.stiffness.entries().map(|(i, j, k)| (i, j, beta * k)).collect();
+        single.dampers = SparseMatrix::from_entries(8, entries);
+        let [a, b] = [rayleigh, single].map(|model| over_friction(&model, &grid(3.5, 0.01)));
+        assert_eq!(a.crossings.len(), b.crossings.len());
+        for (a, b) in a.crossings.iter().zip(&b.crossings) {
+            assert!((a.value - b.value).abs() < 1e-7, "{a:?} {b:?}");
         }
     }
 }
