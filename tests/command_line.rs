@@ -92,6 +92,118 @@ fn scenes_are_listed_and_shown() {
     assert_refused(folder.path(), &["scenes", "show", "set3"], 2, &["set3", "set1, set2, ring12"]);
 }
 
+/// Two masses, with values of many sizes.
+const PAD_ON_DISC: &str = r#"
+[slider]
+velocity = -0.1
+angle = 0.0
+[friction]
+coefficient = 0.5
+[[mass]]
+name = "pad"
+mass = 0.02
+force = [0.0, -50.0]
+[[mass]]
+name = "disc"
+mass = 2500.0
+locked = ["x"]
+[[spring]]
+name = "support"
+between = ["pad", "ground"]
+direction = "x"
+stiffness = 2.5e6
+[[spring]]
+name = "loose"
+between = ["pad", "ground"]
+direction = "y"
+stiffness = 0.0
+[[spring]]
+name = "bearing"
+between = ["disc", "ground"]
+direction = "y"
+stiffness = 4e5
+[[damper]]
+name = "shim"
+between = ["pad", "ground"]
+direction = "x"
+damping = 0.5
+[[contact]]
+name = "lining"
+mass = "pad"
+on = "disc"
+friction = 0.4
+[integrator]
+step = 1.0e-6
+"#;
+
+/// A scene's picture as SVG; its description says in words what is to be seen.
+fn drawn(folder: &Path, scene: &str) -> String {
+    let output = amontons(folder, &["scenes", "draw", scene, "-o", "drawn.svg"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    fs::read_to_string(folder.join("drawn.svg")).unwrap()
+}
+
+#[test]
+fn a_ring_is_drawn_with_what_each_spring_joins() {
+    let folder = folder();
+    let svg = drawn(folder.path(), "set1");
+    for words in [
+        "<title>The paper's Set 1",
+        "mass m1[2] 0.3 kg",
+        "mass m2[1] 0.7 kg",
+        "spring k1 55 kN/m from m1[1] to m1[2] at 0°",
+        "spring k2 60 kN/m from m1[2] to m1[1] at 90°",
+        "spring k3 22 kN/m from m1[1] to ground at 90°",
+        "spring k4 60 kN/m from m1[2] to ground at 0°",
+        "spring k5 300 kN/m from m1[1] to m2[1] at 90°",
+        "spring k6 250 kN/m from m1[2] to m2[2] at 0°",
+        "contact c[2] µ = 1.96, v = 0.025 m/s of m2[2] on a slider at 29°",
+    ] {
+        assert!(svg.replace("&apos;", "'").contains(words), "{words} is missing in: {svg}");
+    }
+    let path = scene_file(folder.path(), "k3 = 22e3 ", "k3 = [0.0, 22e3] ");
+    let svg = drawn(folder.path(), path.to_str().unwrap());
+    assert!(svg.contains("spring k3[2] 22 kN/m from m1[2]") && !svg.contains("k3[1]"), "{svg}");
+    let path = scene_file(folder.path(), "modules = 2", "modules = 1");
+    let svg = drawn(folder.path(), path.to_str().unwrap());
+    assert!(svg.contains("spring k3 ") && !svg.contains("spring k1 "), "{svg}");
+}
+
+#[test]
+fn a_network_is_drawn_with_its_names_and_values() {
+    let folder = folder();
+    fs::write(folder.path().join("two.toml"), PAD_ON_DISC).unwrap();
+    let output = amontons(folder.path(), &["scenes", "draw", "two.toml", "-o", "two.png"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let png = fs::read(folder.path().join("two.png")).unwrap();
+    assert!(png.starts_with(b"\x89PNG\r\n\x1a\n"));
+    let svg = drawn(folder.path(), "two.toml");
+    for words in [
+        "mass pad 20 g",
+        "mass disc 2.5 t, locked along its first axis",
+        "spring support 2.5 MN/m from pad to ground at 0°",
+        "spring bearing 400 kN/m from disc to ground at 90°",
+        "dashpot shim 0.5 N s/m from pad to ground at 0°",
+        "contact lining µ = 0.4, v = −0.1 m/s of pad on disc at 0°",
+    ] {
+        assert!(svg.contains(words), "{words} is missing in: {svg}");
+    }
+    assert!(!svg.contains("loose"), "{svg}");
+}
+
+#[test]
+fn what_cannot_be_drawn_is_refused_with_what_would_be_right() {
+    let folder = folder();
+    let refused = |scene: &str, file: &str, words: &[&str]| {
+        assert_refused(folder.path(), &["scenes", "draw", scene, "-o", file], 1, words);
+        assert!(!folder.path().join(file).exists());
+    };
+    // The ending comes before all else.
+    refused("nothing", "a.pdf", &["a.pdf", ".svg or .png"]);
+    let path = scene_file(folder.path(), "modules = 2", "modules = 30");
+    refused(path.to_str().unwrap(), "a.svg", &["a.svg", "60 masses", "up to 40"]);
+}
+
 #[test]
 fn impossible_scenes_are_refused_with_what_would_be_right() {
     let cases: &[(&str, &str, &[&str])] = &[

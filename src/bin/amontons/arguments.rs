@@ -11,9 +11,10 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written, 2 the command \
-line makes no sense (an unknown option, variable or built-in scene), 3 the scene is impossible (its \
-file, a value, no equilibrium, a step above the critical one), 4 the run failed";
+const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written or a picture not \
+drawn, 2 the command line makes no sense (an unknown option, variable or built-in scene), 3 the \
+scene is impossible (its file, a value, no equilibrium, a step above the critical one), 4 the run \
+failed";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -21,7 +22,7 @@ pub enum Command {
     Export(Export),
     /// Run a scene without an importer and write its outputs as CSV
     Simulate(Simulate),
-    /// List the built-in scenes, show one to start from, or print the schema of scene files
+    /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files
     Scenes {
         #[command(subcommand)]
         command: Option<Scenes>,
@@ -64,6 +65,14 @@ pub enum Scenes {
     Show {
         /// Its name
         name: String,
+    },
+    /// Draw a scene's masses, springs, dampers and contacts (up to 40 masses)
+    Draw {
+        /// A scene file (TOML), or the name of a built-in scene
+        scene: String,
+        /// Where to write the picture; the ending says which kind
+        #[arg(short, long, value_name = "FILE.svg|png")]
+        output: PathBuf,
     },
     /// Print the JSON Schema of scene files, with which editors check and complete them
     Schema,

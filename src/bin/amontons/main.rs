@@ -1,6 +1,7 @@
 //! The command line: arguments in, results out; the work is the library's.
 
 mod arguments;
+mod draw;
 mod export;
 mod scenes;
 mod simulate;
@@ -39,7 +40,8 @@ fn exit_code(error: &(dyn std::error::Error + 'static)) -> u8 {
     match error.downcast_ref::<amontons::Error>() {
         Some(error) if error.is_argument() => exit::ARGUMENTS,
         Some(error) if error.is_step() => exit::RUN,
-        Some(error) if !error.is_package() && !error.is_file() => exit::SCENE,
-        _ => exit::FAILED,
+        Some(error) if error.is_package() || error.is_file() || error.is_picture() => exit::FAILED,
+        Some(_) => exit::SCENE,
+        None => exit::FAILED,
     }
 }

@@ -1,7 +1,9 @@
 //! `amontons scenes`, and how every command finds its scene.
 
 use crate::arguments::Scenes;
+use crate::draw;
 use amontons::Error;
+use amontons::picture;
 use amontons::scene::{self, BUILTIN, Scene};
 use amontons::simulation::{Simulation, step_warning};
 use std::error;
@@ -18,6 +20,11 @@ pub fn run(command: Option<&Scenes>) -> Result<(), Box<dyn error::Error>> {
         Some(Scenes::Show { name }) => {
             let scene = scene::named(name)?;
             out.write_all(scene.text.as_bytes())?;
+        }
+        Some(Scenes::Draw { scene, output }) => {
+            picture::check_name(output)?;
+            let (scene, _) = scene::find(scene)?;
+            draw::picture(&scene).write(output)?;
         }
         Some(Scenes::Schema) => out.write_all(scene::schema().as_bytes())?,
     }

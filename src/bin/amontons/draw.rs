@@ -1,0 +1,135 @@
+//! `amontons scenes draw`: the picture of a scene's structure.
+
+use amontons::picture::{Link, LinkKind, MassMark, SliderMark, Structure};
+use amontons::scene::{self, Module, Network, Scene};
+use std::f64::consts::FRAC_PI_2;
+
+/// What a scene looks like: its masses, springs, dampers and contacts with their values. Springs
+/// and dampers of zero do nothing and are left out.
+pub fn picture(scene: &Scene) -> Structure {
+    let structure = match &scene.structure {
+        scene::Structure::Ring(modules) => ring(scene, modules),
+        scene::Structure::Network(parts) => network(scene, parts),
+    };
+    let title = if scene.description.is_empty() { &scene.name } else { &scene.description };
+    Structure { title: title.clone(), ..structure }
+}
+
+/// Of k1 … k6 of a ring.
+const DIRECTIONS: [f64; 6] = [0.0, FRAC_PI_2, FRAC_PI_2, 0.0, FRAC_PI_2, 0.0];
+
+/// What the springs join stands with the model, in `model::ring`.
+fn ring(scene: &Scene, modules: &[Module]) -> Structure {
+    let (mut structure, mut closing) = (Structure::default(), Vec::new());
+    let slider = &scene.slider;
+    for (i, module) in modules.iter().enumerate() {
+        let number = i + 1;
+        for (j, angle) in [0.0, slider.angle].into_iter().enumerate() {
+            let name = format!("m{}[{number}]", j + 1);
+            let label = kilograms(module.mass[j]);
+            structure.masses.push(MassMark { name, label, angle, locked: [false; 2] });
+        }
+        let (upper, lower) = (Some(2 * i), Some(2 * i + 1));
+        let next = Some(2 * (number % modules.len()));
+        let joins = [next, next, None, None, lower, lower];
+        for (j, end) in joins.into_iter().enumerate() {
+            let stiffness = module.stiffness[j];
+            if end == upper || stiffness == 0.0 {
+                continue;
+            }
+            // Links of one name and value need not all be named in a crowded picture.
+            let agree = modules.iter().all(|other| other.stiffness[j] == stiffness);
+            let own = if agree { String::new() } else { format!("[{number}]") };
+            let link = Link {
+                name: format!("k{}{own}", j + 1),
+                label: prefixed(stiffness, "N/m"),
+                ends: [upper, end],
+                direction: DIRECTIONS[j],
+                kind: LinkKind::Spring,
+            };
+            // What closes the ring has no say in where its masses stand.
+            let closes = j < 2 && number == modules.len();
+            if closes { &mut closing } else { &mut structure.links }.push(link);
+        }
+        structure.sliders.push(SliderMark {
+            name: format!("c[{number}]"),
+            label: rubbing(scene.friction_coefficient, slider.velocity),
+            mass: 2 * i + 1,
+            on: None,
+            angle: slider.angle,
+            velocity: slider.velocity,
+        });
+    }
+    structure.links.append(&mut closing);
+    structure
+}
+
+fn network(scene: &Scene, parts: &Network) -> Structure {
+    let masses = parts.masses.iter().map(|mass| MassMark {
+        name: mass.name.clone(),
+        label: kilograms(mass.mass),
+        angle: mass.angle,
+        locked: mass.locked,
+    });
+    let link = |kind, name: &String, ends, direction, label| {
+        let name = name.clone();
+        Link { name, label, ends, direction, kind }
+    };
+    let springs = parts.springs.iter().filter(|part| part.stiffness != 0.0).map(|part| {
+        let label = prefixed(part.stiffness, "N/m");
+        link(LinkKind::Spring, &part.name, part.between, part.direction, label)
+    });
+    let dampers = parts.dampers.iter().filter(|part| part.damping != 0.0).map(|part| {
+        let label = prefixed(part.damping, "N s/m");
+        link(LinkKind::Damper, &part.name, part.between, part.direction, label)
+    });
+    let sliders = parts.contacts.iter().map(|place| {
+        let velocity = place.velocity.unwrap_or(scene.slider.velocity);
+        let friction = place.friction.unwrap_or(scene.friction_coefficient);
+        SliderMark {
+            name: place.name.clone(),
+            label: rubbing(friction, velocity),
+            mass: place.mass,
+            on: place.on,
+            angle: place.angle.unwrap_or(scene.slider.angle),
+            velocity,
+        }
+    });
+    Structure {
+        title: String::new(),
+        masses: masses.collect(),
+        links: springs.chain(dampers).collect(),
+        sliders: sliders.collect(),
+    }
+}
+
+fn rubbing(friction: f64, velocity: f64) -> String {
+    format!("µ = {friction}, v = {velocity} m/s").replace('-', "−")
+}
+
+/// A mass, kg: in g where it is small, in t where it is large.
+fn kilograms(mass: f64) -> String {
+    match mass {
+        0.1..1e3 => prefixed(mass, "kg"),
+        1e3.. => prefixed(mass * 1e-3, "t"),
+        _ => prefixed(mass * 1e3, "g"),
+    }
+}
+
+/// A value to six digits, as "55 kN/m"; tenths of a unit as "0.3 kg".
+fn prefixed(value: f64, unit: &str) -> String {
+    let digits = format!("{value:.5e}");
+    let (mantissa, power) = digits.split_once('e').unwrap_or((&digits, "0"));
+    let power: i32 = power.parse().unwrap_or(0);
+    let group = if power == -1 { 0 } else { power.div_euclid(3) };
+    let place = usize::try_from(group + 3).ok();
+    let text = match place.and_then(|place| ["n", "µ", "m", "", "k", "M", "G"].get(place)) {
+        // Read as a decimal, the number has no digits of a division.
+        Some(prefix) => match format!("{mantissa}e{}", power - 3 * group).parse::<f64>() {
+            Ok(number) => format!("{number} {prefix}{unit}"),
+            Err(_) => format!("{value} {unit}"),
+        },
+        None => format!("{value:e} {unit}"),
+    };
+    text.replace('-', "−")
+}
