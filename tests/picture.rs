@@ -278,7 +278,7 @@ fn what_cannot_be_written_is_named_and_leaves_what_was_there() {
     let folder = tempfile::tempdir().unwrap();
     let missing = folder.path().join("missing").join("chart.svg");
     let error = chart().write(&missing).unwrap_err();
-    assert!(error.is_picture() && error.to_string().contains(&*missing.to_string_lossy()));
+    assert!(error.is_file() && error.to_string().contains(&*missing.to_string_lossy()));
 
     // The partial file cannot be made where a folder has its name: so even for a superuser.
     let path = folder.path().join("chart.svg");
@@ -290,7 +290,7 @@ fn what_cannot_be_written_is_named_and_leaves_what_was_there() {
 
     let taken = folder.path().join("folder.svg");
     fs::create_dir(&taken).unwrap();
-    assert!(chart().write(&taken).unwrap_err().is_picture());
+    assert!(chart().write(&taken).unwrap_err().is_file());
     assert!(!folder.path().join("folder.svg.partial").exists());
 }
 
