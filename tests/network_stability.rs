@@ -72,6 +72,19 @@ fn a_mass_that_only_its_contact_carries_flies_off_and_does_not_grow() {
 }
 
 #[test]
+fn a_mode_that_no_damper_sees_neither_grows_nor_decays() {
+    for angle in [0.1, 0.2, 0.3, 0.5, 0.7, 1.1] {
+        let up = "[[spring]]\nname = \"up\"\nbetween = [\"pad\", \"ground\"]\ndirection = \"y\"\n\
+                  stiffness = 5000.0\n";
+        let (_, model) = turned(angle, "", &format!("{up}{DAMPER}"));
+        let found = Spectrum::of(&model, &[Detached], 0.5).unwrap();
+        let [damped, free] = found.oscillating[..] else { panic!("{found:?}") };
+        assert!((damped.re + 0.5 * 3.0 / MASS).abs() < 1e-9, "{damped}");
+        assert!(free.re == 0.0 && (free.im - (5000.0_f64 / MASS).sqrt()).abs() < 1e-9, "{free}");
+    }
+}
+
+#[test]
 fn a_contacts_own_friction_stands_in_for_the_common_one() {
     let inclined = "[[spring]]\nname = \"s\"\nbetween = [\"pad\", \"ground\"]\ndirection = 0.9\n\
                     stiffness = 500.0\n";
