@@ -16,10 +16,17 @@ const STIFFNESS: f64 = 800.0;
 
 /// A mass pressed on the slider by its load alone, held along it by a spring.
 fn pressed(contact: &str, more: &str) -> (Scene, LumpedModel) {
+    turned(0.0, contact, more)
+}
+
+/// The same with its axes turned, which couples them.
+fn turned(angle: f64, contact: &str, more: &str) -> (Scene, LumpedModel) {
+    let load = [-10.0 * angle.sin(), -10.0 * angle.cos()];
     let text = format!(
         "[slider]\nvelocity = 0.1\nangle = 0.0\n[friction]\ncoefficient = 0.5\n\
          [integrator]\nstep = 1e-5\n\
-         [[mass]]\nname = \"pad\"\nmass = {MASS:?}\nforce = [0.0, -10.0]\n\
+         [[mass]]\nname = \"pad\"\nmass = {MASS:?}\nangle = {angle:?}\n\
+         force = {load:?}\n\
          [[spring]]\nname = \"hold\"\nbetween = [\"pad\", \"ground\"]\ndirection = \"x\"\n\
          stiffness = {STIFFNESS:?}\n[[contact]]\nname = \"c\"\nmass = \"pad\"\n{contact}{more}"
     );
@@ -56,7 +63,7 @@ fn a_contact_whose_surface_stands_still_rests_stuck_and_does_not_slide() {
 #[test]
 fn a_mass_that_only_its_contact_carries_flies_off_and_does_not_grow() {
     for damper in ["", DAMPER] {
-        let (_, model) = pressed("", damper);
+        let (_, model) = turned(0.2, "", damper);
         let found = Spectrum::of(&model, &[Detached], 0.5).unwrap();
         assert_eq!((&found.real[..], found.unstable()), (&[0.0, 0.0][..], false), "{damper}");
         let rate = if damper.is_empty() { 0.0 } else { -0.5 * 3.0 / MASS };
@@ -64,6 +71,19 @@ fn a_mass_that_only_its_contact_carries_flies_off_and_does_not_grow() {
         let [lambda] = found.oscillating[..] else { panic!("{found:?}") };
         assert!((lambda.re - rate).abs() < 1e-9 && (lambda.im - omega).abs() < 1e-9, "{lambda}");
         assert!(!modes(&model, &[Detached], 0.5).unwrap().unstable());
+    }
+}
+
+#[test]
+fn a_mode_that_no_damper_sees_neither_grows_nor_decays() {
+    for angle in [0.1, 0.2, 0.3, 0.5, 0.7, 1.1] {
+        let up = "[[spring]]\nname = \"up\"\nbetween = [\"pad\", \"ground\"]\ndirection = \"y\"\n\
+                  stiffness = 5000.0\n";
+        let (_, model) = turned(angle, "", &format!("{up}{DAMPER}"));
+        let found = Spectrum::of(&model, &[Detached], 0.5).unwrap();
+        let [damped, free] = found.oscillating[..] else { panic!("{found:?}") };
+        assert!((damped.re + 0.5 * 3.0 / MASS).abs() < 1e-9, "{damped}");
+        assert!(free.re == 0.0 && (free.im - (5000.0_f64 / MASS).sqrt()).abs() < 1e-9, "{free}");
     }
 }
 

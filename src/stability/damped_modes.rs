@@ -25,9 +25,16 @@ pub(super) fn all_eigenvalues(reduced: &ReducedMatrices) -> Result<Vec<Complex<f
     Ok(found.into_iter().map(|value| cleaned(value) * unit).collect())
 }
 
-/// A motion that nothing holds has λ = 0 twice, which rounding parts by the root of itself.
+/// Without what rounding makes of zeros: a motion that nothing holds has λ = 0 twice, which it parts by
+/// the root of itself; a mode that no damper sees neither grows nor decays.
 fn cleaned(value: Complex<f64>) -> Complex<f64> {
-    if value.norm() <= 1e-7 { Complex::ZERO } else { value }
+    if value.norm() <= 1e-7 {
+        Complex::ZERO
+    } else if value.re.abs() <= 1e-13 {
+        Complex::new(0.0, value.im)
+    } else {
+        value
+    }
 }
 
 /// [[0, 1], [−M̃⁻¹ K̃, −M̃⁻¹ C̃]] in a unit of time that makes its parts of one size, and 1/unit in 1/s.
