@@ -4,8 +4,7 @@ use amontons::picture::{Link, LinkKind, MassMark, SliderMark, Structure};
 use amontons::scene::{self, Module, Network, Scene};
 use std::f64::consts::FRAC_PI_2;
 
-/// What a scene looks like: its masses, springs, dampers and contacts with their values. Springs
-/// and dampers of zero do nothing and are left out.
+/// Masses, springs, dampers and contacts with their values; springs and dampers of zero left out.
 pub fn picture(scene: &Scene) -> Structure {
     let structure = match &scene.structure {
         scene::Structure::Ring(modules) => ring(scene, modules),
@@ -22,24 +21,23 @@ const DIRECTIONS: [f64; 6] = [0.0, FRAC_PI_2, FRAC_PI_2, 0.0, FRAC_PI_2, 0.0];
 fn ring(scene: &Scene, modules: &[Module]) -> Structure {
     let (mut structure, mut closing) = (Structure::default(), Vec::new());
     let slider = &scene.slider;
+    // Links of one name and value need not all be named in a crowded picture.
+    let agree = |j: usize| modules.windows(2).all(|two| two[0].stiffness[j] == two[1].stiffness[j]);
+    let agree = [0, 1, 2, 3, 4, 5].map(agree);
     for (i, module) in modules.iter().enumerate() {
         let number = i + 1;
         for (j, angle) in [0.0, slider.angle].into_iter().enumerate() {
-            let name = format!("m{}[{number}]", j + 1);
-            let label = kilograms(module.mass[j]);
+            let (name, label) = (format!("m{}[{number}]", j + 1), kilograms(module.mass[j]));
             structure.masses.push(MassMark { name, label, angle, locked: [false; 2] });
         }
         let (upper, lower) = (Some(2 * i), Some(2 * i + 1));
         let next = Some(2 * (number % modules.len()));
-        let joins = [next, next, None, None, lower, lower];
-        for (j, end) in joins.into_iter().enumerate() {
+        for (j, end) in [next, next, None, None, lower, lower].into_iter().enumerate() {
             let stiffness = module.stiffness[j];
             if end == upper || stiffness == 0.0 {
                 continue;
             }
-            // Links of one name and value need not all be named in a crowded picture.
-            let agree = modules.iter().all(|other| other.stiffness[j] == stiffness);
-            let own = if agree { String::new() } else { format!("[{number}]") };
+            let own = if agree[j] { String::new() } else { format!("[{number}]") };
             let link = Link {
                 name: format!("k{}{own}", j + 1),
                 label: prefixed(stiffness, "N/m"),
@@ -48,8 +46,8 @@ fn ring(scene: &Scene, modules: &[Module]) -> Structure {
                 kind: LinkKind::Spring,
             };
             // What closes the ring has no say in where its masses stand.
-            let closes = j < 2 && number == modules.len();
-            if closes { &mut closing } else { &mut structure.links }.push(link);
+            if j < 2 && number == modules.len() { &mut closing } else { &mut structure.links }
+                .push(link);
         }
         structure.sliders.push(SliderMark {
             name: format!("c[{number}]"),
@@ -95,12 +93,9 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
             velocity,
         }
     });
-    Structure {
-        title: String::new(),
-        masses: masses.collect(),
-        links: springs.chain(dampers).collect(),
-        sliders: sliders.collect(),
-    }
+    let links = springs.chain(dampers).collect();
+    let (masses, sliders) = (masses.collect(), sliders.collect());
+    Structure { title: String::new(), masses, links, sliders }
 }
 
 fn rubbing(friction: f64, velocity: f64) -> String {
@@ -125,10 +120,10 @@ fn prefixed(value: f64, unit: &str) -> String {
     let place = usize::try_from(group + 3).ok();
     let text = match place.and_then(|place| ["n", "µ", "m", "", "k", "M", "G"].get(place)) {
         // Read as a decimal, the number has no digits of a division.
-        Some(prefix) => match format!("{mantissa}e{}", power - 3 * group).parse::<f64>() {
-            Ok(number) => format!("{number} {prefix}{unit}"),
-            Err(_) => format!("{value} {unit}"),
-        },
+        Some(prefix) => {
+            let number = format!("{mantissa}e{}", power - 3 * group).parse().unwrap_or(value);
+            format!("{number} {prefix}{unit}")
+        }
         None => format!("{value:e} {unit}"),
     };
     text.replace('-', "−")
