@@ -41,8 +41,10 @@ pub(super) fn locate_crossing(
         let side = if point.1.grows() == from.1.grows() { &mut low } else { &mut high };
         *side = point;
     }
-    let (value, root) = if from.1.grows() { high } else { low };
-    Ok(Crossing { value, mode, frequency_hz: root.lambda.im / TAU, becomes_unstable: to.1.grows() })
+    // The frequency is that of the mode which grows: zero where it diverges.
+    let (stable, growing) = if from.1.grows() { (high, low) } else { (low, high) };
+    let frequency_hz = growing.1.lambda.im / TAU;
+    Ok(Crossing { value: stable.0, mode, frequency_hz, becomes_unstable: to.1.grows() })
 }
 
 /// The root at `value` of a branch that is known at two points: the nearest to the line between.
@@ -83,31 +85,12 @@ pub(super) fn hidden_crossings(
     Ok(found)
 }
 
-/// A point beside the middle one where Re λ has the other sign, if there is one: golden-section
-/// search of the extremum.
-fn other_side(
-    evaluate: &Evaluate<'_>,
-    [mut left, mut middle, mut right]: [Point; 3],
-) -> Result<Option<Point>, Error> {
-    let grows = middle.1.grows();
-    let resolution = 1e-9 * (right.0 - left.0);
-    while right.0 - left.0 > resolution {
-        let leftwards = middle.0 - left.0 > right.0 - middle.0;
-        let side = if leftwards { left } else { right };
-        let at = middle.0 + GOLDEN * (side.0 - middle.0);
-        let point = on_branch(evaluate, [middle, side], at)?;
-        if point.1.grows() != grows {
-            return Ok(Some(point));
-        }
-        let better = point.1.lambda.re.abs() < middle.1.lambda.re.abs();
-        match (better, leftwards) {
-            (true, true) => (middle, right) = (point, middle),
-            (true, false) => (middle, left) = (point, middle),
-            (false, true) => left = point,
-            (false, false) => right = point,
-        }
-    }
-    Ok(None)
+/// A point beside the middle one where Re λ has the other sign, if there is one.
+fn other_side(evaluate: &Evaluate<'_>, points: [Point; 3]) -> Result<Option<Point>, Error> {
+    let is_other = |root: &Root| root.grows() != points[1].1.grows();
+    let root = |known: [Point; 2], value: f64| Ok(on_branch(evaluate, known, value)?.1);
+    let found = golden_section(points, &root, &|root| root.lambda.re.abs(), &is_other)?;
+    Ok(is_other(&found.1).then_some(found))
 }
 
 /// Modes further apart than this part of their frequency do not come near each other.
@@ -127,8 +110,16 @@ pub(super) fn closest_approaches(
                 let is_least = apart(k) < apart(k - 1) && apart(k) <= apart(k + 1);
                 if is_least && apart(k) < NEAR * a[k].lambda.norm() {
                     let pair = |k: usize| (values[k], [a[k], b[k]]);
-                    let nearest = nearest_point(evaluate, [k - 1, k, k + 1].map(pair))?;
-                    let (value, [a, b]) = nearest;
+                    let both = |[from, to]: [(f64, [Root; 2]); 2], value: f64| {
+                        let root = |which: usize| {
+                            let known = [(from.0, from.1[which]), (to.0, to.1[which])];
+                            Ok::<_, Error>(on_branch(evaluate, known, value)?.1)
+                        };
+                        Ok([root(0)?, root(1)?])
+                    };
+                    let distance = |[a, b]: &[Root; 2]| (a.lambda - b.lambda).norm();
+                    let around = [k - 1, k, k + 1].map(pair);
+                    let (value, [a, b]) = golden_section(around, &both, &distance, &|_| false)?;
                     found.push(Approach {
                         value,
                         modes: [i, j],
@@ -143,38 +134,34 @@ pub(super) fn closest_approaches(
     Ok(found)
 }
 
-/// A value of the parameter and two roots there.
-type Pair = (f64, [Root; 2]);
-
-/// Golden-section search of the least distance of two roots. At a minimum half of the digits of the
-/// parameter are all that can be told.
-fn nearest_point(
-    evaluate: &Evaluate<'_>,
-    [mut left, mut middle, mut right]: [Pair; 3],
-) -> Result<Pair, Error> {
-    let apart = |pair: &Pair| (pair.1[0].lambda - pair.1[1].lambda).norm();
+/// Golden-section search of the least cost between three points, the middle one having the least of
+/// them; ends early at a point that is good enough.
+fn golden_section<P: Copy>(
+    [mut left, mut middle, mut right]: [(f64, P); 3],
+    point: &dyn Fn([(f64, P); 2], f64) -> Result<P, Error>,
+    cost: &dyn Fn(&P) -> f64,
+    is_enough: &dyn Fn(&P) -> bool,
+) -> Result<(f64, P), Error> {
+    const GOLDEN: f64 = 0.381_966_011_250_105;
+    // At a minimum half of the digits are all that can be told.
     let resolution = 1e-9 * (right.0 - left.0);
     while right.0 - left.0 > resolution {
         let leftwards = middle.0 - left.0 > right.0 - middle.0;
         let side = if leftwards { left } else { right };
-        let at = middle.0 + GOLDEN * (side.0 - middle.0);
-        let root = |which: usize| {
-            let known = [(middle.0, middle.1[which]), (side.0, side.1[which])];
-            Ok::<_, Error>(on_branch(evaluate, known, at)?.1)
-        };
-        let point = (at, [root(0)?, root(1)?]);
-        match (apart(&point) < apart(&middle), leftwards) {
-            (true, true) => (middle, right) = (point, middle),
-            (true, false) => (middle, left) = (point, middle),
-            (false, true) => left = point,
-            (false, false) => right = point,
+        let value = middle.0 + GOLDEN * (side.0 - middle.0);
+        let found = (value, point([middle, side], value)?);
+        if is_enough(&found.1) {
+            return Ok(found);
+        }
+        match (cost(&found.1) < cost(&middle.1), leftwards) {
+            (true, true) => (middle, right) = (found, middle),
+            (true, false) => (middle, left) = (found, middle),
+            (false, true) => left = found,
+            (false, false) => right = found,
         }
     }
     Ok(middle)
 }
-
-/// The part of an interval at which golden-section search looks.
-const GOLDEN: f64 = 0.381_966_011_250_105;
 
 /// The middle of an interval, until none is left.
 pub(in crate::stability) fn between(low: f64, high: f64) -> Option<f64> {
