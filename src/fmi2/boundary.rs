@@ -146,7 +146,7 @@ mod tests {
         let text = builtin("set1").unwrap().text;
         std::fs::write(folder.path().join(SCENE_FILE), text).unwrap();
         let logger = Logger::new(None, c"one", false);
-        let made = Instance::new(folder.path(), &fingerprint(text), logger);
+        let made = Instance::new(folder.path(), &fingerprint(&text.into()), logger);
         handle(made.unwrap_or_else(|(error, _)| panic!("{error}")))
     }
 

@@ -62,8 +62,8 @@ impl Instance {
     ) -> Result<Self, (Error, Logger)> {
         let read = || {
             let path = resources.join(SCENE_FILE);
-            let (scene, text) = scene::read(&path)?;
-            let expected = fingerprint(&text);
+            let (scene, source) = scene::read(&path)?;
+            let expected = fingerprint(&source);
             if guid == expected {
                 Ok((scene, expected))
             } else {

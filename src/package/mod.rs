@@ -13,21 +13,24 @@ pub use model_description::{identifier, model_description};
 
 use crate::Error;
 use crate::fmi2::SCENE_FILE;
-use crate::scene::Scene;
+use crate::scene::{Scene, Source};
 use archive::Archive;
 use date::Date;
 
-/// The FMU of a scene; `text` is the scene's file, word for word.
+/// The FMU of a scene; `source` is what it was read from.
 ///
 /// # Errors
 /// `SOURCE_DATE_EPOCH` is set to something that is not a time.
-pub fn fmu(scene: &Scene, text: &str) -> Result<Vec<u8>, Error> {
+pub fn fmu(scene: &Scene, source: &Source) -> Result<Vec<u8>, Error> {
     let date = Date::from_environment()?;
     let library = format!("binaries/{PLATFORM}/{}.{}", identifier(&scene.name), library::EXTENSION);
     let mut archive = Archive::new(date)?;
-    archive.add("modelDescription.xml", model_description(scene, text, date).as_bytes())?;
+    archive.add("modelDescription.xml", model_description(scene, source, date).as_bytes())?;
     archive.add(&library, library::BYTES)?;
-    archive.add(&format!("resources/{SCENE_FILE}"), text.as_bytes())?;
+    archive.add(&format!("resources/{SCENE_FILE}"), source.text.as_bytes())?;
+    for (name, table) in &source.tables {
+        archive.add(&format!("resources/{name}"), table.as_bytes())?;
+    }
     archive.add("documentation/licenses/LICENSE-MIT.txt", include_bytes!("../../LICENSE-MIT"))?;
     archive
         .add("documentation/licenses/LICENSE-APACHE.txt", include_bytes!("../../LICENSE-APACHE"))?;

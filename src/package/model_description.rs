@@ -2,7 +2,7 @@
 
 use super::date::Date;
 use crate::fmi2::CATEGORIES;
-use crate::scene::Scene;
+use crate::scene::{Scene, Source};
 use crate::simulation::catalogue::{
     Causality, ENUMERATIONS, Kind, Template, UNITS, Variability, Variable,
 };
@@ -23,13 +23,13 @@ pub fn identifier(name: &str) -> String {
 
 /// The model description of a scene; `text` is the scene's file, word for word.
 #[must_use]
-pub fn model_description(scene: &Scene, text: &str, date: Option<Date>) -> String {
+pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> String {
     let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
     let variables = variables(scene);
     let mut root = vec![
         ("fmiVersion", "2.0".to_owned()),
         ("modelName", scene.name.clone()),
-        ("guid", fingerprint(text)),
+        ("guid", fingerprint(source)),
         ("description", scene.description.clone()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
         ("generationTool", concat!("Amontons ", env!("CARGO_PKG_VERSION")).to_owned()),

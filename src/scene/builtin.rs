@@ -1,6 +1,6 @@
 //! The scenes that the program carries; the same files stand under `scenes/`.
 
-use super::{Scene, parse, read};
+use super::{Scene, Source, parse, read};
 use crate::Error;
 use std::path::Path;
 
@@ -43,15 +43,15 @@ pub fn named(name: &str) -> Result<Builtin, Error> {
         .ok_or_else(|| Error::argument(format!("no built-in scene {name}; {}", builtin_names())))
 }
 
-/// The scene that a command line names, with its file's text: a built-in scene's name, or a path.
+/// The scene that a command line names, with its files: a built-in scene's name, or a path.
 /// A file that is named like a built-in scene is `./name`.
 ///
 /// # Errors
 /// As [`read`], or there is no such scene.
-pub fn find(argument: &str) -> Result<(Scene, String), Error> {
+pub fn find(argument: &str) -> Result<(Scene, Source), Error> {
     let path = Path::new(argument);
     match builtin(argument) {
-        Some(builtin) => Ok((builtin.scene(), builtin.text.to_owned())),
+        Some(builtin) => Ok((builtin.scene(), builtin.text.into())),
         None if path.is_dir() => Err(Error::unusable_file(format!(
             "{argument} is a folder; give a scene file, or a built-in scene; {}",
             builtin_names()

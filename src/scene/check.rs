@@ -1,6 +1,8 @@
 //! Which scenes are possible.
 
-use super::{Experiment, Problem, Rule, Scene, Structure, network_check, problem, ring};
+use super::nearest::nearest;
+use super::network_check::quoted;
+use super::{Experiment, Problem, Rule, Scene, Signal, Structure, network_check, problem, ring};
 use crate::Error;
 
 /// The most rows of results that a run may have.
@@ -82,7 +84,24 @@ impl Scene {
                 network_check::check(network, self.slider, &mut checks);
             }
         }
+        checks.problems.extend(self.unknown_inputs());
         checks.problems
+    }
+
+    /// Signals of inputs that the scene does not have.
+    fn unknown_inputs(&self) -> Vec<Problem> {
+        if self.signals.is_empty() {
+            return Vec::new();
+        }
+        let inputs = self.input_names();
+        let unknown = self.signals.iter().enumerate().filter(|(_, s)| !inputs.contains(&s.input));
+        let problem = |(i, signal): (usize, &Signal)| {
+            let path = format!("signal[{}].input", i + 1);
+            Problem::new(path, "the scene has no such input")
+                .of(quoted(&signal.input))
+                .help(meant(&signal.input, &inputs))
+        };
+        unknown.map(problem).collect()
     }
 
     /// Impossible values that are not the structure's.
@@ -102,6 +121,9 @@ impl Scene {
             if let Some(wish) = rule.broken_by(value) {
                 problems.push(Problem::new(name, wish).of(value));
             }
+        }
+        for (i, signal) in self.signals.iter().enumerate() {
+            signal.shape.check(&format!("signal[{}]", i + 1), &mut problems);
         }
         if stop_time / output_interval > MAX_ROWS {
             let message = format!(
@@ -140,4 +162,15 @@ impl Scene {
 /// The path of a part's value, or of the part where there is no key.
 pub(super) fn with_key(part: String, key: &str) -> String {
     if key.is_empty() { part } else { format!("{part}.{key}") }
+}
+
+/// Which input is meant by a name that is none.
+fn meant(name: &str, inputs: &[String]) -> String {
+    const MOST: usize = 12;
+    if let Some(meant) = nearest(name, inputs.iter().map(String::as_str)) {
+        return format!("did you mean {}?", quoted(meant));
+    }
+    let more = if inputs.len() > MOST { ", …" } else { "" };
+    let first: Vec<&str> = inputs.iter().take(MOST).map(String::as_str).collect();
+    format!("its inputs are {}{more}", first.join(", "))
 }

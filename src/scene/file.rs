@@ -5,6 +5,8 @@ use super::initial_file::{self, Initial};
 use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
 #[cfg(not(feature = "tools"))]
 use super::problem;
+use super::signal_file::{self, SignalTable};
+use super::source::{Folder, Source};
 use super::{Damping, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
 #[cfg(feature = "tools")]
 use super::{Rule, located};
@@ -56,6 +58,9 @@ struct File {
     /// Perturbations of the equilibrium, one a module or mass.
     #[serde(default)]
     initial: Vec<Initial>,
+    /// Values over time that are added to inputs.
+    #[serde(default)]
+    signal: Vec<SignalTable>,
     integrator: Integrator,
     #[serde(default)]
     experiment: Experiment,
@@ -86,33 +91,34 @@ struct Integrator {
 /// # Errors
 /// Everything that is wrong with the file, each with its line and column (with the feature
 /// `tools`), key, and what would be right.
-pub fn read(path: &Path) -> Result<(Scene, String), Error> {
+pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
     let place = path.display().to_string();
     let text = text::decode(&place, std::fs::read(path).map_err(|e| Error::file(path, &e))?)?;
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    let scene = parse_at(&name, &place, &text)?;
-    Ok((scene, text))
+    let mut folder = Folder::new(path.parent());
+    let scene = parse_in(&mut folder, &name, &place, &text)?;
+    Ok((scene, Source { text, tables: folder.tables }))
 }
 
-/// Makes a scene from the text of a scene file.
+/// Makes a scene from the text of a scene file that names no other files.
 ///
 /// # Errors
 /// As [`read`], with the scene's name for the file's.
 pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
-    parse_at(name, name, text)
+    parse_in(&mut Folder::new(None), name, name, text)
 }
 
 #[cfg(feature = "tools")]
-fn parse_at(name: &str, place: &str, text: &str) -> Result<Scene, Error> {
-    located::read(place, text, |file: File| file.scene(name))
+fn parse_in(folder: &mut Folder<'_>, name: &str, place: &str, text: &str) -> Result<Scene, Error> {
+    located::read(place, text, |file: File| file.scene(name, folder))
 }
 
 #[cfg(not(feature = "tools"))]
-fn parse_at(name: &str, place: &str, text: &str) -> Result<Scene, Error> {
+fn parse_in(folder: &mut Folder<'_>, name: &str, place: &str, text: &str) -> Result<Scene, Error> {
     let in_file = |error: &dyn std::fmt::Display| Error::scene(format!("in {place}:\n{error}"));
     let file: File =
         toml::from_str(text).map_err(|error| in_file(&error.to_string().trim_end()))?;
-    file.scene(name).map_err(|problems| in_file(&problem::error(&problems)))
+    file.scene(name, folder).map_err(|problems| in_file(&problem::error(&problems)))
 }
 
 /// The JSON Schema of scene files, for editors; [`read`] holds files to the same.
@@ -124,7 +130,7 @@ pub fn schema() -> String {
 
 impl File {
     /// The scene, or everything that is wrong with it.
-    fn scene(self, name: &str) -> Result<Scene, Vec<Problem>> {
+    fn scene(self, name: &str, folder: &mut Folder<'_>) -> Result<Scene, Vec<Problem>> {
         let mut names = Names::of(&self.mass);
         let (mut structure, broken) = match self.structure(&mut names) {
             Ok(structure) => (structure, None),
@@ -137,12 +143,14 @@ impl File {
         let mut problems = names.problems;
         problems.extend(self.missing_tables());
         problems.extend(self.strangers());
+        let signals = signal_file::signals(self.signal, folder, &mut problems);
         let scene = Scene {
             name: name.to_owned(),
             slider: self.slider.unwrap_or(Slider { velocity: 0.0, angle: 0.0 }),
             friction_coefficient: self.friction.map_or(0.0, |friction| friction.coefficient),
             damping: self.damping,
             structure,
+            signals: signals.into(),
             step: self.integrator.step,
             experiment: self.experiment,
             description: self.description,

@@ -7,6 +7,8 @@
 //! | `file`, `initial_file` | the file as a whole; its initial values |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
+//! | `signal`, `signal_file`, `time_table` | values over time that drive inputs |
+//! | `source` | the files a scene is made from |
 //! | `check`, `rule` | which scenes are possible, what a value must be |
 //! | `problem` | what is wrong with a scene |
 //! | `located`, `nearest`, `text` | reading a file with all that is wrong with it |
@@ -18,7 +20,6 @@ mod file;
 mod initial_file;
 #[cfg(feature = "tools")]
 mod located;
-#[cfg(feature = "tools")]
 mod nearest;
 mod network;
 mod network_check;
@@ -28,7 +29,11 @@ mod problem;
 mod ring;
 mod ring_file;
 mod rule;
+mod signal;
+mod signal_file;
+mod source;
 mod text;
+mod time_table;
 
 pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find, named};
 #[cfg(feature = "tools")]
@@ -40,9 +45,13 @@ pub use network::{Damper, GROUND, MAX_PARTS, Mass, Network, RubbingPlace, Spring
 pub use problem::Problem;
 pub use ring::{MAX_MODULES, Module};
 pub use rule::Rule;
+pub use signal::{Between, Constant, Pulse, Ramp, Shape, Signal, Sine, Table};
+pub use source::Source;
+pub use time_table::TimeTable;
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// A structure in frictional contact, what drives it, and how it is run.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -59,6 +68,8 @@ pub struct Scene {
     pub damping: Damping,
     /// Masses, springs and contacts.
     pub structure: Structure,
+    /// What changes inputs over time.
+    pub signals: Arc<[Signal]>,
     /// Internal time step h, s.
     pub step: f64,
     /// What a run does unless told otherwise.
@@ -200,6 +211,27 @@ impl Scene {
             mass.free([name("x"), name("y")])
         });
         modules.chain(masses).collect()
+    }
+
+    /// The FMU's names of the inputs, which signals may drive; in no order that means anything.
+    #[must_use]
+    pub fn input_names(&self) -> Vec<String> {
+        let common = ["slider.velocity", "friction.coefficient"].map(str::to_owned);
+        let modules = (1..=self.modules().len())
+            .flat_map(|i| (1..=4).map(move |j| format!("module[{i}].f{j}")));
+        let masses = self.masses().iter().flat_map(|mass| {
+            let name = |axis: &str| format!("mass.{}.f{axis}", mass.name);
+            mass.free([name("x"), name("y")])
+        });
+        let contacts = self.network().map_or(&[][..], |network| &network.contacts);
+        let contacts = contacts.iter().flat_map(|place| {
+            let own = [
+                place.velocity.map(|_| format!("contact.{}.velocity", place.name)),
+                place.friction.map(|_| format!("contact.{}.friction", place.name)),
+            ];
+            own.into_iter().flatten()
+        });
+        common.into_iter().chain(modules).chain(masses).chain(contacts).collect()
     }
 
     /// External forces, N, one a degree of freedom, in their order.

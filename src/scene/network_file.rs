@@ -1,10 +1,11 @@
 //! `[[mass]]`, `[[spring]]`, `[[damper]]` and `[[contact]]` of a scene file, and `[[initial]]` of its
 //! masses: names become places.
 
+#[cfg(feature = "tools")]
+use super::Rule;
+use super::nearest::nearest;
 use super::network_check::{NO_SUCH_MASS, quoted};
 use super::{Damper, GROUND, Mass, Network, Problem, RubbingPlace, Spring};
-#[cfg(feature = "tools")]
-use super::{Rule, nearest};
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -254,16 +255,9 @@ impl<'a> Names<'a> {
         meant
     }
 
-    #[cfg(feature = "tools")]
     fn meant(&self, name: &str) -> Option<usize> {
         let names = self.masses.iter().map(|mass| &*mass.name);
         nearest(name, names).map(|name| self.places[name])
-    }
-
-    #[cfg(not(feature = "tools"))]
-    #[allow(clippy::unused_self)]
-    fn meant(&self, _: &str) -> Option<usize> {
-        None
     }
 
     /// The names that there are.

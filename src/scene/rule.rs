@@ -26,6 +26,8 @@ impl Rule {
     pub const FRICTION: Self = Self::NotNegative;
     /// Of α, 1/s, of β, s, and of a damper, N s/m.
     pub const DAMPING: Self = Self::NotNegative;
+    /// Of a frequency, Hz.
+    pub const FREQUENCY: Self = Self::NotNegative;
     /// Of a time or a time step, s.
     pub const TIME: Self = Self::Positive;
     /// Of the slider's inclination under a ring, rad.

@@ -137,6 +137,14 @@ impl Variable {
         self.template.causality == Causality::Input
             || self.template.variability == Variability::Tunable
     }
+
+    /// Does the critical step depend on it, of what may change during the run?
+    pub(super) fn sets_limit(&self) -> bool {
+        matches!(
+            self.template.quantity,
+            Quantity::FrictionCoefficient | Quantity::OwnFriction | Quantity::DampingBeta
+        )
+    }
 }
 
 /// All variables of a scene, in the catalogue's order, part by part.

@@ -23,8 +23,28 @@ pub(super) struct Leg {
     pub(super) step: f64,
     /// How many.
     pub(super) count: u64,
+    /// Where step 0 of its grid begins, s, and the number of its first step there.
+    origin: f64,
+    first: u64,
     /// The clock at the end.
     pub(super) arrival: Clock,
+}
+
+impl Leg {
+    /// When one of its steps (from 0) begins, s.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn time(&self, step: u64) -> f64 {
+        self.origin + (self.first + step) as f64 * self.step
+    }
+
+    /// How many steps from this one (from 0) on begin before time `until` (s); at least the step
+    /// itself, at most those that are left.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub(super) fn steps_before(&self, until: f64, step: u64) -> u64 {
+        // Rounding down leaves the last one a whole step before that time. Casts saturate.
+        let count = ((until - self.time(step)) / self.step).floor() as u64;
+        count.clamp(1, self.count - step)
+    }
 }
 
 impl Clock {
@@ -35,6 +55,12 @@ impl Clock {
     /// Present time, s, in the words of whoever asked for it.
     pub(super) fn time(self) -> f64 {
         self.asked
+    }
+
+    /// Present time, s, on the grid of steps of this length: however a run is split, the same double.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn grid_time(self, step: f64) -> f64 {
+        self.start + self.steps as f64 * step
     }
 
     /// Do two times mean the same, for a run with this internal step? Whoever adds up their steps
@@ -63,11 +89,14 @@ impl Clock {
         if (is_multiple && multiple > 0.0) || asked <= NOTHING * step {
             let steps = (((target - self.start) / step).round() as u64).max(self.steps);
             let arrival = Self { steps, asked: target, ..self };
-            return Some(Leg { step, count: steps - self.steps, arrival });
+            let (origin, first) = (self.start, self.steps);
+            return Some(Leg { step, count: steps - self.steps, origin, first, arrival });
         }
-        let span = target - (self.start + self.steps as f64 * step);
+        let origin = self.grid_time(step);
+        let span = target - origin;
         let count = (span / step - TOLERANCE).ceil().max(1.0);
-        Some(Leg { step: span / count, count: count as u64, arrival: Self::at(target) })
+        let (step, count, arrival) = (span / count, count as u64, Self::at(target));
+        Some(Leg { step, count, origin, first: 0, arrival })
     }
 }
 

@@ -3,6 +3,7 @@
 pub mod catalogue;
 mod clock;
 mod fingerprint;
+mod signals;
 mod snapshot;
 mod values;
 #[cfg(feature = "tools")]
@@ -26,14 +27,18 @@ use crate::scene::Scene;
 use crate::stability::StepGuard;
 use clock::Clock;
 use serde::{Deserialize, Serialize};
+use signals::Driven;
 
 /// Steps taken between two looks at whether the motion is still finite.
 const CHUNK: u64 = 1 << 16;
 
 /// A scene in motion.
 pub struct Simulation {
-    /// The values as they are now: inputs and tunable parameters may have changed since the start.
+    /// The values as they are given now: inputs and tunable parameters may have changed since the
+    /// start.
     scene: Scene,
+    /// The values that act, where the scene has signals.
+    driven: Option<Driven>,
     model: LumpedModel,
     /// The degrees of freedom of a network's masses.
     numbering: Numbering,
@@ -55,6 +60,15 @@ struct Stale {
     contact_forces: bool,
 }
 
+impl Stale {
+    /// Takes note of another value of a variable.
+    fn by(&mut self, variable: &Variable) {
+        self.drive = true;
+        self.contact_forces = true;
+        self.limit |= variable.sets_limit();
+    }
+}
+
 /// The position that displacements are measured from: the equilibrium at initialization, with the
 /// load that made it.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -70,22 +84,27 @@ impl Simulation {
     /// Impossible values, no equilibrium, or a step above the critical one.
     pub fn new(scene: Scene, start_time: f64) -> Result<Self, Error> {
         scene.check()?;
-        let model = LumpedModel::from(&scene);
-        let equilibrium = model::equilibrium(&scene, &model)?;
+        let clock = Clock::at(start_time);
+        let driven = Driven::at(clock.grid_time(scene.step), &scene)?;
+        let acting = signals::acting(driven.as_ref(), &scene);
+        let model = LumpedModel::from(acting);
+        let equilibrium = model::equilibrium(acting, &model)?;
         let reference = Reference { equilibrium, load: model.load.clone() };
-        let motion = initial_motion(&scene, &model);
-        Self::assemble(scene, model, reference, motion, Clock::at(start_time))
+        let motion = initial_motion(acting, &model);
+        Self::assemble(scene, driven, model, reference, motion, clock)
     }
 
     fn assemble(
         scene: Scene,
+        driven: Option<Driven>,
         model: LumpedModel,
         reference: Reference,
         motion: Motion,
         clock: Clock,
     ) -> Result<Self, Error> {
-        let mut guard = StepGuard::new(&model, scene.friction_coefficient, scene.step);
-        guard.check(&model, scene.friction_coefficient)?;
+        let friction = signals::acting(driven.as_ref(), &scene).friction_coefficient;
+        let mut guard = StepGuard::new(&model, friction, scene.step);
+        guard.check(&model, friction)?;
         let integrator = integrator::choose(&model)?;
         let drive = Drive::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
         let numbering = scene.network().map_or_else(Numbering::default, Numbering::of);
@@ -93,6 +112,7 @@ impl Simulation {
         let stale = Stale { drive: true, limit: false, contact_forces: true };
         Ok(Self {
             scene,
+            driven,
             model,
             numbering,
             guard,
@@ -119,7 +139,7 @@ impl Simulation {
         Clock::same(a, b, self.scene.step)
     }
 
-    /// The values as they are now.
+    /// The values as they are given now, without what signals add.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
@@ -137,25 +157,34 @@ impl Simulation {
         &self.reference.equilibrium
     }
 
-    /// Moves on to time `target` (s), inputs held.
+    /// Moves on to time `target` (s), inputs held but for what signals add: each step has what they
+    /// give at its beginning.
     ///
     /// # Errors
     /// A target in the past; a step that, with the values as they are now, is above the critical
-    /// one; a step that fails, or leaves the range of numbers. Then the motion is not to be used.
+    /// one; a step that fails, or leaves the range of numbers; signals that lead to an impossible
+    /// value. Then the motion is not to be used.
     pub fn advance_to(&mut self, target: f64) -> Result<(), Error> {
         let leg = self.clock.way_to(target, self.scene.step).ok_or_else(|| {
             Error::step(format!("cannot go from {} s to {target} s", self.time()))
         })?;
-        self.update_drive();
-        self.check_limit()?;
-        let mut left = leg.count;
-        while left > 0 {
-            let count = left.min(CHUNK);
+        let mut done = 0;
+        let mut unchecked = 0;
+        while done < leg.count {
+            let time = leg.time(done);
+            self.update_drive(time)?;
+            self.check_limit()?;
+            let constant_until =
+                self.driven.as_ref().map_or(f64::INFINITY, |driven| driven.constant_until(time));
+            let count = leg.steps_before(constant_until, done).min(CHUNK - unchecked);
             self.integrator
                 .advance(&mut self.motion, &self.drive, leg.step, count)
                 .map_err(|failure| self.failed(failure, target))?;
-            self.check_finite(target)?;
-            left -= count;
+            done += count;
+            unchecked = (unchecked + count) % CHUNK;
+            if unchecked == 0 || done == leg.count {
+                self.check_finite(target)?;
+            }
         }
         self.clock = leg.arrival;
         self.stale.contact_forces = true;
@@ -168,7 +197,7 @@ impl Simulation {
     /// Contacts that are coupled in a way that has no solution.
     pub fn contact_forces(&mut self) -> Result<&[ContactForce], Error> {
         if self.stale.contact_forces {
-            self.update_drive();
+            self.update_drive(self.clock.grid_time(self.scene.step))?;
             self.integrator
                 .contact_forces(&self.motion, &self.drive, &mut self.contact_forces)
                 .map_err(|failure| self.failed(failure, self.time()))?;
@@ -177,16 +206,21 @@ impl Simulation {
         Ok(&self.contact_forces)
     }
 
-    /// Brings drive and damping up to date. The drive is the load's change since the reference, the
+    /// Brings drive and damping up to date for time `t` (s). The drive is the load's change since the reference, the
     /// contact forces that balanced it, and the external forces; at the reference nothing but the
     /// contacts' part is left.
-    fn update_drive(&mut self) {
-        if !std::mem::replace(&mut self.stale.drive, false) {
-            return;
+    fn update_drive(&mut self, t: f64) -> Result<(), Error> {
+        let stale = &mut self.stale;
+        if let Some(driven) = &mut self.driven {
+            driven.bring_to(t, &self.scene, |variable| stale.by(variable))?;
         }
-        model::load(&self.scene, &self.numbering, &mut self.model.load);
+        if !std::mem::replace(&mut stale.drive, false) {
+            return Ok(());
+        }
+        let acting = signals::acting(self.driven.as_ref(), &self.scene);
+        model::load(acting, &self.numbering, &mut self.model.load);
         let loads = self.model.load.iter().zip(&self.reference.load);
-        let force = self.drive.force.iter_mut().zip(self.scene.external_forces());
+        let force = self.drive.force.iter_mut().zip(acting.external_forces());
         for ((force, external), (now, then)) in force.zip(loads) {
             *force = (now - then) + external;
         }
@@ -196,27 +230,20 @@ impl Simulation {
             contact.normal.add_to(&mut self.drive.force, -normal);
             contact.tangent.add_to(&mut self.drive.force, -friction);
         }
-        self.update_own_values();
+        update_own_values(&mut self.model, acting);
         for (i, contact) in self.model.contacts.iter().enumerate() {
-            self.drive.slider_velocity[i] = contact.velocity(self.scene.slider.velocity);
-            self.drive.friction_coefficient[i] = contact.friction(self.scene.friction_coefficient);
+            self.drive.slider_velocity[i] = contact.velocity(acting.slider.velocity);
+            self.drive.friction_coefficient[i] = contact.friction(acting.friction_coefficient);
         }
-        self.model.damping = self.scene.damping;
-        self.integrator.set_damping(self.scene.damping);
-    }
-
-    /// Gives the model's contacts the µ and v that are theirs alone.
-    fn update_own_values(&mut self) {
-        let places = self.scene.network().map_or(&[][..], |network| &network.contacts);
-        for (contact, place) in self.model.contacts.iter_mut().zip(places) {
-            contact.own =
-                OwnValues { friction_coefficient: place.friction, slider_velocity: place.velocity };
-        }
+        self.model.damping = acting.damping;
+        self.integrator.set_damping(acting.damping);
+        Ok(())
     }
 
     fn check_limit(&mut self) -> Result<(), Error> {
         if self.stale.limit {
-            self.guard.check(&self.model, self.scene.friction_coefficient)?;
+            let acting = signals::acting(self.driven.as_ref(), &self.scene);
+            self.guard.check(&self.model, acting.friction_coefficient)?;
             self.stale.limit = false;
         }
         Ok(())
@@ -249,6 +276,15 @@ impl Simulation {
                 self.scene.contact_name(contact)
             ),
         })
+    }
+}
+
+/// Gives the model's contacts the µ and v that are theirs alone.
+fn update_own_values(model: &mut LumpedModel, scene: &Scene) {
+    let places = scene.network().map_or(&[][..], |network| &network.contacts);
+    for (contact, place) in model.contacts.iter_mut().zip(places) {
+        contact.own =
+            OwnValues { friction_coefficient: place.friction, slider_velocity: place.velocity };
     }
 }
 

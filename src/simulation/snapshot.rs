@@ -4,12 +4,14 @@
 //! (little-endian), and a CRC-32 of all that precedes it. No pointers, nothing of this machine.
 
 use super::clock::Clock;
+use super::signals::{self, Driven};
 use super::{Reference, Simulation};
 use crate::Error;
 use crate::integrator::Motion;
 use crate::model::LumpedModel;
 use crate::scene::{Module, Scene, Structure};
 use serde::{Deserialize, Serialize};
+use std::sync::Arc;
 
 /// Everything that a simulation needs to go on with the same doubles.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -67,6 +69,7 @@ impl Simulation {
         self.reference.clone_from(&snapshot.reference);
         self.motion.clone_from(&snapshot.motion);
         self.clock = snapshot.clock;
+        self.driven = Driven::at(self.clock.grid_time(self.scene.step), &self.scene)?;
         self.stale = super::Stale { drive: true, limit: true, contact_forces: true };
         Ok(())
     }
@@ -81,8 +84,9 @@ impl Simulation {
             return Err(Error::saved_state("the saved state contradicts itself"));
         }
         let Snapshot { scene, reference, motion, clock } = snapshot;
-        let model = LumpedModel::from(&scene);
-        Self::assemble(scene, model, reference, motion, clock)
+        let driven = Driven::at(clock.grid_time(scene.step), &scene)?;
+        let model = LumpedModel::from(signals::acting(driven.as_ref(), &scene));
+        Self::assemble(scene, driven, model, reference, motion, clock)
     }
 }
 
@@ -97,7 +101,8 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
         (Structure::Network(a), Structure::Network(b)) => a.has_structure_of(b),
         _ => false,
     };
-    same && a.slider.angle == b.slider.angle && a.step == b.step
+    let same_signals = Arc::ptr_eq(&a.signals, &b.signals) || a.signals == b.signals;
+    same && same_signals && a.slider.angle == b.slider.angle && a.step == b.step
 }
 
 const MARK: [u8; 4] = *b"AMTN";
@@ -154,7 +159,7 @@ mod tests {
     }
 
     fn guid() -> String {
-        super::super::fingerprint("scene")
+        super::super::fingerprint(&"scene".into())
     }
 
     #[test]
@@ -216,7 +221,7 @@ mod tests {
     #[test]
     fn the_state_of_another_fmu_is_refused() {
         let bytes = to_bytes(&running().save(), &guid());
-        let other = super::super::fingerprint("other");
+        let other = super::super::fingerprint(&"other".into());
         let error = from_bytes::<Snapshot>(&bytes, &other).unwrap_err();
         assert!(error.to_string().contains("another FMU"), "{error}");
     }

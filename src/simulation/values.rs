@@ -181,12 +181,11 @@ impl Simulation {
         }
         check_value(variable, value)?;
         write_scene(&mut self.scene, variable, value)?;
-        self.stale.drive = true;
-        self.stale.contact_forces = true;
-        self.stale.limit |= matches!(
-            variable.template.quantity,
-            Quantity::FrictionCoefficient | Quantity::OwnFriction | Quantity::DampingBeta
-        );
+        if let Some(driven) = &mut self.driven {
+            // Until the next step adds to it again, where it is driven.
+            write_scene(&mut driven.scene, variable, value)?;
+        }
+        self.stale.by(variable);
         Ok(())
     }
 }

@@ -14,9 +14,9 @@ use std::io::Write;
 use std::path::PathBuf;
 
 pub fn run(arguments: &Export) -> Result<(), Error> {
-    let (scene, text) = scene::find(&arguments.scene)?;
+    let (scene, source) = scene::find(&arguments.scene)?;
     scenes::start(&scene)?;
-    let fmu = package::fmu(&scene, &text)?;
+    let fmu = package::fmu(&scene, &source)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
     let mut file = Pending::create(&path)?;

@@ -1,0 +1,332 @@
+//! Signals: values over time that a scene adds to an input.
+//!
+//! Shapes are functions of the time alone, so that a run may be split anywhere; sine comes from the
+//! `libm` crate, whose bits do not depend on the machine.
+
+use super::{Problem, Rule};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// A value over time that is added to an input.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Signal {
+    /// The name of the input, as the FMU has it.
+    pub input: String,
+    /// What is added.
+    pub shape: Shape,
+}
+
+/// A function of the time t (s); values are in the unit of the input.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Shape {
+    /// The same always.
+    Constant(Constant),
+    /// Straight from one value to another.
+    Ramp(Ramp),
+    /// A value for a while.
+    Pulse(Pulse),
+    /// An oscillation for a while.
+    Sine(Sine),
+    /// Points over time.
+    Table(Table),
+}
+
+/// The same value always.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Constant {
+    /// The value, in the unit of the input.
+    pub value: f64,
+}
+
+/// `from` up to `start`, `to` from `end` on, straight between.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Ramp {
+    /// The value before, in the unit of the input.
+    #[serde(default)]
+    pub from: f64,
+    /// The value after, in the unit of the input.
+    pub to: f64,
+    /// When it begins to change, s.
+    #[serde(default)]
+    pub start: f64,
+    /// When it has changed, s; after `start`.
+    pub end: f64,
+}
+
+/// `value` for start ≤ t < end, zero before and after.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Pulse {
+    /// The value, in the unit of the input.
+    pub value: f64,
+    /// When it begins, s.
+    #[serde(default)]
+    pub start: f64,
+    /// When it is over, s; after `start`.
+    pub end: f64,
+}
+
+/// amplitude · sin(2π frequency (t − start) + phase) for start ≤ t < end, zero before and after.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub struct Sine {
+    /// Half peak to peak, in the unit of the input.
+    pub amplitude: f64,
+    /// Hz.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::FREQUENCY.bounds()))]
+    pub frequency: f64,
+    /// The phase at the start, rad.
+    #[serde(default)]
+    pub phase: f64,
+    /// When it begins, s.
+    #[serde(default)]
+    pub start: f64,
+    /// When it is over, s, after `start`; never unless given.
+    #[serde(default)]
+    pub end: Option<f64>,
+}
+
+/// Points over time; the first value holds before them, the last one after.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Table {
+    /// (t, value), by t; of several at one time the last holds from then on.
+    pub points: Vec<[f64; 2]>,
+    /// What holds between points.
+    pub between: Between,
+}
+
+/// What a table holds between its points.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(rename_all = "lowercase")]
+pub enum Between {
+    /// The value of the point before.
+    Constant,
+    /// The straight line from point to point.
+    #[default]
+    Linear,
+}
+
+impl Shape {
+    /// The value at time `t` (s).
+    #[must_use]
+    pub fn at(&self, t: f64) -> f64 {
+        match self {
+            Self::Constant(Constant { value }) => *value,
+            Self::Ramp(Ramp { from, to, start, end }) => {
+                if t < *start {
+                    *from
+                } else if t >= *end {
+                    *to
+                } else {
+                    between([*start, *from], [*end, *to], t)
+                }
+            }
+            Self::Pulse(Pulse { value, start, end }) => {
+                if *start <= t && t < *end {
+                    *value
+                } else {
+                    0.0
+                }
+            }
+            Self::Sine(Sine { amplitude, frequency, phase, start, end }) => {
+                if t < *start || end.is_some_and(|end| t >= end) {
+                    0.0
+                } else {
+                    amplitude * libm::sin(TAU * frequency * (t - start) + phase)
+                }
+            }
+            Self::Table(table) => table.at(t),
+        }
+    }
+
+    /// The time (s) up to which, but not including it, the value stays as it is at `t`; `t` itself
+    /// while it changes.
+    #[must_use]
+    pub fn constant_until(&self, t: f64) -> f64 {
+        let ahead = |times: &[f64]| times.iter().copied().find(|time| t < *time);
+        match self {
+            Self::Constant(_) => f64::INFINITY,
+            Self::Ramp(Ramp { start, end, .. }) => match ahead(&[*start, *end]) {
+                Some(time) if time == *start => *start,
+                Some(_) => t,
+                None => f64::INFINITY,
+            },
+            Self::Pulse(Pulse { start, end, .. }) => {
+                ahead(&[*start, *end]).unwrap_or(f64::INFINITY)
+            }
+            Self::Sine(Sine { start, .. }) if t < *start => *start,
+            Self::Sine(Sine { end: Some(end), .. }) if t >= *end => f64::INFINITY,
+            Self::Sine(_) => t,
+            Self::Table(table) => table.constant_until(t),
+        }
+    }
+
+    /// Takes note of every value that cannot be; `path` is the signal's.
+    pub(super) fn check(&self, path: &str, problems: &mut Vec<Problem>) {
+        let mut rule = |key: &str, value: f64, rule: Rule| {
+            if let Some(wish) = rule.broken_by(value) {
+                problems.push(Problem::new(format!("{path}.{key}"), wish).of(value));
+            }
+        };
+        let span = match self {
+            Self::Constant(Constant { value }) => {
+                rule("constant.value", *value, Rule::Finite);
+                None
+            }
+            Self::Ramp(Ramp { from, to, start, end }) => {
+                rule("ramp.from", *from, Rule::Finite);
+                rule("ramp.to", *to, Rule::Finite);
+                Some(("ramp", *start, *end))
+            }
+            Self::Pulse(Pulse { value, start, end }) => {
+                rule("pulse.value", *value, Rule::Finite);
+                Some(("pulse", *start, *end))
+            }
+            Self::Sine(Sine { amplitude, frequency, phase, start, end }) => {
+                rule("sine.amplitude", *amplitude, Rule::Finite);
+                rule("sine.frequency", *frequency, Rule::FREQUENCY);
+                rule("sine.phase", *phase, Rule::Finite);
+                Some(("sine", *start, end.unwrap_or(f64::MAX)))
+            }
+            Self::Table(table) => return table.check(&format!("{path}.table"), problems),
+        };
+        let Some((key, start, end)) = span else { return };
+        rule(&format!("{key}.start"), start, Rule::Finite);
+        rule(&format!("{key}.end"), end, Rule::Finite);
+        if end <= start {
+            let message = format!("must be after start = {start}");
+            problems.push(Problem::new(format!("{path}.{key}.end"), message).of(end));
+        }
+    }
+}
+
+impl Table {
+    /// The value at time `t` (s); zero without points.
+    #[must_use]
+    pub fn at(&self, t: f64) -> f64 {
+        let after = self.points_up_to(t);
+        match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after).copied()) {
+            (Some(low), Some(high)) if self.between == Between::Linear => between(low, high, t),
+            (Some([_, value]), _) | (None, Some([_, value])) => value,
+            (None, None) => 0.0,
+        }
+    }
+
+    /// Where two points at one time make the value jump, s, in ascending order.
+    pub fn jumps(&self) -> impl Iterator<Item = f64> + '_ {
+        self.points.windows(2).filter(|two| two[0][0] == two[1][0]).map(|two| two[0][0])
+    }
+
+    fn constant_until(&self, t: f64) -> f64 {
+        let after = self.points_up_to(t);
+        match self.points.get(after) {
+            None => f64::INFINITY,
+            Some([next, _]) if after == 0 || self.between == Between::Constant => *next,
+            Some(_) => t,
+        }
+    }
+
+    fn points_up_to(&self, t: f64) -> usize {
+        self.points.partition_point(|[time, _]| *time <= t)
+    }
+
+    fn check(&self, path: &str, problems: &mut Vec<Problem>) {
+        if self.points.is_empty() {
+            problems.push(Problem::new(path, "has no points"));
+        }
+        let is_finite = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());
+        if let Some(i) = self.points.iter().position(|point| !is_finite(point)) {
+            let place = format!("{path}.points[{}]", i + 1);
+            problems.push(Problem::new(place, "must be finite numbers"));
+        }
+        let falls = |two: &[[f64; 2]]| two[1][0] < two[0][0];
+        if let Some(i) = self.points.windows(2).position(falls) {
+            let message = format!("must not be before the point above, at {} s", self.points[i][0]);
+            let place = format!("{path}.points[{}]", i + 2);
+            problems.push(Problem::new(place, message).of(format!("{:?}", self.points[i + 1])));
+        }
+    }
+}
+
+/// The value at `t` of the straight line through two points (t, value), of which the first is not
+/// after `t` and the second is.
+fn between([from, low]: [f64; 2], [to, high]: [f64; 2], t: f64) -> f64 {
+    // FMPy interpolates an importer's inputs by the same operations, so both get the same doubles.
+    let weight = (to - t) / (to - from);
+    weight * low + (1.0 - weight) * high
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_ramp_is_straight_between_constants() {
+        let ramp = Shape::Ramp(Ramp { from: 1.0, to: 3.0, start: 2.0, end: 4.0 });
+        assert_eq!([0.0, 2.0, 2.5, 4.0, 9.0].map(|t| ramp.at(t)), [1.0, 1.0, 1.5, 3.0, 3.0]);
+    }
+
+    #[test]
+    fn a_pulse_lasts_from_its_start_to_just_before_its_end() {
+        let pulse = Shape::Pulse(Pulse { value: 5.0, start: 1.0, end: 2.0 });
+        assert_eq!([0.9, 1.0, 1.9, 2.0].map(|t| pulse.at(t)), [0.0, 5.0, 5.0, 0.0]);
+    }
+
+    #[test]
+    fn a_sine_starts_at_its_phase_and_ends() {
+        let mut sine =
+            Sine { amplitude: 2.0, frequency: 0.25, phase: 0.0, start: 1.0, end: Some(3.5) };
+        let at = |sine: Sine, t| Shape::Sine(sine).at(t);
+        assert_eq!([0.5, 1.0, 2.0, 3.5].map(|t| at(sine, t)), [0.0, 0.0, 2.0, 0.0]);
+        sine.phase = std::f64::consts::FRAC_PI_2;
+        assert_eq!(at(sine, 1.0), 2.0);
+        sine.end = None;
+        assert!((at(sine, 101.0) - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn a_table_holds_its_ends_and_jumps_where_a_time_stands_twice() {
+        let points = vec![[1.0, 1.0], [2.0, 3.0], [2.0, 5.0], [4.0, 6.0]];
+        let linear = Table { points, between: Between::Linear };
+        let times = [0.0, 1.5, 2.0, 3.0, 9.0];
+        assert_eq!(times.map(|t| linear.at(t)), [1.0, 2.0, 5.0, 5.5, 6.0]);
+        assert_eq!(linear.jumps().collect::<Vec<_>>(), [2.0]);
+        let constant = Table { between: Between::Constant, ..linear };
+        assert_eq!(times.map(|t| constant.at(t)), [1.0, 1.0, 5.0, 5.0, 6.0]);
+    }
+
+    #[test]
+    fn a_value_stays_as_long_as_is_said_and_changes_then() {
+        let points = vec![[1.0, 1.0], [2.0, 3.0], [4.0, 6.0]];
+        let (start, end) = (1.0, 3.0);
+        let sine = Sine { amplitude: 2.0, frequency: 0.31, phase: 0.5, start, end: Some(end) };
+        for (shape, changes) in [
+            (Shape::Constant(Constant { value: 3.0 }), &[][..]),
+            (Shape::Ramp(Ramp { from: 1.0, to: 2.0, start, end }), &[(1.0, 3.0)]),
+            (Shape::Pulse(Pulse { value: 1.0, start, end }), &[(1.0, 1.0), (3.0, 3.0)]),
+            (Shape::Sine(sine), &[(1.0, 3.0)]),
+            (
+                Shape::Table(Table { points: points.clone(), between: Between::Constant }),
+                &[(1.0, 1.0), (2.0, 2.0), (4.0, 4.0)],
+            ),
+            (Shape::Table(Table { points, between: Between::Linear }), &[(1.0, 2.0), (2.0, 4.0)]),
+        ] {
+            for i in 0..50 {
+                let t = 0.1 * f64::from(i);
+                let is_changing = changes.iter().any(|(from, to)| *from <= t && t < *to);
+                let next = changes.iter().map(|change| change.0).find(|from| t < *from);
+                let expected = if is_changing { t } else { next.unwrap_or(f64::INFINITY) };
+                assert_eq!(shape.constant_until(t), expected, "{shape:?} at {t}");
+                let later = t + 0.999 * (expected.min(9.0) - t);
+                assert_eq!(shape.at(t), shape.at(later), "{shape:?} at {t}");
+            }
+        }
+    }
+}

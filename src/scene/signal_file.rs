@@ -1,0 +1,104 @@
+//! `[[signal]]` of a scene file.
+
+use super::network_check::quoted;
+use super::source::Folder;
+use super::{Between, Constant, Problem, Pulse, Ramp, Shape, Signal, Sine, Table};
+use serde::Deserialize;
+
+/// A value over time that is added to an input.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "tools", schemars(extend("oneOf" = [
+    { "required": ["constant"] },
+    { "required": ["ramp"] },
+    { "required": ["pulse"] },
+    { "required": ["sine"] },
+    { "required": ["table"] },
+])))]
+#[serde(deny_unknown_fields)]
+pub(super) struct SignalTable {
+    /// The input it is added to, as the FMU names it: "slider.velocity", "module[1].f1".
+    input: String,
+    constant: Option<Constant>,
+    ramp: Option<Ramp>,
+    pulse: Option<Pulse>,
+    sine: Option<Sine>,
+    table: Option<PointTable>,
+}
+
+/// Points over time, given here or in a CSV file beside the scene.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "tools", schemars(extend(
+    "oneOf" = [{ "required": ["points"] }, { "required": ["file"] }],
+    "dependencies" = { "column": ["file"] },
+)))]
+#[serde(deny_unknown_fields)]
+struct PointTable {
+    /// Time (s) and value of each point, by time; of two at one time the second holds from then on.
+    points: Option<Vec<[f64; 2]>>,
+    /// The name of a CSV file beside the scene, whose first column is `time` (s).
+    file: Option<String>,
+    /// The file's column; the input's name unless given, or the only one beside the time.
+    column: Option<String>,
+    /// What holds between points.
+    #[serde(default)]
+    between: Between,
+}
+
+/// The signals; what is wrong with them is added to `problems`.
+pub(super) fn signals(
+    tables: Vec<SignalTable>,
+    folder: &mut Folder<'_>,
+    problems: &mut Vec<Problem>,
+) -> Vec<Signal> {
+    let one = |(i, signal): (usize, SignalTable)| {
+        let shapes = [
+            signal.constant.map(Shape::Constant),
+            signal.ramp.map(Shape::Ramp),
+            signal.pulse.map(Shape::Pulse),
+            signal.sine.map(Shape::Sine),
+        ];
+        // That there is exactly one has been seen to by the schema.
+        let shape = match (shapes.into_iter().flatten().next(), signal.table) {
+            (Some(shape), _) => Some(shape),
+            (None, Some(table)) => {
+                let path = format!("signal[{}].table", i + 1);
+                let table = table.read(&path, &signal.input, folder);
+                table.map_err(|problem| problems.push(problem)).ok().map(Shape::Table)
+            }
+            (None, None) => None,
+        };
+        // Another in its place keeps those of the others; the scene is refused anyway.
+        let shape = shape.unwrap_or(Shape::Constant(Constant { value: 0.0 }));
+        Signal { input: signal.input, shape }
+    };
+    tables.into_iter().enumerate().map(one).collect()
+}
+
+impl PointTable {
+    fn read(self, path: &str, input: &str, folder: &mut Folder<'_>) -> Result<Table, Problem> {
+        let Self { points, file, column, between } = self;
+        let Some(file) = file else {
+            return Ok(Table { points: points.unwrap_or_default(), between });
+        };
+        let wrong = |key: &str, message| Problem::new(format!("{path}.{key}"), message);
+        let table =
+            folder.table(&file).map_err(|message| wrong("file", message).of(quoted(&file)))?;
+        let wanted = column.as_deref().unwrap_or(input);
+        let place = match table.names.iter().position(|name| name == wanted) {
+            None if column.is_none() && table.names.len() == 1 => Some(0),
+            place => place,
+        };
+        let place = place.ok_or_else(|| {
+            let message = format!("{file} has no column `{wanted}`");
+            let help = format!("its columns are {}", table.names.join(", "));
+            match &column {
+                Some(column) => wrong("column", message).of(quoted(column)),
+                None => wrong("file", message).of(quoted(&file)),
+            }
+            .help(help)
+        })?;
+        Ok(table.column(place, between))
+    }
+}

@@ -1,0 +1,78 @@
+//! What a scene is made from.
+
+use super::{TimeTable, text};
+use crate::Error;
+use std::path::Path;
+
+/// A scene's files, word for word: all that an FMU needs to read it again.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Source {
+    /// The scene file.
+    pub text: String,
+    /// Names and texts of the CSV files that it names, which lie in the same folder.
+    pub tables: Vec<(String, String)>,
+}
+
+impl From<&str> for Source {
+    /// A scene that names no other files.
+    fn from(text: &str) -> Self {
+        Self { text: text.to_owned(), tables: Vec::new() }
+    }
+}
+
+/// The folder of a scene file, and what has been read there so far.
+pub(super) struct Folder<'a> {
+    path: Option<&'a Path>,
+    pub(super) tables: Vec<(String, String)>,
+}
+
+impl<'a> Folder<'a> {
+    /// A folder; `None` for a scene that is not from a file.
+    pub(super) fn new(path: Option<&'a Path>) -> Self {
+        Self { path, tables: Vec::new() }
+    }
+
+    /// The table in a file of the folder.
+    ///
+    /// # Errors
+    /// What is wrong with its name or content, and what would be right.
+    pub(super) fn table(&mut self, name: &str) -> Result<TimeTable, String> {
+        if !is_plain(name) {
+            // So it can travel inside an FMU, under the same name.
+            return Err("must be the name of a .csv file beside the scene, without folders".into());
+        }
+        let Some(folder) = self.path else {
+            return Err("only a scene that is a file itself can name another".into());
+        };
+        if !self.tables.iter().any(|(known, _)| known == name) {
+            let path = folder.join(name);
+            let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, &e).to_string())?;
+            let text = text::decode(name, bytes).map_err(|error| error.to_string())?;
+            self.tables.push((name.to_owned(), text));
+        }
+        let (_, text) = self.tables.iter().find(|(known, _)| known == name).expect("just read");
+        TimeTable::parse(text)
+    }
+}
+
+/// A file name that means the same on every machine, and cannot lead elsewhere.
+fn is_plain(name: &str) -> bool {
+    let is_csv = Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case("csv"));
+    is_csv && !name.starts_with('.') && !name.contains(['/', '\\', ':', '\0'])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn only_files_beside_the_scene_are_read() {
+        let mut folder = Folder::new(None);
+        for name in ["../a.csv", "/a.csv", "b/a.csv", "b\\a.csv", "c:a.csv", ".csv", "a.txt", ""] {
+            assert!(folder.table(name).unwrap_err().contains("without folders"), "{name}");
+        }
+        for name in ["a.csv", "Messung 3 für µ.CSV", "a.b.csv"] {
+            assert!(folder.table(name).unwrap_err().contains("a file itself"), "{name}");
+        }
+    }
+}

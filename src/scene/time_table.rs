@@ -1,0 +1,123 @@
+//! Values over time from a CSV file.
+
+use super::{Between, Table};
+
+/// A CSV file of values over time: a header whose first column is `time` (s), commas between, times
+/// in ascending order. FMPy reads the same files as an importer's inputs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TimeTable {
+    /// The columns' names, without the time's.
+    pub names: Vec<String>,
+    times: Vec<f64>,
+    /// Row by row.
+    values: Vec<f64>,
+}
+
+impl TimeTable {
+    /// Reads the text of a CSV file.
+    ///
+    /// # Errors
+    /// The first thing that is wrong: line, column, what stands there, what would be right.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let mut reader =
+            csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
+        let headers = reader.headers().map_err(|error| explained(&error))?.clone();
+        let Some(("time", names)) =
+            headers.iter().next().map(|first| (first, headers.iter().skip(1)))
+        else {
+            return Err(not_a_header(&headers));
+        };
+        let names: Vec<String> = names.map(str::to_owned).collect();
+        if names.is_empty() {
+            return Err("line 1: has no column beside `time`".to_owned());
+        }
+        if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
+            return Err(format!("line 1: two columns are named `{}`", twice.1));
+        }
+        let mut table = Self { names, times: Vec::new(), values: Vec::new() };
+        let mut record = csv::StringRecord::new();
+        while reader.read_record(&mut record).map_err(|error| explained(&error))? {
+            let line = record.position().map_or(0, csv::Position::line);
+            for (name, field) in headers.iter().zip(&record) {
+                let value = field.parse().ok().filter(|value: &f64| value.is_finite());
+                let value = value.ok_or_else(|| {
+                    format!("line {line}, column `{name}`: `{field}` is not a finite number")
+                })?;
+                if name == "time" { &mut table.times } else { &mut table.values }.push(value);
+            }
+            if let [.., before, now] = table.times[..]
+                && now < before
+            {
+                return Err(format!(
+                    "line {line}: time {now} s comes after {before} s; sort the rows by time"
+                ));
+            }
+        }
+        if table.times.is_empty() { Err("has no rows".to_owned()) } else { Ok(table) }
+    }
+
+    /// A column (from 0, without the time) as points over time.
+    ///
+    /// # Panics
+    /// There is no such column.
+    #[must_use]
+    pub fn column(&self, column: usize, between: Between) -> Table {
+        let values = self.values[column..].iter().step_by(self.names.len());
+        Table { points: self.times.iter().zip(values).map(|(t, v)| [*t, *v]).collect(), between }
+    }
+}
+
+fn not_a_header(headers: &csv::StringRecord) -> String {
+    let first = headers.get(0).unwrap_or_default();
+    let help = if headers.len() == 1 && first.contains([';', '\t']) {
+        "separate the columns by commas, and write decimals with a point"
+    } else {
+        "the first line names the columns, as in time,slider.velocity"
+    };
+    format!("line 1: the first column is `{first}`, must be `time` (in s); {help}")
+}
+
+/// What the reader of the CSV says, without its own count of records.
+fn explained(error: &csv::Error) -> String {
+    match error.kind() {
+        csv::ErrorKind::UnequalLengths { pos, expected_len, len } => format!(
+            "line {}: has {len} values, the header {expected_len}",
+            pos.as_ref().map_or(0, csv::Position::line)
+        ),
+        _ => error.to_string(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_become_points_over_time() {
+        let table = TimeTable::parse("time, \"a\",b\r\n0,1,2\n\n0.5,-3e2,4\n0.5,5,6\n").unwrap();
+        assert_eq!(table.names, ["a", "b"]);
+        let b = table.column(1, Between::Linear);
+        assert_eq!(b.points, [[0.0, 2.0], [0.5, 4.0], [0.5, 6.0]]);
+    }
+
+    #[test]
+    fn what_is_wrong_is_said_with_its_line_and_column() {
+        for (text, words) in [
+            ("", "line 1: the first column is ``, must be `time`"),
+            ("t,a\n0,1\n", "line 1: the first column is `t`, must be `time` (in s)"),
+            ("time;a\n0,1;2\n", "separate the columns by commas"),
+            ("0,1\n1,2\n", "the first line names the columns"),
+            ("time\n0\n", "no column beside `time`"),
+            ("time,a,a\n0,1,1\n", "two columns are named `a`"),
+            ("time,a\n", "has no rows"),
+            ("time,a\n0,1\n1,1 N\n", "line 3, column `a`: `1 N` is not a finite number"),
+            ("time,a\n0,1\n1,nan\n", "line 3, column `a`: `nan` is not a finite number"),
+            ("time,a\n0,\n", "line 2, column `a`: `` is not a finite number"),
+            ("time,a\n0,1\n1,5,2\n", "line 3: has 3 values, the header 2"),
+            ("time,a\n0,1\n2,1\n1,1\n", "line 4: time 1 s comes after 2 s"),
+        ] {
+            let message = TimeTable::parse(text).unwrap_err();
+            assert!(message.contains(words), "{text:?}: {message}");
+        }
+    }
+}

@@ -1,0 +1,84 @@
+//! The signals of a scene at work: what they make of its inputs at an instant.
+
+use super::Variable;
+use super::catalogue::variables;
+use super::values::{check_value, read_scene, write_scene};
+use crate::Error;
+use crate::scene::Scene;
+
+/// A scene whose inputs signals drive.
+pub(super) struct Driven {
+    /// The values that act: those of the scene as it is given, and what the signals add to them.
+    pub(super) scene: Scene,
+    /// What is driven, each by one signal or more.
+    inputs: Vec<Input>,
+}
+
+struct Input {
+    variable: Variable,
+    /// The places of its signals in the scene.
+    signals: Vec<usize>,
+}
+
+/// The values that act: those of the driven scene, or where nothing drives it, those given.
+pub(super) fn acting<'a>(driven: Option<&'a Driven>, given: &'a Scene) -> &'a Scene {
+    driven.map_or(given, |driven| &driven.scene)
+}
+
+impl Driven {
+    /// The scene at work at time `t` (s); `None` if nothing drives it. `given` has been checked.
+    ///
+    /// # Errors
+    /// As [`bring_to`](Self::bring_to).
+    pub(super) fn at(t: f64, given: &Scene) -> Result<Option<Self>, Error> {
+        if given.signals.is_empty() {
+            return Ok(None);
+        }
+        let mut inputs: Vec<Input> = Vec::new();
+        for variable in variables(given) {
+            let all = given.signals.iter().enumerate();
+            let signals = all.filter(|(_, signal)| signal.input == variable.name);
+            let signals: Vec<usize> = signals.map(|(i, _)| i).collect();
+            if !signals.is_empty() {
+                inputs.push(Input { variable, signals });
+            }
+        }
+        let mut driven = Self { scene: given.clone(), inputs };
+        driven.bring_to(t, given, |_| {})?;
+        Ok(Some(driven))
+    }
+
+    /// Brings the inputs to time `t` (s), where without signals they would be as `given`. Gives the
+    /// variables whose value this changes to `changed`.
+    ///
+    /// # Errors
+    /// A value that cannot be: which, when, and what it must be.
+    pub(super) fn bring_to(
+        &mut self,
+        t: f64,
+        given: &Scene,
+        mut changed: impl FnMut(&Variable),
+    ) -> Result<(), Error> {
+        for Input { variable, signals } in &self.inputs {
+            let value = |scene| read_scene(scene, variable).unwrap_or(0.0);
+            let added = signals.iter().map(|&i| given.signals[i].shape.at(t));
+            let sum = added.fold(value(given), |sum, added| sum + added);
+            if sum == value(&self.scene) {
+                continue;
+            }
+            check_value(variable, sum).map_err(|error| {
+                Error::step(format!("at {t} s, with the scene's signals, {error}"))
+            })?;
+            write_scene(&mut self.scene, variable, sum)?;
+            changed(variable);
+        }
+        Ok(())
+    }
+
+    /// The time (s) up to which, but not including it, the inputs stay as they are at `t`; `t` itself
+    /// while one of them changes.
+    pub(super) fn constant_until(&self, t: f64) -> f64 {
+        let shapes = self.scene.signals.iter().map(|signal| &signal.shape);
+        shapes.fold(f64::INFINITY, |until, shape| until.min(shape.constant_until(t)))
+    }
+}
