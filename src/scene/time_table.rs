@@ -1,6 +1,8 @@
 //! Values over time from a CSV file.
 
-use super::{Between, Table};
+use super::{Between, Table, text};
+use crate::Error;
+use std::path::Path;
 
 /// A CSV file of values over time: a header whose first column is `time` (s), commas between, times
 /// in ascending order. FMPy reads the same files as an importer's inputs.
@@ -14,6 +16,17 @@ pub struct TimeTable {
 }
 
 impl TimeTable {
+    /// Reads a CSV file.
+    ///
+    /// # Errors
+    /// The file cannot be read, or as [`parse`](Self::parse).
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let place = path.display().to_string();
+        let bytes = std::fs::read(path).map_err(|error| Error::file(path, &error))?;
+        let text = text::decode(&place, bytes)?;
+        Self::parse(&text).map_err(|message| Error::scene(format!("{place}: {message}")))
+    }
+
     /// Reads the text of a CSV file.
     ///
     /// # Errors

@@ -3,6 +3,8 @@
 pub mod catalogue;
 mod clock;
 mod fingerprint;
+#[cfg(feature = "tools")]
+mod inputs;
 mod signals;
 mod snapshot;
 mod values;
@@ -11,6 +13,8 @@ mod warning;
 
 pub use catalogue::{Variable, variables};
 pub use fingerprint::fingerprint;
+#[cfg(feature = "tools")]
+pub use inputs::{Inputs, is_close};
 pub use snapshot::Snapshot;
 pub(crate) use snapshot::{from_bytes, to_bytes};
 #[cfg(feature = "tools")]

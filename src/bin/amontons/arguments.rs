@@ -54,6 +54,10 @@ pub struct Simulate {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
+    /// Inputs over time: a CSV file with a column `time` (s) and others named as the FMU's inputs, set
+    /// before each output interval and held over it, as importers do; linear between rows
+    #[arg(long, value_name = "FILE.csv")]
+    pub input: Option<PathBuf>,
     /// Where to write the CSV [default: standard output]
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,

@@ -5,34 +5,40 @@ use crate::scenes;
 use amontons::output::Pending;
 use amontons::scene::{self, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
-use amontons::simulation::{Simulation, Variable, assign, variables};
+use amontons::simulation::{Inputs, Simulation, Variable, assign, is_close, variables};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::{BufWriter, ErrorKind, Write, stdout};
 
 pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
-    let scene = configured(arguments)?;
-    let mut simulation = scenes::start(&scene)?;
+    let mut scene = configured(arguments)?;
+    let input = arguments.input.as_ref();
+    let inputs = input.map(|path| Inputs::read(path, &scene)).transpose()?;
+    if let Some(inputs) = &inputs {
+        inputs.assign(&mut scene, 0.0)?;
+    }
+    let simulation = scenes::start(&scene)?;
+    let mut run = Run { simulation, inputs };
     match &arguments.output {
-        None => match write_run(&mut simulation, &scene, &mut BufWriter::new(stdout().lock())) {
+        None => match write_run(&mut run, &scene, &mut BufWriter::new(stdout().lock())) {
             // Whoever reads has read enough (`| head`).
             Err(error) if is_broken_pipe(&*error) => Ok(()),
             result => result,
         },
         Some(path) => {
             let mut file = Pending::create(path)?;
-            if let Err(error) = write_run(&mut simulation, &scene, &mut file) {
+            if let Err(error) = write_run(&mut run, &scene, &mut file) {
                 if let Some(partial) = file.partial() {
                     eprintln!("the rows up to the failure are in {}", partial.display());
                 }
                 return Err(error);
             }
             file.complete()?;
-            let statistics = simulation.statistics();
+            let statistics = run.simulation.statistics();
             eprintln!(
                 "{}: {} s in {} steps, {} changes of contact state, {} touch-downs",
                 path.display(),
-                simulation.time(),
+                run.simulation.time(),
                 statistics.steps,
                 statistics.state_changes,
                 statistics.touch_downs
@@ -55,12 +61,32 @@ fn configured(arguments: &Simulate) -> Result<Scene, Box<dyn Error>> {
     Ok(scene)
 }
 
+/// A simulation, and what changes its inputs.
+struct Run {
+    simulation: Simulation,
+    inputs: Option<Inputs>,
+}
+
+impl Run {
+    /// Moves on to time `target` (s), the inputs held from here, or from where they jump.
+    fn advance_to(&mut self, target: f64) -> Result<(), amontons::Error> {
+        let Self { simulation, inputs: Some(inputs) } = self else {
+            return self.simulation.advance_to(target);
+        };
+        loop {
+            let time = simulation.time();
+            inputs.write(simulation, time)?;
+            let jump = inputs.next_jump(time);
+            if jump >= target || is_close(jump, target) {
+                return simulation.advance_to(target);
+            }
+            simulation.advance_to(jump)?;
+        }
+    }
+}
+
 /// One row at the start, one every interval, one at the end.
-fn write_run(
-    simulation: &mut Simulation,
-    scene: &Scene,
-    out: &mut dyn Write,
-) -> Result<(), Box<dyn Error>> {
+fn write_run(run: &mut Run, scene: &Scene, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     let outputs: Vec<Variable> = variables(scene)
         .into_iter()
         .filter(|variable| variable.template.causality == Causality::Output)
@@ -81,8 +107,11 @@ fn write_run(
         // The stop time may be a whole number of intervals but for rounding.
         let last = planned >= stop - 1e-9 * interval;
         let time = if last { stop } else { planned };
-        simulation.advance_to(time)?;
-        write_row(simulation, time, &outputs, out)?;
+        // The first row is the start as it is; its inputs have been set.
+        if time > run.simulation.time() {
+            run.advance_to(time)?;
+        }
+        write_row(&mut run.simulation, time, &outputs, out)?;
         if last {
             break;
         }
