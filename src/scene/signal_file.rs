@@ -19,10 +19,15 @@ use serde::Deserialize;
 pub(super) struct SignalTable {
     /// The input it is added to, as the FMU names it: "slider.velocity", "module[1].f1".
     input: String,
+    /// The same value always.
     constant: Option<Constant>,
+    /// Straight from one value to another.
     ramp: Option<Ramp>,
+    /// A value for a while.
     pulse: Option<Pulse>,
+    /// An oscillation for a while.
     sine: Option<Sine>,
+    /// Points over time, given here or in a CSV file beside the scene.
     table: Option<PointTable>,
 }
 

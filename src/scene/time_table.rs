@@ -107,7 +107,7 @@ mod tests {
 
     #[test]
     fn columns_become_points_over_time() {
-        let table = TimeTable::parse("time, \"a\",b\r\n0,1,2\n\n0.5,-3e2,4\n0.5,5,6\n").unwrap();
+        let table = TimeTable::parse("time,\"a\", b\r\n0,1,2\n\n0.5,-3e2,4\n0.5,5,6\n").unwrap();
         assert_eq!(table.names, ["a", "b"]);
         let b = table.column(1, Between::Linear);
         assert_eq!(b.points, [[0.0, 2.0], [0.5, 4.0], [0.5, 6.0]]);

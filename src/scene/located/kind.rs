@@ -110,8 +110,9 @@ pub(super) fn quoted(words: &[&str]) -> String {
     words.join(" or ")
 }
 
-/// How a value of what the schema wants is written, as an example for this key.
-pub(super) fn example(key: &str, schema: &Value) -> Option<String> {
+/// How a value of what the schema wants is written, as an example for this key of a table, or of the
+/// file itself.
+pub(super) fn example(key: &str, schema: &Value, in_table: bool) -> Option<String> {
     let part = *alternatives(schema).first()?;
     let words = words(part);
     let value = match *taken(part).first()? {
@@ -123,10 +124,17 @@ pub(super) fn example(key: &str, schema: &Value) -> Option<String> {
             return Some(format!("[[{key}]]"));
         }
         "array" => {
-            let items = part.get("items").and_then(|items| example("", items))?;
+            let items = part.get("items").and_then(|items| example("", items, true))?;
             let item = items.trim_start_matches(" = ").to_owned();
             let count = part.get("minItems").and_then(Value::as_u64).unwrap_or(1).clamp(1, 9);
             format!("[{}]", vec![item; usize::try_from(count).ok()?].join(", "))
+        }
+        "object" if in_table => {
+            let choice = part.get("oneOf").and_then(|choices| choices.get(0)).unwrap_or(part);
+            let required = choice.get("required").and_then(Value::as_array)?.iter();
+            let inside = required.filter_map(Value::as_str);
+            let inside = inside.filter_map(|key| example(key, &part["properties"][key], true));
+            format!("{{ {} }}", inside.collect::<Vec<_>>().join(", "))
         }
         "object" => return Some(format!("[{key}]")),
         _ => return None,

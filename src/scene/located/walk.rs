@@ -206,7 +206,7 @@ impl<'s> Walk<'s> {
         let missing: Vec<&str> =
             required.filter(|key| !table.contains_key(**key)).copied().collect();
         let help: Vec<String> =
-            missing.iter().map(|key| addition(key, known.schema(key))).collect();
+            missing.iter().map(|key| addition(path, key, known.schema(key))).collect();
         self.lack(span, &missing, &help, path);
     }
 
@@ -237,7 +237,7 @@ impl<'s> Walk<'s> {
             Choice::Neither(keys) => {
                 let title = format!("{} has neither {}", table_name(path), listed(&keys, " nor "));
                 let with = |key: &&str| {
-                    let mut added = addition(key, known.schema(key));
+                    let mut added = addition(path, key, known.schema(key));
                     for (_, others) in known.required_by.iter().filter(|(by, _)| by == key) {
                         added += &format!(", with {}", listed(others, " and "));
                     }

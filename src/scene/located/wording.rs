@@ -36,11 +36,11 @@ pub(super) fn no_such_word(
     }
 }
 
-/// What to add for a key that lacks, and what it means.
-pub(super) fn addition(key: &str, schema: Option<&Value>) -> String {
-    let example = schema.and_then(|schema| kind::example(key, schema));
+/// What to add for a key that lacks in the table at `path`, and what it means.
+pub(super) fn addition(path: &str, key: &str, schema: Option<&Value>) -> String {
+    let example = schema.and_then(|schema| kind::example(key, schema, !path.is_empty()));
     let written = match example {
-        Some(header) if header.starts_with('[') => header,
+        Some(table) if table.starts_with('[') || table.ends_with('}') => table,
         _ => format!("{key} = …"),
     };
     match schema.and_then(kind::meaning) {
@@ -95,7 +95,7 @@ pub(super) fn wrong_kind(value: &DeValue<'_>, schema: &Value, path: &str) -> Pro
         _ => None,
     };
     let help = help.or_else(|| {
-        let example = kind::example(key, schema).filter(|_| !is_item)?;
+        let example = kind::example(key, schema, path.contains('.')).filter(|_| !is_item)?;
         let meaning =
             kind::meaning(schema).map_or_else(String::new, |meaning| format!(" ({meaning})"));
         Some(format!("write it as in `{example}`{meaning}"))
