@@ -2,6 +2,7 @@
 
 mod program;
 
+use amontons::scene::BUILTIN;
 use program::{folder, run, text};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -83,7 +84,7 @@ fn set_changes_what_the_fmu_would_change_and_step_the_grid() {
 fn scenes_are_listed_and_shown() {
     let folder = folder();
     let list = text(&amontons(folder.path(), &["scenes"]).stdout);
-    assert_eq!(list.lines().count(), 3);
+    assert_eq!(list.lines().count(), BUILTIN.len());
     let shown = amontons(folder.path(), &["scenes", "show", "set2"]).stdout;
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/set2.toml");
     assert_eq!(shown, fs::read(file).unwrap());

@@ -3,13 +3,12 @@
 #![cfg(feature = "tools")]
 
 use amontons::contact::ContactState::{Detached, ReverseSlide, Slide, Stick};
-use amontons::model::{self, LumpedModel, SparseMatrix};
-use amontons::scene::{Scene, parse};
+use amontons::model::{self, LumpedModel};
+use amontons::scene::{Scene, builtin, parse};
 use amontons::stability::candidates::{bistability, resting_state, uniform_sliding};
 use amontons::stability::locus::locus;
 use amontons::stability::{Spectrum, departure, modes};
 use std::borrow::Cow;
-use std::f64::consts::PI;
 
 const MASS: f64 = 2.0;
 const STIFFNESS: f64 = 800.0;
@@ -131,66 +130,14 @@ fn one_pressed_mass_is_stable_at_any_friction_damped_or_not() {
     }
 }
 
-/// Hoffmann's two-degree model with a light belt surface on its contact spring: a mass on two oblique
-/// springs whose directions friction couples.
-fn two_degrees(damping: f64) -> LumpedModel {
-    let text = format!(
-        r#"
-        slider = {{ velocity = 0.5, angle = 0.0 }}
-        friction = {{ coefficient = 0.1 }}
-        integrator = {{ step = 1e-3 }}
-        mass = [
-            {{ name = "block", mass = 1.0, force = [0.0, -5.0] }},
-            {{ name = "surface", mass = 0.01, locked = ["x"] }},
-        ]
-        spring = [
-            {{ name = "k1", between = ["block", "ground"], direction = {}, stiffness = 11.0 }},
-            {{ name = "k2", between = ["block", "ground"], direction = {}, stiffness = 20.0 }},
-            {{ name = "k3", between = ["surface", "ground"], direction = "y", stiffness = 20.0 }},
-        ]
-        damper = [
-            {{ name = "d", between = ["block", "ground"], direction = "x", damping = {damping} }},
-        ]
-        contact = [{{ name = "belt", mass = "block", on = "surface" }}]
-        "#,
-        PI / 6.0,
-        5.0 * PI / 6.0
-    );
-    let mut model = LumpedModel::from(&parse("two_degrees", &text).unwrap());
-    if damping == 0.0 {
-        model.dampers = SparseMatrix::zero(3);
-    }
-    model
-}
-
-/// Trace and determinant of M̃⁻¹ K̃ = σ², by hand: N = −k3 y − m_b ÿ, T = µ N.
-fn flutter_discriminant(mu: f64) -> f64 {
-    let (c, s) = ((PI / 6.0).cos(), (PI / 6.0).sin());
-    let (kxx, kxy, kyy) = (31.0 * c * c, (11.0 - 20.0) * c * s, 31.0 * s * s);
-    let (m, mb, k3) = (1.0, 0.01, 20.0);
-    // Rows x and y: m ẍ + µ m_b ÿ + kxx x + (kxy + µ k3) y = 0, (m + m_b) ÿ + kxy x + (kyy + k3) y = 0.
-    let y = [kxy / (m + mb), (kyy + k3) / (m + mb)];
-    let x = [(kxx - mu * mb * y[0]) / m, (kxy + mu * k3 - mu * mb * y[1]) / m];
-    (x[0] + y[1]).powi(2) - 4.0 * (x[0] * y[1] - x[1] * y[0])
-}
-
-#[test]
-fn hoffmanns_model_flutters_where_the_discriminant_of_its_two_modes_vanishes() {
-    let model = two_degrees(0.0);
-    let values: Vec<f64> = (0..=100).map(|i| 0.01 * f64::from(i)).collect();
-    let model_at = |mu| Ok((Cow::Borrowed(&model), mu));
-    let found = locus(&model_at, &[Slide], &values, &|_, _| {}).unwrap();
-    let [merging] = found.coalescences[..] else { panic!("{found:?}") };
-    assert!(flutter_discriminant(merging.value - 1e-9) > 0.0);
-    assert!(flutter_discriminant(merging.value + 1e-9) < 0.0);
-    assert_eq!(found.crossings.len(), 1);
-}
-
 #[test]
 fn a_damper_on_one_direction_makes_hoffmanns_model_flutter_earlier() {
     // The paradox of damping: SciPy, on the first-order form of the same four equations, has the
     // growth rate vanish at 0.19756985620.
-    let model = two_degrees(0.05);
+    let text = builtin("hoffmann").unwrap().text;
+    let damper = "[[damper]]\nname = \"d\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\n\
+                  damping = 0.05\n";
+    let model = LumpedModel::from(&parse("damped", &format!("{text}{damper}")).unwrap());
     let values: Vec<f64> = (0..=100).map(|i| 0.01 * f64::from(i)).collect();
     let model_at = |mu| Ok((Cow::Borrowed(&model), mu));
     let found = locus(&model_at, &[Slide], &values, &|_, _| {}).unwrap();

@@ -26,6 +26,11 @@ pub const BUILTIN: &[Builtin] = &[
     Builtin { name: "set1", text: include_str!("../../scenes/set1.toml") },
     Builtin { name: "set2", text: include_str!("../../scenes/set2.toml") },
     Builtin { name: "ring12", text: include_str!("../../scenes/ring12.toml") },
+    Builtin { name: "belt", text: include_str!("../../scenes/belt.toml") },
+    Builtin { name: "den_hartog", text: include_str!("../../scenes/den_hartog.toml") },
+    Builtin { name: "hoffmann", text: include_str!("../../scenes/hoffmann.toml") },
+    Builtin { name: "corner", text: include_str!("../../scenes/corner.toml") },
+    Builtin { name: "disc_brake", text: include_str!("../../scenes/disc_brake.toml") },
 ];
 
 /// The built-in scene of that name.

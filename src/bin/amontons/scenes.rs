@@ -13,8 +13,9 @@ pub fn run(command: Option<&Scenes>) -> Result<(), Box<dyn error::Error>> {
     let mut out = stdout().lock();
     match command {
         None => {
+            let width = BUILTIN.iter().map(|scene| scene.name.len()).max().unwrap_or(0);
             for scene in BUILTIN.iter().map(scene::Builtin::scene) {
-                writeln!(out, "{:8} {}", scene.name, scene.description)?;
+                writeln!(out, "{:width$}  {}", scene.name, scene.description)?;
             }
         }
         Some(Scenes::Show { name }) => {
