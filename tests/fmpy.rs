@@ -4,6 +4,7 @@
 
 mod python;
 
+use amontons::scene::BUILTIN;
 use std::ffi::OsStr;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -34,10 +35,10 @@ fn pytest(file: &str) {
     succeed(&mut pytest);
 }
 
-/// Writes `set1.fmu` and so on.
+/// Writes `set1.fmu` and so on, of all built-in scenes.
 fn export(folder: &Path) {
     std::fs::create_dir(folder).expect("a folder can be made there");
-    for scene in ["set1", "set2", "ring12"] {
+    for scene in BUILTIN.iter().map(|scene| scene.name) {
         let file = folder.join(scene).with_extension("fmu");
         let mut export = Command::new(AMONTONS);
         export.args(["export", scene, "-o"]).arg(file);

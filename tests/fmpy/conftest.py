@@ -2,7 +2,7 @@
 FMPy's low-level calls.
 
 `cargo test --test fmpy` runs these tests. To run one by hand, set AMONTONS to the program and
-AMONTONS_FMUS to a folder with set1.fmu, set2.fmu and ring12.fmu, and call pytest.
+AMONTONS_FMUS to a folder with the FMUs of all built-in scenes, and call pytest.
 """
 
 import itertools
@@ -34,6 +34,10 @@ def environment(name):
     if name not in os.environ:
         pytest.exit(f"{name} is not set; run `cargo test --test fmpy`, or see conftest.py", 2)
     return Path(os.environ[name])
+
+
+# The names of all built-in scenes.
+SCENES = sorted(file.stem for file in environment("AMONTONS_FMUS").glob("*.fmu"))
 
 
 # ---- Tables and their comparison ----
@@ -327,7 +331,7 @@ class Instance:
 def fmus():
     """The FMU files by the names of their scenes."""
     folder = environment("AMONTONS_FMUS")
-    return {scene: folder / f"{scene}.fmu" for scene in ("set1", "set2", "ring12")}
+    return {scene: folder / f"{scene}.fmu" for scene in SCENES}
 
 
 @pytest.fixture(scope="session")

@@ -6,8 +6,8 @@ import struct
 import zipfile
 
 import pytest
+from conftest import SCENES
 
-SCENES = ["set1", "set2", "ring12"]
 DEFLATE = 8
 DATA_DESCRIPTOR = 1 << 3
 

@@ -5,6 +5,7 @@ import shutil
 
 import numpy as np
 import pytest
+from conftest import SCENES
 
 KICK = {"initial.module[1].v2": 0.3}
 CHANGED = {
@@ -38,6 +39,22 @@ def test_fmpy_gets_the_doubles_of_the_program(
         # More than uniform sliding: contacts change their states.
         assert expected["statistics.state_changes"][-1] > 3
     assert_same(expected, imported(scene, stop_time, INTERVAL, values))
+
+
+@pytest.mark.parametrize("scene", SCENES)
+def test_fmpy_gets_the_doubles_of_the_program_in_every_scene(
+    imported, native, unpacked, assert_same, scene
+):
+    """From its own start, at 501 times of a tenth of the run that the scene asks for, or of 1 s."""
+    experiment = unpacked(scene).description.defaultExperiment
+    stop_time = min(0.1 * float(experiment.stopTime), 1.0)
+    expected = native(scene, stop_time, stop_time / 500)
+    assert list(expected.columns) == unpacked(scene).outputs
+    assert len(expected.times) == 501
+    # It moves.
+    moving = [name for name, column in expected.columns.items() if np.ptp(column) > 0.0]
+    assert moving
+    assert_same(expected, imported(scene, stop_time, stop_time / 500))
 
 
 def test_the_comparison_rejects_an_fmu_with_another_number(

@@ -1,10 +1,11 @@
 """What importers rely on in a model description and fmpy validate does not look at."""
 
 import pytest
+from conftest import SCENES
 
-SCENES = {"set1": 2, "set2": 2, "ring12": 12}
+RINGS = {"set1": 2, "set2": 2, "ring12": 12}
 
-pytestmark = pytest.mark.parametrize("scene", SCENES)
+every_scene = pytest.mark.parametrize("scene", SCENES)
 
 
 def indices(fmu, listing):
@@ -16,6 +17,7 @@ def types(fmu):
     return {v.get("name"): v[0] for v in fmu.xml.find("ModelVariables")}
 
 
+@every_scene
 def test_initial_unknowns_are_ascending_unique_and_the_outputs(unpacked, scene):
     fmu = unpacked(scene)
     unknowns = indices(fmu, "InitialUnknowns")
@@ -26,21 +28,24 @@ def test_initial_unknowns_are_ascending_unique_and_the_outputs(unpacked, scene):
     assert unknowns == outputs
 
 
+@every_scene
 def test_no_start_value_is_below_its_minimum(unpacked, scene):
     bounded = 0
     for name, kind in types(unpacked(scene)).items():
         if kind.get("min") is not None and kind.get("start") is not None:
             bounded += 1
             assert float(kind.get("min")) <= float(kind.get("start")), name
-    assert bounded > 10
+    assert bounded > 5
 
 
+@every_scene
 def test_what_has_a_start_value_is_an_input_or_a_parameter(unpacked, scene):
     for variable in unpacked(scene).xml.find("ModelVariables"):
         given = variable.get("causality") in ("input", "parameter")
         assert (variable[0].get("start") is not None) == given, variable.get("name")
 
 
+@every_scene
 def test_the_default_experiment_names_no_tolerance(unpacked, scene):
     """Importers would pass it on, and nothing here depends on one."""
     experiment = unpacked(scene).xml.find("DefaultExperiment")
@@ -48,6 +53,7 @@ def test_the_default_experiment_names_no_tolerance(unpacked, scene):
     assert float(experiment.get("startTime")) < float(experiment.get("stopTime"))
 
 
+@every_scene
 def test_every_unit_is_declared_and_every_real_has_one(unpacked, scene):
     fmu = unpacked(scene)
     declared = [unit.get("name") for unit in fmu.xml.find("UnitDefinitions")]
@@ -57,6 +63,7 @@ def test_every_unit_is_declared_and_every_real_has_one(unpacked, scene):
             assert kind.get("unit") in declared, name
 
 
+@every_scene
 def test_every_enumeration_is_declared(unpacked, scene):
     fmu = unpacked(scene)
     declared = {simple.get("name") for simple in fmu.xml.find("TypeDefinitions")}
@@ -64,11 +71,13 @@ def test_every_enumeration_is_declared(unpacked, scene):
     assert used == {"ContactState"} and used <= declared
 
 
+@every_scene
 def test_value_references_are_unique(unpacked, scene):
     references = [v.get("valueReference") for v in unpacked(scene).xml.find("ModelVariables")]
     assert len(references) == len(set(references))
 
 
+@every_scene
 def test_what_the_fmu_can_do(unpacked, scene):
     fmu = unpacked(scene)
     assert fmu.xml.find("ModelExchange") is None
@@ -82,12 +91,13 @@ def test_what_the_fmu_can_do(unpacked, scene):
     }
 
 
-def test_the_names_that_scripts_rely_on_exist(unpacked, scene):
+@pytest.mark.parametrize(("scene", "modules"), RINGS.items())
+def test_the_names_that_scripts_rely_on_exist(unpacked, scene, modules):
     fmu = unpacked(scene)
     inputs = ["friction.coefficient", "slider.velocity"]
     parameters = ["slider.angle", "damping.beta", "integrator.step"]
     outputs = []
-    for i in range(1, SCENES[scene] + 1):
+    for i in range(1, modules + 1):
         structure = [f"k{j}" for j in range(1, 7)] + ["m1", "m2", "preload"]
         parameters += [f"module[{i}].{name}" for name in structure]
         motion = [f"{letter}{j}" for letter in "xv" for j in range(1, 5)]

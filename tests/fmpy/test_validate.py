@@ -6,9 +6,8 @@ from pathlib import Path
 
 import fmpy
 import pytest
+from conftest import SCENES
 from lxml import etree
-
-SCENES = ["set1", "set2", "ring12"]
 
 
 @pytest.mark.parametrize("scene", SCENES)
