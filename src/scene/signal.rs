@@ -78,7 +78,7 @@ pub struct Pulse {
 pub struct Sine {
     /// Half peak to peak, in the unit of the input.
     pub amplitude: f64,
-    /// Hz.
+    /// How often it swings, Hz.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::FREQUENCY.bounds()))]
     pub frequency: f64,
     /// The phase at the start, rad.

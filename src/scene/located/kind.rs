@@ -16,19 +16,21 @@ pub(super) fn found(value: &DeValue<'_>) -> &'static str {
     }
 }
 
-/// The parts of a schema of which a value must fulfil one: its alternatives, or itself.
+/// The parts of a schema of which a value must fulfil one: its alternatives, or itself. That there is
+/// nothing is no alternative: TOML has no null.
 pub(super) fn alternatives(schema: &Value) -> Vec<&Value> {
     let parts = schema.get("oneOf").or_else(|| schema.get("anyOf")).and_then(Value::as_array);
     match parts {
         // Alternatives of an object with keys of its own go on from those.
         Some(parts) if schema.get("properties").is_none() => {
-            parts.iter().flat_map(alternatives).collect()
+            let is_something = |part: &&Value| part["type"] != "null";
+            parts.iter().filter(is_something).flat_map(alternatives).collect()
         }
         _ => vec![schema],
     }
 }
 
-/// The kinds that a schema without alternatives takes; none if it takes all. TOML has no null.
+/// The kinds that a schema without alternatives takes; none if it takes all.
 pub(super) fn taken(schema: &Value) -> Vec<&str> {
     match schema.get("type") {
         Some(Value::String(kind)) => vec![kind],
