@@ -84,6 +84,11 @@ fn an_fmu_gives_the_doubles_of_the_program() {
 }
 
 #[test]
+fn inputs_and_signals_give_the_doubles_of_the_program() {
+    pytest("test_inputs.py");
+}
+
+#[test]
 fn communication_steps_do_not_change_the_doubles() {
     pytest("test_communication_steps.py");
 }

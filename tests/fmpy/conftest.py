@@ -101,7 +101,7 @@ def assert_same():
 
 @pytest.fixture(scope="session")
 def amontons():
-    """Runs the program, with environment variables given by name."""
+    """Runs the program, with environment variables given by name; gives what it prints."""
     program = environment("AMONTONS")
 
     def run(*arguments, **variables):
@@ -109,6 +109,7 @@ def amontons():
         settings = {**os.environ, **variables}
         done = subprocess.run(command, env=settings, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
+        return done.stdout
 
     return run
 
@@ -119,10 +120,12 @@ def native(amontons, tmp_path_factory):
     folder = tmp_path_factory.mktemp("native")
     numbers = itertools.count()
 
-    def simulate(scene, stop_time, interval, values=None):
+    def simulate(scene, stop_time, interval, values=None, inputs=None):
         file = folder / f"{next(numbers)}.csv"
         settings = [f"--set={name}={value!r}" for name, value in (values or {}).items()]
         times = ["--stop-time", repr(stop_time), "--output-interval", repr(interval)]
+        if inputs is not None:
+            settings += ["--input", inputs]
         amontons("simulate", scene, *times, *settings, "-o", file)
         names, *rows = (line.split(",") for line in file.read_text().splitlines())
         # Python's float reads the double that the program wrote; NumPy's readers promise less.
@@ -358,10 +361,12 @@ def fmu_in():
 def imported(unpacked):
     """A run by FMPy's own simulate_fmu as a table."""
 
-    def simulate(fmu, stop_time, interval, values=None):
+    def simulate(fmu, stop_time, interval, values=None, inputs=None):
         fmu = unpacked(fmu) if isinstance(fmu, str) else fmu
-        times = {"stop_time": stop_time, "output_interval": interval}
-        result = fmpy.simulate_fmu(str(fmu.folder), start_values=values or {}, **times)
+        settings = {"stop_time": stop_time, "output_interval": interval}
+        if inputs is not None:
+            settings["input"] = fmpy.read_csv(inputs)
+        result = fmpy.simulate_fmu(str(fmu.folder), start_values=values or {}, **settings)
         return Table(result["time"], {n: result[n] for n in result.dtype.names if n != "time"})
 
     return simulate

@@ -68,24 +68,25 @@ struct Run {
 }
 
 impl Run {
-    /// Moves on to time `target` (s), the inputs held from here, or from where they jump.
-    fn advance_to(&mut self, target: f64) -> Result<(), amontons::Error> {
-        let Self { simulation, inputs: Some(inputs) } = self else {
-            return self.simulation.advance_to(target);
-        };
-        loop {
-            let time = simulation.time();
-            inputs.write(simulation, time)?;
-            let jump = inputs.next_jump(time);
-            if jump >= target || is_close(jump, target) {
-                return simulation.advance_to(target);
+    /// Moves on to time `target` (s), inputs held, or only to where they jump on the way. Gives the time
+    /// reached.
+    fn advance_towards(&mut self, target: f64) -> Result<f64, amontons::Error> {
+        let Self { simulation, inputs } = self;
+        let mut time = target;
+        if let Some(inputs) = inputs {
+            inputs.write(simulation, simulation.time())?;
+            let jump = inputs.next_jump(simulation.time());
+            if jump < target && !is_close(jump, target) {
+                time = jump;
             }
-            simulation.advance_to(jump)?;
         }
+        simulation.advance_to(time)?;
+        Ok(time)
     }
 }
 
-/// One row at the start, one every interval, one at the end.
+/// One row at the start, one every interval, one at the end, and one where inputs jump, as FMPy has
+/// it.
 fn write_run(run: &mut Run, scene: &Scene, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
     let outputs: Vec<Variable> = variables(scene)
         .into_iter()
@@ -100,23 +101,19 @@ fn write_run(run: &mut Run, scene: &Scene, out: &mut dyn Write) -> Result<(), Bo
     let stop = scene.experiment.stop_time;
     let interval = scene.experiment.output_interval;
     let progress = progress_bar(stop);
-    let mut row = 0_u64;
-    loop {
+    let (mut intervals, mut time) = (0_u64, run.simulation.time());
+    write_row(&mut run.simulation, time, &outputs, out)?;
+    while time < stop {
         #[allow(clippy::cast_precision_loss)]
-        let planned = row as f64 * interval;
+        let next = (intervals + 1) as f64 * interval;
         // The stop time may be a whole number of intervals but for rounding.
-        let last = planned >= stop - 1e-9 * interval;
-        let time = if last { stop } else { planned };
-        // The first row is the start as it is; its inputs have been set.
-        if time > run.simulation.time() {
-            run.advance_to(time)?;
-        }
+        let target = if next >= stop - 1e-9 * interval { stop } else { next };
+        time = run.advance_towards(target)?;
         write_row(&mut run.simulation, time, &outputs, out)?;
-        if last {
-            break;
+        if time == target {
+            intervals += 1;
         }
-        row += 1;
-        if row.is_multiple_of(64) {
+        if intervals.is_multiple_of(64) {
             progress.set_position(ticks(time));
         }
     }
