@@ -81,6 +81,32 @@ fn set_changes_what_the_fmu_would_change_and_step_the_grid() {
 }
 
 #[test]
+fn inputs_from_a_file_act_between_the_rows_and_are_refused_by_name_and_line() {
+    let folder = folder();
+    let simulate = |table: &str| {
+        fs::write(folder.path().join("in.csv"), table).unwrap();
+        let times = ["--stop-time", "0.003", "--output-interval", "1e-3"];
+        amontons(folder.path(), &[&["simulate", "set1", "--input", "in.csv"], &times[..]].concat())
+    };
+    // Rows at the intervals and where the input jumps; friction follows µ from the next row on.
+    let output = simulate("time,friction.coefficient\n0,1\n0.0015,1\n0.0015,0.5\n");
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let printed = text(&output.stdout);
+    let times: Vec<&str> = printed.lines().map(|line| line.split(',').next().unwrap()).collect();
+    assert_eq!(times, ["time", "0.0", "0.001", "0.0015", "0.002", "0.003"]);
+    for (table, code, words) in [
+        ("time,friction.coeficient\n0,1\n", 2, &["no input", "mean friction.coefficient?"][..]),
+        ("time,module[1].x1\n0,1\n", 2, &["module[1].x1", "no input of set1"]),
+        ("time,friction.coefficient\n0,1\n1,x\n", 3, &["in.csv", "line 3", "`x`"]),
+        ("time,friction.coefficient\n0,1\n0.002,-1\n", 4, &["at 0.002 s", "not be negative"]),
+        ("t,friction.coefficient\n0,1\n", 3, &["must be `time`"]),
+    ] {
+        program::assert_refused(&simulate(table), code, words);
+    }
+    assert_refused(folder.path(), &["simulate", "set1", "--input", "gone.csv"], 1, &["gone.csv"]);
+}
+
+#[test]
 fn scenes_are_listed_and_shown() {
     let folder = folder();
     let list = text(&amontons(folder.path(), &["scenes"]).stdout);

@@ -61,10 +61,25 @@ friction = 0.4
 velocity = 0.2
 "#;
 
+/// Signals that change in every step, and one that does so now and then.
+const SIGNALS: &str = r#"
+[[signal]]
+input = "mass.pad.fx"
+sine = { amplitude = 3.0, frequency = 100.0 }
+[[signal]]
+input = "contact.c.friction"
+ramp = { to = 1e-3, end = 1.0 }
+[[signal]]
+input = "contact.c.velocity"
+table = { points = [[0.0, 0.0], [0.003, 0.01], [0.005, -0.2]], between = "constant" }
+"#;
+
 #[test]
 fn steps_reads_and_writes_allocate_nothing() {
     let network = parse("network", NETWORK).unwrap();
-    for scene in [builtin("set1").unwrap().scene(), builtin("ring12").unwrap().scene(), network] {
+    let driven = parse("driven", &format!("{NETWORK}{SIGNALS}")).unwrap();
+    let rings = ["set1", "ring12"].map(|name| builtin(name).unwrap().scene());
+    for scene in rings.into_iter().chain([network, driven]) {
         let name = scene.name.clone();
         let all = variables(&scene);
         let mut simulation = Simulation::new(scene, 0.0).unwrap();
