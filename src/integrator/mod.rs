@@ -3,13 +3,19 @@
 //! [`choose`] picks the integrator once, from the structure of the model; from then on a step
 //! tests no option.
 
+mod delassus;
+mod dynamics;
+mod event_driven;
 mod forward_increment;
+mod multipliers;
 
+pub use event_driven::EventDriven;
 pub use forward_increment::{RingForwardIncrement, SparseForwardIncrement};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::model::{Damping, LumpedModel};
+use crate::scene::Method;
 use serde::{Deserialize, Serialize};
 
 /// Position, velocity and contact states at one instant, with what has been counted on the way.
@@ -77,6 +83,11 @@ pub enum StepFailure {
         /// Sweeps taken.
         sweeps: u64,
     },
+    /// This contact (from 0) changed its state again and again at one instant.
+    TooManyEvents {
+        /// The contact, from 0.
+        contact: usize,
+    },
     /// Friction wedges this contact (from 0): no force satisfies its law (Painlevé).
     Wedged {
         /// The contact, from 0.
@@ -113,11 +124,14 @@ pub trait Integrator: Send {
     fn set_damping(&mut self, damping: Damping);
 }
 
-/// The fastest integrator that fits the structure of the model.
+/// The fastest integrator of this method that fits the structure of the model.
 ///
 /// # Errors
-/// A mass matrix that is not positive definite.
-pub fn choose(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
+/// A mass matrix that is not positive definite; more contacts that share masses than the method takes.
+pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>, Error> {
+    if method == Method::EventDriven {
+        return Ok(Box::new(EventDriven::new(model)?));
+    }
     if let Some(ring) = RingForwardIncrement::new(model) {
         return Ok(Box::new(ring));
     }

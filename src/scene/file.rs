@@ -7,7 +7,7 @@ use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTab
 use super::problem;
 use super::signal_file::{self, SignalTable};
 use super::source::{Folder, Source};
-use super::{Damping, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
+use super::{Damping, Experiment, Method, Problem, Scene, Slider, Structure, ring_file, text};
 #[cfg(feature = "tools")]
 use super::{Rule, located};
 use crate::Error;
@@ -81,6 +81,9 @@ struct Friction {
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct Integrator {
+    /// How time goes on: the paper's scheme unless given.
+    #[serde(default)]
+    method: Method,
     /// Internal time step h, s.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
     step: f64,
@@ -151,6 +154,7 @@ impl File {
             damping: self.damping,
             structure,
             signals: signals.into(),
+            method: self.integrator.method,
             step: self.integrator.step,
             experiment: self.experiment,
             description: self.description,

@@ -70,10 +70,24 @@ pub struct Scene {
     pub structure: Structure,
     /// What changes inputs over time.
     pub signals: Arc<[Signal]>,
+    /// How time goes on.
+    pub method: Method,
     /// Internal time step h, s.
     pub step: f64,
     /// What a run does unless told otherwise.
     pub experiment: Experiment,
+}
+
+/// How time goes on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+pub enum Method {
+    /// The paper's scheme: forward increment Lagrange multipliers, of first order.
+    #[default]
+    ForwardIncrement,
+    /// Exact motion from one change of contact state to the next.
+    EventDriven,
 }
 
 /// Masses, springs and contacts.

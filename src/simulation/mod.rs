@@ -27,7 +27,7 @@ use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{self, Drive, Integrator, Motion, Statistics, StepFailure};
 use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering, OwnValues};
-use crate::scene::Scene;
+use crate::scene::{Method, Scene};
 use crate::stability::StepGuard;
 use clock::Clock;
 use serde::{Deserialize, Serialize};
@@ -46,7 +46,8 @@ pub struct Simulation {
     model: LumpedModel,
     /// The degrees of freedom of a network's masses.
     numbering: Numbering,
-    guard: StepGuard,
+    /// Of the step of the method that has a critical one.
+    guard: Option<StepGuard>,
     integrator: Box<dyn Integrator>,
     reference: Reference,
     motion: Motion,
@@ -107,9 +108,12 @@ impl Simulation {
         clock: Clock,
     ) -> Result<Self, Error> {
         let friction = signals::acting(driven.as_ref(), &scene).friction_coefficient;
-        let mut guard = StepGuard::new(&model, friction, scene.step);
-        guard.check(&model, friction)?;
-        let integrator = integrator::choose(&model)?;
+        let mut guard = (scene.method == Method::ForwardIncrement)
+            .then(|| StepGuard::new(&model, friction, scene.step));
+        if let Some(guard) = &mut guard {
+            guard.check(&model, friction)?;
+        }
+        let integrator = integrator::choose(&model, scene.method)?;
         let drive = Drive::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
         let numbering = scene.network().map_or_else(Numbering::default, Numbering::of);
         let contact_forces = vec![ContactForce::detached(0.0); model.contacts.len()];
@@ -245,11 +249,11 @@ impl Simulation {
     }
 
     fn check_limit(&mut self) -> Result<(), Error> {
-        if self.stale.limit {
+        if let (Some(guard), true) = (&mut self.guard, self.stale.limit) {
             let acting = signals::acting(self.driven.as_ref(), &self.scene);
-            self.guard.check(&self.model, acting.friction_coefficient)?;
-            self.stale.limit = false;
+            guard.check(&self.model, acting.friction_coefficient)?;
         }
+        self.stale.limit = false;
         Ok(())
     }
 
@@ -274,6 +278,11 @@ impl Simulation {
                      {sweeps} sweeps"
                 )
             }
+            StepFailure::TooManyEvents { contact } => format!(
+                "between {time} s and {target} s {} changed its state again and again at one \
+                 instant",
+                self.scene.contact_name(contact)
+            ),
             StepFailure::Wedged { contact } => format!(
                 "between {time} s and {target} s friction wedges {}: no contact \
                  force satisfies its law; lower friction.coefficient",

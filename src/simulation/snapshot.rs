@@ -102,7 +102,10 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
         _ => false,
     };
     let same_signals = Arc::ptr_eq(&a.signals, &b.signals) || a.signals == b.signals;
-    same && same_signals && a.slider.angle == b.slider.angle && a.step == b.step
+    same && same_signals
+        && a.slider.angle == b.slider.angle
+        && a.step == b.step
+        && a.method == b.method
 }
 
 const MARK: [u8; 4] = *b"AMTN";

@@ -1,7 +1,7 @@
 //! What is possible, but hardly meant.
 
 use crate::model::LumpedModel;
-use crate::scene::Scene;
+use crate::scene::{Method, Scene};
 use crate::stability::critical_step;
 
 /// A critical step this many times the given one is more than accuracy asks for.
@@ -11,6 +11,9 @@ const SUSPICIOUS: f64 = 1e3;
 /// step, or above it. A stiffness or mass in other units than SI shows so.
 #[must_use]
 pub fn step_warning(scene: &Scene) -> Option<String> {
+    if scene.method != Method::ForwardIncrement {
+        return None;
+    }
     let critical = critical_step(&LumpedModel::from(scene), scene.friction_coefficient).ok()?;
     let (step, relation) = match scene.step {
         step if step > critical.step => (step, "above the critical step"),

@@ -1,6 +1,6 @@
 //! What the command line understands.
 
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Friction contact dynamics as FMUs: will it squeal?
@@ -51,6 +51,9 @@ pub struct Simulate {
     /// Internal time step, s [default: the scene's]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub step: Option<f64>,
+    /// How time goes on [default: the scene's]
+    #[arg(long, value_enum)]
+    pub integrator: Option<Integrator>,
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
@@ -61,6 +64,14 @@ pub struct Simulate {
     /// Where to write the CSV [default: standard output]
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Integrator {
+    /// The paper's scheme, of first order
+    ForwardIncrement,
+    /// Exact motion from one change of contact state to the next
+    EventDriven,
 }
 
 #[derive(Subcommand)]

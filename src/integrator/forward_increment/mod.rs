@@ -15,8 +15,6 @@
 //! matrix G M⁻¹ Gᵀ is diagonal, so that Gauss–Seidel is done after one sweep;
 //! [`SparseForwardIncrement`] for anything else.
 
-mod delassus;
-mod multipliers;
 mod ring;
 mod sparse;
 

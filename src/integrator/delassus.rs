@@ -53,6 +53,15 @@ impl Delassus {
         self.own[contact]
     }
 
+    /// The block between two contacts; zero where they share no mass.
+    pub(super) fn block(&self, contact: usize, other: usize) -> Block {
+        if contact == other {
+            return self.own(contact);
+        }
+        let others = self.others(contact);
+        others.iter().find(|(known, _)| *known == other).map_or([0.0; 4], |&(_, block)| block)
+    }
+
     /// The contacts that share masses with one, ascending, with their blocks.
     pub(super) fn others(&self, contact: usize) -> &[(usize, Block)] {
         &self.others[self.offsets[contact]..self.offsets[contact + 1]]

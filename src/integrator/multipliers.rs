@@ -24,7 +24,7 @@ pub(super) enum Freedom {
 ///
 /// λ holds (N, T) of each contact, N. W = G M⁻¹ Gᵀ is the Delassus matrix, 1/kg.
 pub(super) struct Multipliers {
-    delassus: Delassus,
+    pub(super) delassus: Delassus,
     /// The accelerations that the contacts would have without their forces, m/s².
     pub(super) free: Vec<[f64; 2]>,
     /// What each contact may do.

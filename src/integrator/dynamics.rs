@@ -1,0 +1,182 @@
+//! The equation of motion with its contacts, on sparse matrices: what integrators share that take any
+//! structure.
+
+use super::delassus::Delassus;
+use super::multipliers::{Freedom, Multipliers};
+use super::{Drive, Motion, StepFailure};
+use crate::Error;
+use crate::contact::{ContactForce, ContactState};
+use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
+
+/// M ẍ = F − C ẋ − K x + Gᵀ λ, with the contact problem that gives λ.
+pub(super) struct Dynamics {
+    mass: SparseMatrix,
+    pub(super) stiffness: SparseMatrix,
+    pub(super) damping: Damping,
+    pub(super) dampers: SparseMatrix,
+    pub(super) contacts: Vec<Contact>,
+    pub(super) inverse_mass: SparseMatrix,
+    /// M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
+    pub(super) responses: Vec<[Direction; 2]>,
+    pub(super) multipliers: Multipliers,
+    force: Vec<f64>,
+    pub(super) acceleration: Vec<f64>,
+}
+
+impl Dynamics {
+    /// The equation of motion of this model.
+    ///
+    /// # Errors
+    /// A mass matrix that is not positive definite.
+    pub(super) fn new(model: &LumpedModel) -> Result<Self, Error> {
+        let dofs = model.dofs();
+        let inverse_mass = inverse(&model.mass).ok_or_else(|| {
+            Error::scene("the mass matrix must be symmetric and positive definite")
+        })?;
+        // M⁻¹ is symmetric: its rows are its columns.
+        let response = |direction: &Direction| {
+            let parts = direction.0.iter().flat_map(|&(dof, value)| {
+                inverse_mass.row(dof).map(move |(row, inverse)| (row, 0, inverse * value))
+            });
+            let column = SparseMatrix::from_entries(dofs, parts.collect());
+            Direction(column.entries().map(|(row, _, value)| (row, value)).collect())
+        };
+        let responses: Vec<[Direction; 2]> = model
+            .contacts
+            .iter()
+            .map(|contact| [response(&contact.normal), response(&contact.tangent)])
+            .collect();
+        let delassus = Delassus::new(&model.contacts, &responses, dofs);
+        Ok(Self {
+            mass: model.mass.clone(),
+            stiffness: model.stiffness.clone(),
+            damping: model.damping,
+            dampers: model.dampers.clone(),
+            multipliers: Multipliers::new(delassus),
+            contacts: model.contacts.clone(),
+            inverse_mass,
+            responses,
+            force: vec![0.0; dofs],
+            acceleration: vec![0.0; dofs],
+        })
+    }
+
+    /// The acceleration without contact forces, M⁻¹ (F − C ẋ − K x).
+    pub(super) fn free_acceleration(&mut self, motion: &Motion, drive: &Drive) {
+        let Damping { alpha, beta } = self.damping;
+        let (x, v) = (&motion.displacement, &motion.velocity);
+        for (row, force) in self.force.iter_mut().enumerate() {
+            let springs = self
+                .stiffness
+                .row(row)
+                .fold(0.0, |sum, (column, k)| sum + k * (x[column] + beta * v[column]));
+            *force = drive.force[row] - springs - alpha * self.mass.row_times(row, v);
+        }
+        if !self.dampers.is_empty() {
+            for (row, force) in self.force.iter_mut().enumerate() {
+                *force -= self.dampers.row_times(row, v);
+            }
+        }
+        for (row, acceleration) in self.acceleration.iter_mut().enumerate() {
+            *acceleration = self.inverse_mass.row_times(row, &self.force);
+        }
+    }
+
+    /// The contact forces at the present instant.
+    ///
+    /// # Errors
+    /// Contacts that could not be solved.
+    pub(super) fn contact_forces(
+        &mut self,
+        motion: &Motion,
+        drive: &Drive,
+        forces: &mut [ContactForce],
+    ) -> Result<(), StepFailure> {
+        self.free_acceleration(motion, drive);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
+            self.multipliers.freedom[i] = match motion.contacts[i] {
+                ContactState::Detached => Freedom::Open,
+                ContactState::Stick => Freedom::Any,
+                _ if slip == 0.0 => Freedom::Any,
+                _ => Freedom::Slipping(slip.signum()),
+            };
+            self.multipliers.free[i] =
+                [contact.normal.dot(&self.acceleration), contact.tangent.dot(&self.acceleration)];
+        }
+        self.multipliers.solve(&drive.friction_coefficient)?;
+        for (i, out) in forces.iter_mut().enumerate() {
+            let force = self.multipliers.forces[i];
+            let slip = match motion.contacts[i] {
+                ContactState::Stick => 0.0,
+                _ => drive.slider_velocity[i] - self.contacts[i].tangent.dot(&motion.velocity),
+            };
+            *out = ContactForce {
+                state: state_of(force, drive.friction_coefficient[i], slip),
+                normal_force: force[0],
+                friction_force: force[1],
+                slip_velocity: slip,
+            };
+        }
+        Ok(())
+    }
+}
+
+/// The state that belongs to a solved pair (N, T) and a slip velocity v_r.
+pub(super) fn state_of([normal, tangential]: [f64; 2], friction: f64, slip: f64) -> ContactState {
+    if normal <= 0.0 {
+        ContactState::Detached
+    } else if tangential.abs() < friction * normal
+        || (slip == 0.0 && tangential.abs() <= friction * normal)
+    {
+        ContactState::Stick
+    } else if tangential > 0.0 || (tangential == 0.0 && slip > 0.0) {
+        ContactState::Slide
+    } else {
+        ContactState::ReverseSlide
+    }
+}
+
+/// The inverse of a mass matrix; `None` if it is not positive definite.
+fn inverse(matrix: &SparseMatrix) -> Option<SparseMatrix> {
+    match matrix.as_diagonal() {
+        Some(masses) => masses.iter().all(|&mass| mass > 0.0).then(|| {
+            SparseMatrix::diagonal(&masses.iter().map(|mass| 1.0 / mass).collect::<Vec<_>>())
+        }),
+        None => full_inverse(matrix),
+    }
+}
+
+/// The inverse through Cholesky's factors, for small matrices; `None` if not positive definite.
+fn full_inverse(matrix: &SparseMatrix) -> Option<SparseMatrix> {
+    let n = matrix.rows();
+    let mut lower = vec![0.0; n * n];
+    for i in 0..n {
+        for j in 0..=i {
+            let known = (0..j).fold(0.0, |sum, k| sum + lower[i * n + k] * lower[j * n + k]);
+            let rest = matrix.get(i, j) - known;
+            lower[i * n + j] = if i != j {
+                rest / lower[j * n + j]
+            } else if rest > 0.0 {
+                rest.sqrt()
+            } else {
+                return None;
+            };
+        }
+    }
+    let mut inverse = Vec::with_capacity(n * n);
+    for column in 0..n {
+        let mut x = vec![0.0; n];
+        x[column] = 1.0;
+        for i in 0..n {
+            let known = (0..i).fold(0.0, |sum, k| sum + lower[i * n + k] * x[k]);
+            x[i] = (x[i] - known) / lower[i * n + i];
+        }
+        for i in (0..n).rev() {
+            let known = (i + 1..n).fold(0.0, |sum, k| sum + lower[k * n + i] * x[k]);
+            x[i] = (x[i] - known) / lower[i * n + i];
+        }
+        inverse.extend(x.into_iter().enumerate().map(|(row, value)| (row, column, value)));
+    }
+    Some(SparseMatrix::from_entries(n, inverse))
+}

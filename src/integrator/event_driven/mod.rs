@@ -1,0 +1,379 @@
+//! The exact motion between the instants at which a contact changes its state.
+//!
+//! In one contact state the motion is linear: its power series is summed to the last digits
+//! ([`series`]). What must not become negative there (gap, normal force, slip, what is left of
+//! friction's limit) is a polynomial, whose first root is the next event ([`roots`]). There the law of
+//! contact says which state follows ([`EventDriven::change`]); a touch-down is a perfectly inelastic
+//! impact with friction, as the forward increment scheme has it.
+//!
+//! Drive and friction are constant over an internal step. Errors are those of rounding, so the step
+//! decides how often inputs are looked at, not how accurate the motion is.
+
+mod held;
+mod roots;
+mod series;
+
+use super::dynamics::Dynamics;
+use super::multipliers::Freedom;
+use super::{Drive, Integrator, Motion, StepFailure};
+use crate::Error;
+use crate::contact::{ContactForce, ContactState};
+use crate::model::{Damping, LumpedModel};
+use held::{HeldContacts, MAX_GROUP};
+use series::{ORDER, Series, index};
+
+/// More events than this for each contact in one internal step are a loop that leads nowhere.
+const MAX_EVENTS: u64 = 10_000;
+/// And this many at one instant.
+const MAX_STANDSTILL: u64 = 16;
+/// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
+const NOISE: f64 = 1e-13;
+
+/// Why a contact may not stay as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Event {
+    /// The gap closes.
+    Touch,
+    /// The normal force falls to zero.
+    Lift,
+    /// The slip velocity falls to zero.
+    Stop,
+    /// The friction force reaches its limit; in this direction.
+    Slip(ContactState),
+}
+
+/// Exact motion, event by event.
+pub struct EventDriven {
+    dynamics: Dynamics,
+    held: HeldContacts,
+    series: Series,
+    /// The states that `held` is set to.
+    held_states: Vec<ContactState>,
+    held_friction: Vec<f64>,
+    /// The polynomial at hand.
+    polynomial: [f64; ORDER + 1],
+    /// The events at one instant.
+    events: Vec<Option<Event>>,
+    before: Vec<ContactState>,
+}
+
+impl EventDriven {
+    /// The integrator for this model.
+    ///
+    /// # Errors
+    /// A mass matrix that is not positive definite; more contacts that share masses than it can hold.
+    pub fn new(model: &LumpedModel) -> Result<Self, Error> {
+        let dynamics = Dynamics::new(model)?;
+        let contacts = model.contacts.len();
+        let held = HeldContacts::new(&dynamics);
+        if held.largest_group() > MAX_GROUP {
+            return Err(Error::scene(format!(
+                "{} contacts share masses; the event-driven integrator takes up to {MAX_GROUP}",
+                held.largest_group()
+            )));
+        }
+        Ok(Self {
+            series: Series::new(&dynamics),
+            held,
+            held_states: Vec::with_capacity(contacts),
+            held_friction: Vec::with_capacity(contacts),
+            polynomial: [0.0; ORDER + 1],
+            events: vec![None; contacts],
+            before: vec![ContactState::Detached; contacts],
+            dynamics,
+        })
+    }
+
+    fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
+        motion.statistics.steps += 1;
+        self.follow_slider(motion, drive);
+        let (mut left, mut events, mut standstill) = (h, 0, 0);
+        while left > 0.0 {
+            self.expand(motion, drive);
+            let reach = self.series.reach(left);
+            let passed = match self.next_event(motion, drive, reach) {
+                None => reach,
+                Some(time) => time,
+            };
+            let is_event = self.events.iter().any(Option::is_some);
+            if passed > 0.0 {
+                self.series.evaluate(passed, &mut motion.displacement, &mut motion.velocity);
+                self.settle(motion, drive);
+            }
+            // What is left ends in an exact zero, and never in a remainder of rounding.
+            left = if passed == left { 0.0 } else { left - passed };
+            if is_event {
+                self.change(motion, drive)?;
+                events += 1;
+                standstill = if passed > 0.0 { 0 } else { standstill + 1 };
+                let contacts = self.events.len() as u64;
+                if events > MAX_EVENTS * contacts || standstill > MAX_STANDSTILL * contacts {
+                    let contact = self.events.iter().position(Option::is_some).unwrap_or(0);
+                    return Err(StepFailure::TooManyEvents { contact });
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
+    /// those that slide may now do so the other way.
+    fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive) {
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            let old = motion.contacts[i];
+            if old == ContactState::Detached {
+                continue;
+            }
+            let along = contact.tangent.dot(&motion.velocity);
+            let slip = drive.slider_velocity[i] - along;
+            let size = drive.slider_velocity[i].abs().max(along.abs());
+            let new = if slip.abs() <= NOISE * size {
+                continue;
+            } else if slip > 0.0 {
+                ContactState::Slide
+            } else {
+                ContactState::ReverseSlide
+            };
+            if new != old {
+                motion.contacts[i] = new;
+                motion.statistics.state_changes += 1;
+            }
+        }
+    }
+
+    fn expand(&mut self, motion: &Motion, drive: &Drive) {
+        let Self { dynamics, held, series, held_states, held_friction, .. } = self;
+        if *held_states != motion.contacts || *held_friction != drive.friction_coefficient {
+            held_states.clone_from(&motion.contacts);
+            held_friction.clone_from(&drive.friction_coefficient);
+            held.set(dynamics, held_states, held_friction);
+        }
+        let state = (&*motion.displacement, &*motion.velocity);
+        series.expand(dynamics, held, held_states, drive, state);
+    }
+
+    /// The time of the next event up to `reach` (s), and in `events` what happens then.
+    fn next_event(&mut self, motion: &Motion, drive: &Drive, reach: f64) -> Option<f64> {
+        self.events.fill(None);
+        let mut first = None;
+        for i in 0..self.events.len() {
+            for (event, size) in self.watched(i, motion.contacts[i], drive) {
+                let terms = self.fill(i, event, drive);
+                let p = &self.polynomial[..terms];
+                let Some(time) = roots::first_negative(p, reach, NOISE * size) else { continue };
+                // Those that are apart by rounding alone are one.
+                let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON * reach;
+                match first {
+                    Some(first) if is_same(first) => {}
+                    Some(first) if time > first => continue,
+                    _ => self.events.fill(None),
+                }
+                self.events[i] = Some(event);
+                first = Some(first.map_or(time, |first: f64| first.min(time)));
+            }
+        }
+        first
+    }
+
+    /// What must not become negative at a contact, with the size that its rounding is measured by.
+    fn watched(
+        &self,
+        contact: usize,
+        state: ContactState,
+        drive: &Drive,
+    ) -> impl Iterator<Item = (Event, f64)> + use<> {
+        let [normal, _] = self.series.force(0, contact);
+        let own = self.dynamics.multipliers.delassus.own(contact);
+        let acceleration = self.series.largest_acceleration();
+        let force = normal.abs().max(acceleration / own[0]);
+        let speed = drive.slider_velocity[contact].abs();
+        let friction = drive.friction_coefficient[contact];
+        let limit = |direction| (Event::Slip(direction), (1.0 + friction) * force);
+        let events = match state {
+            ContactState::Detached => [Some((Event::Touch, 0.0)), None, None],
+            ContactState::Stick => [
+                Some((Event::Lift, force)),
+                Some(limit(ContactState::Slide)),
+                Some(limit(ContactState::ReverseSlide)),
+            ],
+            _ => [Some((Event::Lift, force)), Some((Event::Stop, speed)), None],
+        };
+        events.into_iter().flatten()
+    }
+
+    /// Writes what must not become negative as a polynomial; its number of terms.
+    fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
+        let Self { series, dynamics, polynomial, .. } = self;
+        let rows = &dynamics.contacts[contact];
+        let friction = drive.friction_coefficient[contact];
+        match event {
+            Event::Touch => {
+                for (k, value) in polynomial.iter_mut().enumerate() {
+                    *value = rows.normal.dot(series.displacement(k));
+                }
+                return ORDER + 1;
+            }
+            Event::Stop => {
+                let direction = self.held_states[contact].sliding_direction().unwrap_or(1.0);
+                for (k, value) in polynomial[..ORDER].iter_mut().enumerate() {
+                    let along = index(k + 1) * rows.tangent.dot(series.displacement(k + 1));
+                    let slider = if k == 0 { drive.slider_velocity[contact] } else { 0.0 };
+                    *value = direction * (slider - along);
+                }
+                return ORDER;
+            }
+            Event::Lift => {
+                for (k, value) in polynomial[..=ORDER - 2].iter_mut().enumerate() {
+                    *value = series.force(k, contact)[0];
+                }
+            }
+            Event::Slip(direction) => {
+                let sign = direction.sliding_direction().unwrap_or(1.0);
+                for (k, value) in polynomial[..=ORDER - 2].iter_mut().enumerate() {
+                    let [normal, tangential] = series.force(k, contact);
+                    *value = friction * normal - sign * tangential;
+                }
+            }
+        }
+        ORDER - 1
+    }
+
+    /// Puts what is held exactly where it is held.
+    fn settle(&self, motion: &mut Motion, drive: &Drive) {
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            let state = motion.contacts[i];
+            if state == ContactState::Detached {
+                continue;
+            }
+            if let Some(dof) = contact.normal.as_unit() {
+                motion.displacement[dof] = 0.0;
+                motion.velocity[dof] = 0.0;
+            }
+            if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
+                motion.velocity[dof] = drive.slider_velocity[i];
+            }
+        }
+    }
+
+    /// The states that follow on the events, by the law of contact.
+    fn change(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+        self.before.clone_from(&motion.contacts);
+        let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
+        if self.events.iter().any(touched) {
+            self.impact(motion, drive)?;
+        }
+        for (i, event) in self.events.iter().enumerate() {
+            if let (Some(Event::Stop), Some(dof)) =
+                (event, self.dynamics.contacts[i].tangent.as_unit())
+            {
+                motion.velocity[dof] = drive.slider_velocity[i];
+            }
+        }
+        self.dynamics.free_acceleration(motion, drive);
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
+            let multipliers = &mut self.dynamics.multipliers;
+            multipliers.freedom[i] = match (self.events[i], motion.contacts[i]) {
+                (Some(Event::Lift), _) => Freedom::Open,
+                (Some(Event::Slip(direction)), _) => {
+                    Freedom::Slipping(direction.sliding_direction().unwrap_or(1.0))
+                }
+                (Some(Event::Stop), _) | (_, ContactState::Stick) => Freedom::Any,
+                (None, ContactState::Detached) => Freedom::Open,
+                (Some(Event::Touch), _) if slip == 0.0 => Freedom::Any,
+                (Some(Event::Touch), _) => Freedom::Slipping(slip.signum()),
+                (None, state) => Freedom::Slipping(state.sliding_direction().unwrap_or(1.0)),
+            };
+            multipliers.free[i] = [
+                contact.normal.dot(&self.dynamics.acceleration),
+                contact.tangent.dot(&self.dynamics.acceleration),
+            ];
+        }
+        motion.statistics.sweeps += self.dynamics.multipliers.solve(&drive.friction_coefficient)?;
+        for i in 0..self.events.len() {
+            let multipliers = &self.dynamics.multipliers;
+            let [normal, tangential] = multipliers.forces[i];
+            let limit = drive.friction_coefficient[i] * normal;
+            motion.contacts[i] = match multipliers.freedom[i] {
+                Freedom::Open => ContactState::Detached,
+                _ if normal <= 0.0 => ContactState::Detached,
+                Freedom::Slipping(direction) if direction > 0.0 => ContactState::Slide,
+                Freedom::Slipping(_) => ContactState::ReverseSlide,
+                Freedom::Any if tangential.abs() < limit || limit == 0.0 && tangential == 0.0 => {
+                    ContactState::Stick
+                }
+                Freedom::Any if tangential > 0.0 => ContactState::Slide,
+                Freedom::Any => ContactState::ReverseSlide,
+            };
+        }
+        let statistics = &mut motion.statistics;
+        for (old, new) in self.before.iter().zip(&motion.contacts) {
+            statistics.state_changes += u64::from(old != new);
+        }
+        self.settle(motion, drive);
+        Ok(())
+    }
+
+    /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
+    /// friction acts up to µ times the normal impulse.
+    fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+        let Dynamics { contacts, multipliers, responses, .. } = &mut self.dynamics;
+        for (i, contact) in contacts.iter().enumerate() {
+            let touches = self.events[i] == Some(Event::Touch);
+            let is_closed = motion.contacts[i] != ContactState::Detached;
+            multipliers.freedom[i] =
+                if touches || is_closed { Freedom::Any } else { Freedom::Open };
+            let tangential = contact.tangent.dot(&motion.velocity) - drive.slider_velocity[i];
+            multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
+        }
+        motion.statistics.sweeps += multipliers.solve(&drive.friction_coefficient)?;
+        for (impulse, responses) in multipliers.forces.iter().zip(&*responses) {
+            for (&impulse, response) in impulse.iter().zip(responses) {
+                response.add_to(&mut motion.velocity, impulse);
+            }
+        }
+        for (i, contact) in contacts.iter().enumerate() {
+            let [normal, tangential] = multipliers.forces[i];
+            if self.events[i] == Some(Event::Touch) {
+                motion.statistics.touch_downs += 1;
+                if let Some(dof) = contact.normal.as_unit() {
+                    motion.displacement[dof] = 0.0;
+                    motion.velocity[dof] = 0.0;
+                }
+            }
+            let held = tangential.abs() < drive.friction_coefficient[i] * normal;
+            if let (Some(dof), true) = (contact.tangent.as_unit(), held) {
+                motion.velocity[dof] = drive.slider_velocity[i];
+            }
+        }
+        Ok(())
+    }
+}
+
+impl Integrator for EventDriven {
+    fn advance(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        step: f64,
+        count: u64,
+    ) -> Result<(), StepFailure> {
+        for _ in 0..count {
+            self.step(motion, drive, step)?;
+        }
+        Ok(())
+    }
+
+    fn contact_forces(
+        &mut self,
+        motion: &Motion,
+        drive: &Drive,
+        forces: &mut [ContactForce],
+    ) -> Result<(), StepFailure> {
+        self.dynamics.contact_forces(motion, drive, forces)
+    }
+
+    fn set_damping(&mut self, damping: Damping) {
+        self.dynamics.damping = damping;
+    }
+}
