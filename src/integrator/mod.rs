@@ -47,6 +47,8 @@ pub struct Drive {
     pub force: Vec<f64>,
     /// Slider velocity v along the tangent, m/s; one value a contact.
     pub slider_velocity: Vec<f64>,
+    /// v̇, m/s²; one value a contact. Only the forces at an instant need it: over a step v is constant.
+    pub slider_acceleration: Vec<f64>,
     /// Friction coefficient µ; one value a contact.
     pub friction_coefficient: Vec<f64>,
 }
@@ -64,6 +66,7 @@ impl Drive {
         Self {
             force,
             slider_velocity: vec![slider_velocity; contacts],
+            slider_acceleration: vec![0.0; contacts],
             friction_coefficient: vec![friction_coefficient; contacts],
         }
     }

@@ -99,7 +99,7 @@ impl Scene {
             let path = format!("signal[{}].input", i + 1);
             Problem::new(path, "the scene has no such input")
                 .of(quoted(&signal.input))
-                .help(meant(&signal.input, &inputs))
+                .help(meant_input(&signal.input, &inputs))
         };
         unknown.map(problem).collect()
     }
@@ -164,8 +164,8 @@ pub(super) fn with_key(part: String, key: &str) -> String {
     if key.is_empty() { part } else { format!("{part}.{key}") }
 }
 
-/// Which input is meant by a name that is none.
-fn meant(name: &str, inputs: &[String]) -> String {
+/// Which input is meant by a name that is none, or which there are.
+pub(crate) fn meant_input(name: &str, inputs: &[String]) -> String {
     const MOST: usize = 12;
     if let Some(meant) = nearest(name, inputs.iter().map(String::as_str)) {
         return format!("did you mean {}?", quoted(meant));

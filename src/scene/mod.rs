@@ -37,6 +37,8 @@ mod time_table;
 
 pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find, named};
 #[cfg(feature = "tools")]
+pub(crate) use check::meant_input;
+#[cfg(feature = "tools")]
 pub use file::schema;
 pub use file::{parse, read};
 #[cfg(feature = "tools")]

@@ -23,7 +23,7 @@ pub enum Shape {
     Constant(Constant),
     /// Straight from one value to another.
     Ramp(Ramp),
-    /// A value for a while.
+    /// A value from a time on, or for a while.
     Pulse(Pulse),
     /// An oscillation for a while.
     Sine(Sine),
@@ -57,7 +57,7 @@ pub struct Ramp {
     pub end: f64,
 }
 
-/// `value` for start ≤ t < end, zero before and after.
+/// `value` for start ≤ t < end, zero before and after; a step where it has no end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -67,8 +67,9 @@ pub struct Pulse {
     /// When it begins, s.
     #[serde(default)]
     pub start: f64,
-    /// When it is over, s; after `start`.
-    pub end: f64,
+    /// When it is over, s, after `start`; never unless given.
+    #[serde(default)]
+    pub end: Option<f64>,
 }
 
 /// amplitude · sin(2π frequency (t − start) + phase) for start ≤ t < end, zero before and after.
@@ -129,20 +130,38 @@ impl Shape {
                 }
             }
             Self::Pulse(Pulse { value, start, end }) => {
-                if *start <= t && t < *end {
+                if is_on(*start, *end, t) {
                     *value
                 } else {
                     0.0
                 }
             }
             Self::Sine(Sine { amplitude, frequency, phase, start, end }) => {
-                if t < *start || end.is_some_and(|end| t >= end) {
-                    0.0
-                } else {
+                if is_on(*start, *end, t) {
                     amplitude * libm::sin(TAU * frequency * (t - start) + phase)
+                } else {
+                    0.0
                 }
             }
             Self::Table(table) => table.at(t),
+        }
+    }
+
+    /// How fast the value changes from time `t` (s) on, per second; jumps do not count.
+    #[must_use]
+    pub fn rate(&self, t: f64) -> f64 {
+        match self {
+            Self::Ramp(Ramp { from, to, start, end }) if is_on(*start, Some(*end), t) => {
+                (to - from) / (end - start)
+            }
+            Self::Sine(Sine { amplitude, frequency, phase, start, end })
+                if is_on(*start, *end, t) =>
+            {
+                let pulsation = TAU * frequency;
+                amplitude * pulsation * libm::cos(pulsation * (t - start) + phase)
+            }
+            Self::Table(table) => table.rate(t),
+            Self::Constant(_) | Self::Ramp(_) | Self::Pulse(_) | Self::Sine(_) => 0.0,
         }
     }
 
@@ -159,7 +178,7 @@ impl Shape {
                 None => f64::INFINITY,
             },
             Self::Pulse(Pulse { start, end, .. }) => {
-                ahead(&[*start, *end]).unwrap_or(f64::INFINITY)
+                ahead(&[*start, end.unwrap_or(f64::INFINITY)]).unwrap_or(f64::INFINITY)
             }
             Self::Sine(Sine { start, .. }) if t < *start => *start,
             Self::Sine(Sine { end: Some(end), .. }) if t >= *end => f64::INFINITY,
@@ -187,7 +206,7 @@ impl Shape {
             }
             Self::Pulse(Pulse { value, start, end }) => {
                 rule("pulse.value", *value, Rule::Finite);
-                Some(("pulse", *start, *end))
+                Some(("pulse", *start, end.unwrap_or(f64::MAX)))
             }
             Self::Sine(Sine { amplitude, frequency, phase, start, end }) => {
                 rule("sine.amplitude", *amplitude, Rule::Finite);
@@ -224,6 +243,16 @@ impl Table {
         self.points.windows(2).filter(|two| two[0][0] == two[1][0]).map(|two| two[0][0])
     }
 
+    fn rate(&self, t: f64) -> f64 {
+        let after = self.points_up_to(t);
+        match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) {
+            (Some([from, low]), Some([to, high])) if self.between == Between::Linear => {
+                (high - low) / (to - from)
+            }
+            _ => 0.0,
+        }
+    }
+
     fn constant_until(&self, t: f64) -> f64 {
         let after = self.points_up_to(t);
         match self.points.get(after) {
@@ -255,6 +284,11 @@ impl Table {
     }
 }
 
+/// Does start ≤ t < end hold, without an end for ever?
+fn is_on(start: f64, end: Option<f64>, t: f64) -> bool {
+    start <= t && end.is_none_or(|end| t < end)
+}
+
 /// The value at `t` of the straight line through two points (t, value), of which the first is not
 /// after `t` and the second is.
 fn between([from, low]: [f64; 2], [to, high]: [f64; 2], t: f64) -> f64 {
@@ -275,8 +309,10 @@ mod tests {
 
     #[test]
     fn a_pulse_lasts_from_its_start_to_just_before_its_end() {
-        let pulse = Shape::Pulse(Pulse { value: 5.0, start: 1.0, end: 2.0 });
+        let pulse = Shape::Pulse(Pulse { value: 5.0, start: 1.0, end: Some(2.0) });
         assert_eq!([0.9, 1.0, 1.9, 2.0].map(|t| pulse.at(t)), [0.0, 5.0, 5.0, 0.0]);
+        let step = Shape::Pulse(Pulse { value: 5.0, start: 1.0, end: None });
+        assert_eq!([0.9, 1.0, 1e9].map(|t| step.at(t)), [0.0, 5.0, 5.0]);
     }
 
     #[test]
@@ -310,7 +346,8 @@ mod tests {
         for (shape, changes) in [
             (Shape::Constant(Constant { value: 3.0 }), &[][..]),
             (Shape::Ramp(Ramp { from: 1.0, to: 2.0, start, end }), &[(1.0, 3.0)]),
-            (Shape::Pulse(Pulse { value: 1.0, start, end }), &[(1.0, 1.0), (3.0, 3.0)]),
+            (Shape::Pulse(Pulse { value: 1.0, start, end: Some(end) }), &[(1.0, 1.0), (3.0, 3.0)]),
+            (Shape::Pulse(Pulse { value: 1.0, start, end: None }), &[(1.0, 1.0)]),
             (Shape::Sine(sine), &[(1.0, 3.0)]),
             (
                 Shape::Table(Table { points: points.clone(), between: Between::Constant }),
@@ -326,6 +363,10 @@ mod tests {
                 assert_eq!(shape.constant_until(t), expected, "{shape:?} at {t}");
                 let later = t + 0.999 * (expected.min(9.0) - t);
                 assert_eq!(shape.at(t), shape.at(later), "{shape:?} at {t}");
+                // Ahead of the present a change is the rate times the time that passes.
+                let (t, ahead) = (t + 1e-9, 1e-7);
+                let change = (shape.at(t + ahead) - shape.at(t)) / ahead;
+                assert!((change - shape.rate(t)).abs() < 1e-5, "{shape:?} at {t}: {change}");
             }
         }
     }

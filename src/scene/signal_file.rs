@@ -23,7 +23,7 @@ pub(super) struct SignalTable {
     constant: Option<Constant>,
     /// Straight from one value to another.
     ramp: Option<Ramp>,
-    /// A value for a while.
+    /// A value from a time on, or for a while.
     pulse: Option<Pulse>,
     /// An oscillation for a while.
     sine: Option<Sine>,

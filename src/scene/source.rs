@@ -1,7 +1,6 @@
 //! What a scene is made from.
 
 use super::{TimeTable, text};
-use crate::Error;
 use std::path::Path;
 
 /// A scene's files, word for word: all that an FMU needs to read it again.
@@ -46,7 +45,7 @@ impl<'a> Folder<'a> {
         };
         if !self.tables.iter().any(|(known, _)| known == name) {
             let path = folder.join(name);
-            let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, &e).to_string())?;
+            let bytes = std::fs::read(&path).map_err(|error| format!("cannot be read: {error}"))?;
             let text = text::decode(name, bytes).map_err(|error| error.to_string())?;
             self.tables.push((name.to_owned(), text));
         }

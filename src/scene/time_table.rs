@@ -53,8 +53,12 @@ impl TimeTable {
             let line = record.position().map_or(0, csv::Position::line);
             for (name, field) in headers.iter().zip(&record) {
                 let value = field.parse().ok().filter(|value: &f64| value.is_finite());
-                let value = value.ok_or_else(|| {
-                    format!("line {line}, column `{name}`: `{field}` is not a finite number")
+                let value = value.ok_or_else(|| match field {
+                    "" => format!("line {line}, column `{name}`: is empty"),
+                    _ => format!(
+                        "line {line}, column `{name}`: `{field}` is not a finite number{}",
+                        if field.contains(',') { DECIMALS } else { "" }
+                    ),
                 })?;
                 if name == "time" { &mut table.times } else { &mut table.values }.push(value);
             }
@@ -90,11 +94,13 @@ fn not_a_header(headers: &csv::StringRecord) -> String {
     format!("line 1: the first column is `{first}`, must be `time` (in s); {help}")
 }
 
+const DECIMALS: &str = "; decimals are written with a point";
+
 /// What the reader of the CSV says, without its own count of records.
 fn explained(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => format!(
-            "line {}: has {len} values, the header {expected_len}",
+            "line {}: has {len} values, the header {expected_len}{DECIMALS}",
             pos.as_ref().map_or(0, csv::Position::line)
         ),
         _ => error.to_string(),
@@ -125,8 +131,9 @@ mod tests {
             ("time,a\n", "has no rows"),
             ("time,a\n0,1\n1,1 N\n", "line 3, column `a`: `1 N` is not a finite number"),
             ("time,a\n0,1\n1,nan\n", "line 3, column `a`: `nan` is not a finite number"),
-            ("time,a\n0,\n", "line 2, column `a`: `` is not a finite number"),
-            ("time,a\n0,1\n1,5,2\n", "line 3: has 3 values, the header 2"),
+            ("time,a\n0,\n", "line 2, column `a`: is empty"),
+            ("time,a\n0,1\n1,5,2\n", "line 3: has 3 values, the header 2; decimals are"),
+            ("time,a\n0,\"1,5\"\n", "`1,5` is not a finite number; decimals are written with a"),
             ("time,a\n0,1\n2,1\n1,1\n", "line 4: time 1 s comes after 2 s"),
         ] {
             let message = TimeTable::parse(text).unwrap_err();

@@ -3,7 +3,7 @@
 
 use super::{Simulation, Variable, assign, variables};
 use crate::Error;
-use crate::scene::{Between, Scene, Table, TimeTable, nearest};
+use crate::scene::{Between, Scene, Table, TimeTable, meant_input};
 use crate::simulation::catalogue::Causality;
 use std::path::Path;
 
@@ -29,14 +29,11 @@ impl Inputs {
         let mut columns = Vec::new();
         for (i, name) in table.names.iter().enumerate() {
             let Some(variable) = inputs.iter().find(|input| input.name == *name) else {
-                let help = nearest(name, inputs.iter().map(|input| &*input.name)).map_or_else(
-                    || "; `amontons export` and FMPy's `fmpy info` list them".to_owned(),
-                    |meant| format!("; did you mean {meant}?"),
-                );
                 return Err(Error::argument(format!(
-                    "column `{name}` of {} is no input of {}{help}",
+                    "column `{name}` of {} is no input of {}; {}",
                     path.display(),
-                    scene.name
+                    scene.name,
+                    meant_input(name, &scene.input_names())
                 )));
             };
             columns.push((variable.clone(), table.column(i, Between::Linear)));

@@ -21,7 +21,7 @@ pub(crate) use snapshot::{from_bytes, to_bytes};
 pub use values::assign;
 pub use values::{check_value, read_scene, write_scene};
 #[cfg(feature = "tools")]
-pub use warning::step_warning;
+pub use warning::{load_warnings, step_warning};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
@@ -162,7 +162,7 @@ impl Simulation {
     }
 
     /// Moves on to time `target` (s), inputs held but for what signals add: each step has what they
-    /// give at its beginning.
+    /// give at its beginning or, of a slider's velocity, at its end.
     ///
     /// # Errors
     /// A target in the past; a step that, with the values as they are now, is above the critical
@@ -176,7 +176,7 @@ impl Simulation {
         let mut unchecked = 0;
         while done < leg.count {
             let time = leg.time(done);
-            self.update_drive(time)?;
+            self.update_drive([time, leg.time(done + 1)])?;
             self.check_limit()?;
             let constant_until =
                 self.driven.as_ref().map_or(f64::INFINITY, |driven| driven.constant_until(time));
@@ -201,7 +201,13 @@ impl Simulation {
     /// Contacts that are coupled in a way that has no solution.
     pub fn contact_forces(&mut self) -> Result<&[ContactForce], Error> {
         if self.stale.contact_forces {
-            self.update_drive(self.clock.grid_time(self.scene.step))?;
+            let now = self.clock.grid_time(self.scene.step);
+            self.update_drive([now, now])?;
+            if let Some(driven) = &self.driven {
+                for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
+                    *acceleration = driven.slider_acceleration(now, i);
+                }
+            }
             self.integrator
                 .contact_forces(&self.motion, &self.drive, &mut self.contact_forces)
                 .map_err(|failure| self.failed(failure, self.time()))?;
@@ -210,13 +216,13 @@ impl Simulation {
         Ok(&self.contact_forces)
     }
 
-    /// Brings drive and damping up to date for time `t` (s). The drive is the load's change since the reference, the
+    /// Brings drive and damping up to date for a step between these times (s). The drive is the load's change since the reference, the
     /// contact forces that balanced it, and the external forces; at the reference nothing but the
     /// contacts' part is left.
-    fn update_drive(&mut self, t: f64) -> Result<(), Error> {
+    fn update_drive(&mut self, span: [f64; 2]) -> Result<(), Error> {
         let stale = &mut self.stale;
         if let Some(driven) = &mut self.driven {
-            driven.bring_to(t, &self.scene, |variable| stale.by(variable))?;
+            driven.bring_to(span, &self.scene, |variable| stale.by(variable))?;
         }
         if !std::mem::replace(&mut stale.drive, false) {
             return Ok(());

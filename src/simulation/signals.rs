@@ -1,7 +1,7 @@
 //! The signals of a scene at work: what they make of its inputs at an instant.
 
 use super::Variable;
-use super::catalogue::variables;
+use super::catalogue::{Quantity, variables};
 use super::values::{check_value, read_scene, write_scene};
 use crate::Error;
 use crate::scene::Scene;
@@ -44,23 +44,25 @@ impl Driven {
             }
         }
         let mut driven = Self { scene: given.clone(), inputs };
-        driven.bring_to(t, given, |_| {})?;
+        driven.bring_to([t, t], given, |_| {})?;
         Ok(Some(driven))
     }
 
-    /// Brings the inputs to time `t` (s), where without signals they would be as `given`. Gives the
-    /// variables whose value this changes to `changed`.
+    /// Brings the inputs to a step from one time to another (s), where without signals they would be as
+    /// `given`: velocities of sliders are those at its end, where contacts are held, all others those at
+    /// its beginning. Gives the variables whose value this changes to `changed`.
     ///
     /// # Errors
     /// A value that cannot be: which, when, and what it must be.
     pub(super) fn bring_to(
         &mut self,
-        t: f64,
+        [start, end]: [f64; 2],
         given: &Scene,
         mut changed: impl FnMut(&Variable),
     ) -> Result<(), Error> {
         for Input { variable, signals } in &self.inputs {
             let value = |scene| read_scene(scene, variable).unwrap_or(0.0);
+            let t = if is_velocity(variable) { end } else { start };
             let added = signals.iter().map(|&i| given.signals[i].shape.at(t));
             let sum = added.fold(value(given), |sum, added| sum + added);
             if sum == value(&self.scene) {
@@ -81,4 +83,20 @@ impl Driven {
         let shapes = self.scene.signals.iter().map(|signal| &signal.shape);
         shapes.fold(f64::INFINITY, |until, shape| until.min(shape.constant_until(t)))
     }
+
+    /// How fast the velocity of a contact's slider changes from time `t` (s) on, m/s².
+    pub(super) fn slider_acceleration(&self, t: f64, contact: usize) -> f64 {
+        let own = self.scene.network().and_then(|network| network.contacts[contact].velocity);
+        let drives_it = |input: &&Input| match input.variable.template.quantity {
+            Quantity::SliderVelocity => own.is_none(),
+            Quantity::OwnVelocity => input.variable.index == contact,
+            _ => false,
+        };
+        let signals = self.inputs.iter().filter(drives_it).flat_map(|input| &input.signals);
+        signals.fold(0.0, |sum, &i| sum + self.scene.signals[i].shape.rate(t))
+    }
+}
+
+fn is_velocity(variable: &Variable) -> bool {
+    matches!(variable.template.quantity, Quantity::SliderVelocity | Quantity::OwnVelocity)
 }

@@ -127,7 +127,7 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
         });
     }
     Err(Error::argument(format!(
-        "there is no parameter or input {name}; there are {}",
+        "there is no parameter or input {name}; there are, for example, {}",
         like.join(", ")
     )))
 }

@@ -1,5 +1,6 @@
 //! What is possible, but hardly meant.
 
+use super::Simulation;
 use crate::model::LumpedModel;
 use crate::scene::Scene;
 use crate::stability::critical_step;
@@ -25,15 +26,32 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     ))
 }
 
+/// Contacts that nothing presses on in the equilibrium, by name: their load may have been forgotten.
+#[must_use]
+pub fn load_warnings(simulation: &Simulation) -> Vec<String> {
+    let scene = simulation.scene();
+    let forces = simulation.reference().normal_force.iter().enumerate();
+    let idle = forces.filter(|(_, force)| **force == 0.0);
+    let warning = |(i, _)| {
+        format!(
+            "{} carries no load in the equilibrium; press it on, by a preload or a force",
+            scene.contact_name(i)
+        )
+    };
+    idle.map(warning).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{BUILTIN, builtin};
+    use crate::scene::{BUILTIN, Structure, builtin};
 
     #[test]
     fn stiffnesses_in_newtons_a_millimetre_stand_out_and_the_built_in_scenes_do_not() {
         for builtin in BUILTIN {
             assert_eq!(step_warning(&builtin.scene()), None, "{}", builtin.name);
+            let simulation = Simulation::new(builtin.scene(), 0.0).unwrap();
+            assert!(load_warnings(&simulation).is_empty(), "{}", builtin.name);
         }
         let mut scene = builtin("set1").unwrap().scene();
         for module in scene.modules_mut() {
@@ -46,5 +64,14 @@ mod tests {
         }
         let warning = step_warning(&scene).unwrap();
         assert!(warning.contains("is above the critical step"), "{warning}");
+    }
+
+    #[test]
+    fn a_contact_whose_load_was_forgotten_stands_out() {
+        let mut scene = builtin("belt").unwrap().scene();
+        let Structure::Network(network) = &mut scene.structure else { panic!("it is a network") };
+        network.masses[0].load = [0.0; 2];
+        let warnings = load_warnings(&Simulation::new(scene, 0.0).unwrap());
+        assert!(warnings.len() == 1 && warnings[0].contains("contact.belt"), "{warnings:?}");
     }
 }

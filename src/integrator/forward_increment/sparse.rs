@@ -179,8 +179,10 @@ impl Integrator for SparseForwardIncrement {
                 _ if slip == 0.0 => Freedom::Any,
                 _ => Freedom::Slipping(slip.signum()),
             };
-            self.multipliers.free[i] =
-                [contact.normal.dot(&self.acceleration), contact.tangent.dot(&self.acceleration)];
+            self.multipliers.free[i] = [
+                contact.normal.dot(&self.acceleration),
+                contact.tangent.dot(&self.acceleration) - drive.slider_acceleration[i],
+            ];
         }
         self.multipliers.solve(&drive.friction_coefficient)?;
         for (i, out) in forces.iter_mut().enumerate() {
