@@ -89,6 +89,9 @@ const ALL_SHAPES: &str = r#"
 input = "slider.velocity"
 ramp = { from = -0.025, to = 0.03, start = 0.00301, end = 0.02 }
 [[signal]]
+input = "slider.velocity"
+pulse = { value = 0.06, start = 0.0045, end = 0.0087 }
+[[signal]]
 input = "friction.coefficient"
 table = { points = [[0.001, 0.1], [0.004, -0.4], [0.004, 0.2]], between = "constant" }
 [[signal]]
@@ -119,7 +122,7 @@ fn signals_give_the_doubles_of_an_importer_that_sets_the_same_inputs_before_ever
     let by_hand = Scene { signals: [].into(), ..scene.clone() };
     let value = |input: &Variable, t: f64| {
         let own = |signal: &&Signal| signal.input == input.name;
-        let added = scene.signals.iter().filter(own).map(|signal| signal.shape.at(t));
+        let added = scene.signals.iter().filter(own).map(|signal| signal.shape.at(t, 1e-6 * step));
         added.fold(read_scene(&scene, input).unwrap(), |sum, added| sum + added)
     };
     let mut inputs = variables(&scene);
@@ -299,7 +302,7 @@ fn the_names_of_the_inputs_are_those_of_the_catalogue() {
 
 #[test]
 fn a_stuck_mass_is_carried_by_the_friction_that_its_acceleration_takes() {
-    // The story: friction of a contact stuck to a slider that speeds up lacked m dv/dt.
+    // Friction once lacked m dv/dt.
     let text = "[slider]\nvelocity = 1.0\nangle = 0.0\n[friction]\ncoefficient = 0.5\n\
         [integrator]\nstep = 1e-4\n[[mass]]\nname = \"a\"\nmass = 2.0\nforce = [0.0, -100.0]\n\
         [[spring]]\nname = \"k\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 10.0\n\
@@ -341,4 +344,63 @@ fn a_stuck_module_is_carried_by_the_friction_that_its_acceleration_takes() {
         let expected = 0.7 * 2.5 - 250e3 * ((x1 - x3) + 3e-5 * (v1 - v3));
         assert!((force.friction_force - expected).abs() < 1e-9, "{force:?} {expected}");
     }
+}
+
+#[test]
+fn a_pulse_of_whole_steps_acts_for_just_as_many() {
+    // Multiples of 1 µs are not what a decimal says, so edges on the grid once moved by a step.
+    let step = 1e-6;
+    for first in 0..60_u32 {
+        for count in [1, 2, 10] {
+            let (start, end) = (f64::from(first) * step, f64::from(first + count) * step);
+            let text = format!("{:.6}, end = {:.6}", start, end);
+            let pulse = format!(
+                "[[signal]]\ninput = \"mass.a.fx\"\npulse = {{ value = 3.0, start = {text} }}"
+            );
+            let scene = oscillator(step, &pulse);
+            let v = variable(&scene, "mass.a.vx");
+            let mut simulation = Simulation::new(scene, 0.0).unwrap();
+            simulation.advance_to(100.0 * step).unwrap();
+            let impulse = 3.0 * f64::from(count) * step;
+            let found = 0.5 * simulation.read(&v).unwrap();
+            assert!((found / impulse - 1.0).abs() < 1e-5, "{text}: {}", found / impulse);
+        }
+    }
+}
+
+#[test]
+fn a_driven_friction_meets_the_same_critical_step_as_a_given_one() {
+    // The critical step of the brake falls steeply behind µ = 0.4175.
+    let text = amontons::scene::builtin("disc_brake").unwrap().text;
+    let signal =
+        "[[signal]]\ninput = \"friction.coefficient\"\npulse = { value = 9e-4, start = 0.01 }";
+    let mut scene = parse("brake", &format!("{text}{signal}")).unwrap();
+    (scene.step, scene.friction_coefficient) = (2e-4, 0.4184);
+    let given = Scene { signals: [].into(), ..scene.clone() };
+    assert!(Simulation::new(given, 0.0).err().unwrap().is_step_too_large());
+    scene.friction_coefficient = 0.4175;
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    simulation.advance_to(0.008).unwrap();
+    assert!(simulation.advance_to(0.012).unwrap_err().is_step_too_large());
+}
+
+#[test]
+fn a_state_from_before_its_signal_made_friction_impossible_can_be_gone_back_to() {
+    let text = amontons::scene::builtin("set1").unwrap().text;
+    let down =
+        "[[signal]]\ninput = \"friction.coefficient\"\npulse = { value = -1.0, start = 0.01 }";
+    let scene = parse("down", &format!("{text}{down}")).unwrap();
+    let friction = variable(&scene, "friction.coefficient");
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    simulation.write(&friction, 0.5).unwrap();
+    simulation.advance_to(0.01).unwrap();
+    let saved = simulation.save();
+    // Looking is always possible, going on is not, until the importer makes it so.
+    simulation.contact_forces().unwrap();
+    assert!(simulation.advance_to(0.011).unwrap_err().is_step());
+    simulation.write(&friction, 1.96).unwrap();
+    simulation.advance_to(0.011).unwrap();
+    simulation.restore(&saved).unwrap();
+    assert!(simulation.save() == saved);
+    assert!(Simulation::resume(saved).unwrap().advance_to(0.011).unwrap_err().is_step());
 }

@@ -70,12 +70,17 @@ pub struct Scene {
     pub damping: Damping,
     /// Masses, springs and contacts.
     pub structure: Structure,
-    /// What changes inputs over time.
+    /// What changes inputs over time. A saved state goes without: it belongs to a scene that has them.
+    #[serde(skip, default = "no_signals")]
     pub signals: Arc<[Signal]>,
     /// Internal time step h, s.
     pub step: f64,
     /// What a run does unless told otherwise.
     pub experiment: Experiment,
+}
+
+fn no_signals() -> Arc<[Signal]> {
+    [].into()
 }
 
 /// Masses, springs and contacts.

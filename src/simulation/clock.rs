@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A step asked for is a whole multiple of the internal step if it misses it by this part.
 const TOLERANCE: f64 = 1e-9;
 /// A step asked for that is shorter than this part of the internal step is a rounding error.
-const NOTHING: f64 = 1e-6;
+pub(super) const NOTHING: f64 = 1e-6;
 
 /// The time of a motion: whole internal steps since a start, and what whoever asks for the steps
 /// calls the present time. The two differ by rounding errors, half an internal step at most.

@@ -21,7 +21,7 @@ pub(crate) use snapshot::{from_bytes, to_bytes};
 pub use values::assign;
 pub use values::{check_value, read_scene, write_scene};
 #[cfg(feature = "tools")]
-pub use warning::{load_warnings, step_warning};
+pub use warning::{step_warning, warnings};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
@@ -89,7 +89,10 @@ impl Simulation {
     pub fn new(scene: Scene, start_time: f64) -> Result<Self, Error> {
         scene.check()?;
         let clock = Clock::at(start_time);
-        let driven = Driven::at(clock.grid_time(scene.step), &scene)?;
+        let mut driven = Driven::of(&scene);
+        if let Some(driven) = &mut driven {
+            driven.bring_to([clock.time(); 2], &scene, |_| {})?;
+        }
         let acting = signals::acting(driven.as_ref(), &scene);
         let model = LumpedModel::from(acting);
         let equilibrium = model::equilibrium(acting, &model)?;
@@ -149,6 +152,12 @@ impl Simulation {
         &self.scene
     }
 
+    /// The values that act now: those given, and what signals add.
+    #[must_use]
+    pub fn acting(&self) -> &Scene {
+        signals::acting(self.driven.as_ref(), &self.scene)
+    }
+
     /// What has been counted since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
@@ -202,7 +211,8 @@ impl Simulation {
     pub fn contact_forces(&mut self) -> Result<&[ContactForce], Error> {
         if self.stale.contact_forces {
             let now = self.clock.grid_time(self.scene.step);
-            self.update_drive([now, now])?;
+            // What signals make impossible is for the next step to refuse.
+            let _ = self.update_drive([now, now]);
             if let Some(driven) = &self.driven {
                 for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
                     *acceleration = driven.slider_acceleration(now, i);
@@ -221,11 +231,12 @@ impl Simulation {
     /// contacts' part is left.
     fn update_drive(&mut self, span: [f64; 2]) -> Result<(), Error> {
         let stale = &mut self.stale;
-        if let Some(driven) = &mut self.driven {
-            driven.bring_to(span, &self.scene, |variable| stale.by(variable))?;
-        }
+        let brought = match &mut self.driven {
+            Some(driven) => driven.bring_to(span, &self.scene, |variable| stale.by(variable)),
+            None => Ok(()),
+        };
         if !std::mem::replace(&mut stale.drive, false) {
-            return Ok(());
+            return brought;
         }
         let acting = signals::acting(self.driven.as_ref(), &self.scene);
         model::load(acting, &self.numbering, &mut self.model.load);
@@ -247,7 +258,7 @@ impl Simulation {
         }
         self.model.damping = acting.damping;
         self.integrator.set_damping(acting.damping);
-        Ok(())
+        brought
     }
 
     fn check_limit(&mut self) -> Result<(), Error> {

@@ -23,15 +23,15 @@ pub fn run(arguments: &Export) -> Result<(), Error> {
     file.write_all(&fmu).map_err(|error| Error::file(&path, &error))?;
     file.complete()?;
     println!("{}: {}", scene.name, scene.description);
-    print_contents(&scene)?;
+    print_contents(&scene, simulation.acting())?;
     print_equilibrium(&scene, simulation.reference());
     println!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
     Ok(())
 }
 
-/// What went in: structure, variables, critical step.
-fn print_contents(scene: &Scene) -> Result<(), Error> {
-    let model = LumpedModel::from(scene);
+/// What went in: structure, variables, critical step of the values that act at the start.
+fn print_contents(scene: &Scene, acting: &Scene) -> Result<(), Error> {
+    let model = LumpedModel::from(acting);
     let kind = match &scene.structure {
         Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
         Structure::Network(network) => format!("network of {} masses", network.masses.len()),
@@ -50,7 +50,7 @@ fn print_contents(scene: &Scene) -> Result<(), Error> {
         count(Causality::Parameter)
     );
     println!("  step           {:e} s", scene.step);
-    println!("  critical step  {}", critical_step(&model, scene.friction_coefficient)?);
+    println!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
     if !scene.signals.is_empty() {
         println!("  signals        {}", scene.signals.len());
     }

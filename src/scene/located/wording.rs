@@ -80,7 +80,7 @@ pub(super) fn wrong_kind(value: &DeValue<'_>, schema: &Value, path: &str) -> Pro
         DeValue::Table(_) if takes("array") && wishes == "a list of tables" => {
             Some(format!("write `[[{key}]]`, with two brackets"))
         }
-        DeValue::Array(_) if takes("object") => {
+        DeValue::Array(_) if takes("object") && !path.contains('.') => {
             Some(format!("write `[{key}]`, once and with single brackets"))
         }
         DeValue::Integer(_) | DeValue::Float(_) if takes("string") => {
