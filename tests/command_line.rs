@@ -95,10 +95,11 @@ fn inputs_from_a_file_act_between_the_rows_and_are_refused_by_name_and_line() {
     let times: Vec<&str> = printed.lines().map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(times, ["time", "0.0", "0.001", "0.0015", "0.002", "0.003"]);
     for (table, code, words) in [
-        ("time,friction.coeficient\n0,1\n", 2, &["no input", "mean friction.coefficient?"][..]),
+        ("time,friction.coeficient\n0,1\n", 2, &["no input", "mean \"friction.coefficient\"?"][..]),
         ("time,module[1].x1\n0,1\n", 2, &["module[1].x1", "no input of set1"]),
         ("time,friction.coefficient\n0,1\n1,x\n", 3, &["in.csv", "line 3", "`x`"]),
         ("time,friction.coefficient\n0,1\n0.002,-1\n", 4, &["at 0.002 s", "not be negative"]),
+        ("time,friction.coefficient,time\n0,1,0\n", 3, &["two columns", "`time`"]),
         ("t,friction.coefficient\n0,1\n", 3, &["must be `time`"]),
     ] {
         program::assert_refused(&simulate(table), code, words);
@@ -210,7 +211,7 @@ fn a_network_is_drawn_with_its_names_and_values() {
         "mass disc 2.5 t, locked along its first axis",
         "spring support 2.5 MN/m from pad to ground at 0°",
         "spring bearing 400 kN/m from disc to ground at 90°",
-        "dashpot shim 0.5 N s/m from pad to ground at 0°",
+        "damper shim 0.5 N s/m from pad to ground at 0°",
         "contact lining µ = 0.4, v = −0.1 m/s of pad on disc at 0°",
     ] {
         assert!(svg.contains(words), "{words} is missing in: {svg}");

@@ -193,7 +193,7 @@ fn a_structure_names_all_its_parts_and_what_their_symbols_mean() {
         "d2 5 &lt;units&gt;",
         "belt",
         "spring",
-        "dashpot",
+        "damper",
         "fixed",
         "slider and its motion",
         "guide: no motion towards it",
@@ -203,7 +203,7 @@ fn a_structure_names_all_its_parts_and_what_their_symbols_mean() {
     let named = |name: &str| elements.iter().find(|e| e.name == name).unwrap();
     assert_eq!(named("title").text, "Two blocks &amp; a belt");
     let words = &named("desc").text;
-    assert!(words.contains("dashpot d2 5 &lt;units&gt; from ground to lower at 0°"), "{words}");
+    assert!(words.contains("damper d2 5 &lt;units&gt; from ground to lower at 0°"), "{words}");
     // A zigzag has many corners; both springs and the sample have theirs.
     assert_eq!(curves(&elements, BLUE).len(), 3);
 }

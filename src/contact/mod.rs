@@ -74,9 +74,10 @@ impl fmt::Display for Joined<'_> {
 /// What the names should look like.
 pub fn parse_states(text: &str, contacts: usize) -> Result<Vec<ContactState>, Error> {
     let wish = || {
+        let several = format!(" for all {contacts} contacts, or one for each, joined as in Sl-St");
+        let several = if contacts > 1 { &*several } else { "" };
         Error::argument(format!(
-            "{text} is not a contact state: give one of Sl, R-Sl, St, Dt for all {contacts} \
-             contacts, or one for each, joined as in Sl-St"
+            "{text} is not a contact state: give one of Sl, R-Sl, St, Dt{several}"
         ))
     };
     let mut states = Vec::new();

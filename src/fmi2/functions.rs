@@ -10,7 +10,7 @@ use super::logger::{Category, Logger};
 use super::resources;
 use super::types::*;
 use crate::Error;
-use crate::simulation::{from_bytes, to_bytes};
+use crate::simulation::to_bytes;
 use libc::{c_int, size_t};
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -454,7 +454,7 @@ unsafe extern "C" fn fmi2DeSerializeFMUstate(
     let body = |instance: &mut Instance| {
         // SAFETY: the importer's contract.
         let bytes = unsafe { array(serialized.cast::<u8>(), size) }?;
-        let read: SavedInstance = from_bytes(bytes, instance.guid())?;
+        let read = instance.deserialize(bytes)?;
         // SAFETY: the importer's contract.
         unsafe { single(state) }?.write(Box::into_raw(Box::new(read)).cast());
         OK

@@ -7,7 +7,8 @@ use crate::Error;
 use crate::scene::{self, Scene};
 use crate::simulation::catalogue::Kind;
 use crate::simulation::{
-    self, Simulation, Snapshot, Variable, check_value, fingerprint, read_scene, write_scene,
+    self, Simulation, Snapshot, Variable, check_value, fingerprint, from_bytes, read_scene,
+    write_scene,
 };
 use serde::{Deserialize, Serialize};
 use std::path::Path;
@@ -280,6 +281,17 @@ impl Instance {
                 None => Values::BeforeStart(Box::new(self.scene.clone())),
             },
         }
+    }
+
+    /// A saved instance from its bytes.
+    pub(super) fn deserialize(&self, bytes: &[u8]) -> Result<SavedInstance, Error> {
+        let mut saved: SavedInstance = from_bytes(bytes, &self.guid)?;
+        let signals = &self.original.signals;
+        match &mut saved.values {
+            Values::BeforeStart(scene) => scene.signals.clone_from(signals),
+            Values::Running(snapshot) => snapshot.set_signals(signals),
+        }
+        Ok(saved)
     }
 
     pub(super) fn restore(&mut self, saved: &SavedInstance) -> Result<(), Error> {

@@ -61,8 +61,8 @@ impl Dynamics {
         })
     }
 
-    /// The acceleration without contact forces, M⁻¹ (F − C ẋ − K x).
-    pub(super) fn free_acceleration(&mut self, motion: &Motion, drive: &Drive) {
+    /// The acceleration without contact forces, M⁻¹ (F − C ẋ − K x), under the outer forces F.
+    pub(super) fn free_acceleration(&mut self, motion: &Motion, outer: &[f64]) {
         let Damping { alpha, beta } = self.damping;
         let (x, v) = (&motion.displacement, &motion.velocity);
         for (row, force) in self.force.iter_mut().enumerate() {
@@ -70,7 +70,7 @@ impl Dynamics {
                 .stiffness
                 .row(row)
                 .fold(0.0, |sum, (column, k)| sum + k * (x[column] + beta * v[column]));
-            *force = drive.force[row] - springs - alpha * self.mass.row_times(row, v);
+            *force = outer[row] - springs - alpha * self.mass.row_times(row, v);
         }
         if !self.dampers.is_empty() {
             for (row, force) in self.force.iter_mut().enumerate() {
@@ -92,7 +92,7 @@ impl Dynamics {
         drive: &Drive,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
-        self.free_acceleration(motion, drive);
+        self.free_acceleration(motion, &drive.force);
         for (i, contact) in self.contacts.iter().enumerate() {
             let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
             self.multipliers.freedom[i] = match motion.contacts[i] {
@@ -101,8 +101,10 @@ impl Dynamics {
                 _ if slip == 0.0 => Freedom::Any,
                 _ => Freedom::Slipping(slip.signum()),
             };
-            self.multipliers.free[i] =
-                [contact.normal.dot(&self.acceleration), contact.tangent.dot(&self.acceleration)];
+            self.multipliers.free[i] = [
+                contact.normal.dot(&self.acceleration),
+                contact.tangent.dot(&self.acceleration) - drive.slider_acceleration[i],
+            ];
         }
         self.multipliers.solve(&drive.friction_coefficient)?;
         for (i, out) in forces.iter_mut().enumerate() {

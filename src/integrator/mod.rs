@@ -46,13 +46,21 @@ pub struct Statistics {
     pub most_sweeps: u64,
 }
 
-/// What drives a motion, constant over the steps of one call.
+/// What drives a motion over a step, or over several that are alike.
+///
+/// The forward increment scheme takes the forces at the beginning and the velocities at the end of a
+/// step; the event-driven integrator lets both change linearly.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
-    /// All forces but those of springs, dampers and contacts, N; one value a degree of freedom.
+    /// All forces but those of springs, dampers and contacts, N, at the beginning; one value a degree of
+    /// freedom.
     pub force: Vec<f64>,
-    /// Slider velocity v along the tangent, m/s; one value a contact.
+    /// How fast they change, N/s.
+    pub force_rate: Vec<f64>,
+    /// Slider velocity v along the tangent, m/s, at the end; one value a contact.
     pub slider_velocity: Vec<f64>,
+    /// v̇, m/s²; one value a contact.
+    pub slider_acceleration: Vec<f64>,
     /// Friction coefficient µ; one value a contact.
     pub friction_coefficient: Vec<f64>,
 }
@@ -68,8 +76,10 @@ impl Drive {
         friction_coefficient: f64,
     ) -> Self {
         Self {
+            force_rate: vec![0.0; force.len()],
             force,
             slider_velocity: vec![slider_velocity; contacts],
+            slider_acceleration: vec![0.0; contacts],
             friction_coefficient: vec![friction_coefficient; contacts],
         }
     }

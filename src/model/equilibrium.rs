@@ -122,7 +122,7 @@ impl LumpedModel {
             let (contact, force) = pulled.unwrap_or((0, 0.0));
             return Error::equilibrium(format!(
                 "no equilibrium in sliding: {} opens under the load \
-                 (it would have to pull with {:.3e} N); raise its preload",
+                 (it would have to pull with {:.4} N); press it on, by a preload or a force",
                 name(contact),
                 -force
             ));
@@ -153,7 +153,7 @@ impl LumpedModel {
             ),
             None => format!(
                 "no equilibrium in sliding at friction.coefficient = {friction}{common}: friction \
-                 lifts {name} off from {limit:.6} on; raise its preload or lower the \
+                 lifts {name} off from {limit:.6} on; press it on, or lower the \
                  coefficient"
             ),
         })

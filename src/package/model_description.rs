@@ -21,7 +21,7 @@ pub fn identifier(name: &str) -> String {
     identifier
 }
 
-/// The model description of a scene; `text` is the scene's file, word for word.
+/// The model description of a scene; `source` is what it was read from, word for word.
 #[must_use]
 pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> String {
     let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));

@@ -99,9 +99,30 @@ impl Scene {
             let path = format!("signal[{}].input", i + 1);
             Problem::new(path, "the scene has no such input")
                 .of(quoted(&signal.input))
-                .help(meant(&signal.input, &inputs))
+                .help(meant_input(&signal.input, &inputs))
         };
-        unknown.map(problem).collect()
+        unknown.map(problem).chain(self.idle_signals()).collect()
+    }
+
+    /// Signals of a common velocity or friction that every contact has one of its own in place of.
+    fn idle_signals(&self) -> Vec<Problem> {
+        let Some(network) = self.network().filter(|network| !network.contacts.is_empty()) else {
+            return Vec::new();
+        };
+        let all_own = |input: &str| match input {
+            "slider.velocity" => network.contacts.iter().all(|place| place.velocity.is_some()),
+            "friction.coefficient" => network.contacts.iter().all(|place| place.friction.is_some()),
+            _ => false,
+        };
+        let idle = self.signals.iter().enumerate().filter(|(_, signal)| all_own(&signal.input));
+        let problem = |(i, signal): (usize, &Signal)| {
+            let message = "drives nothing: every contact has one of its own";
+            let key = if signal.input == "slider.velocity" { "velocity" } else { "friction" };
+            Problem::new(format!("signal[{}].input", i + 1), message)
+                .of(quoted(&signal.input))
+                .help(format!("drive contact.{}.{key}", network.contacts[0].name))
+        };
+        idle.map(problem).collect()
     }
 
     /// Impossible values that are not the structure's.
@@ -164,8 +185,8 @@ pub(super) fn with_key(part: String, key: &str) -> String {
     if key.is_empty() { part } else { format!("{part}.{key}") }
 }
 
-/// Which input is meant by a name that is none.
-fn meant(name: &str, inputs: &[String]) -> String {
+/// Which input is meant by a name that is none, or which there are.
+pub(crate) fn meant_input(name: &str, inputs: &[String]) -> String {
     const MOST: usize = 12;
     if let Some(meant) = nearest(name, inputs.iter().map(String::as_str)) {
         return format!("did you mean {}?", quoted(meant));

@@ -96,11 +96,12 @@ struct Integrator {
 /// `tools`), key, and what would be right.
 pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
     let place = path.display().to_string();
-    let text = text::decode(&place, std::fs::read(path).map_err(|e| Error::file(path, &e))?)?;
+    let bytes = std::fs::read(path).map_err(|error| Error::file(path, &error))?;
+    let text = text::decode(&place, "a scene file (TOML)", bytes)?;
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let mut folder = Folder::new(path.parent());
     let scene = parse_in(&mut folder, &name, &place, &text)?;
-    Ok((scene, Source { text, tables: folder.tables }))
+    Ok((scene, Source { text, tables: folder.texts }))
 }
 
 /// Makes a scene from the text of a scene file that names no other files.

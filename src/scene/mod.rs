@@ -37,6 +37,8 @@ mod time_table;
 
 pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find, named};
 #[cfg(feature = "tools")]
+pub(crate) use check::meant_input;
+#[cfg(feature = "tools")]
 pub use file::schema;
 pub use file::{parse, read};
 #[cfg(feature = "tools")]
@@ -68,7 +70,8 @@ pub struct Scene {
     pub damping: Damping,
     /// Masses, springs and contacts.
     pub structure: Structure,
-    /// What changes inputs over time.
+    /// What changes inputs over time. A saved state goes without: it belongs to a scene that has them.
+    #[serde(skip, default = "no_signals")]
     pub signals: Arc<[Signal]>,
     /// How time goes on.
     pub method: Method,
@@ -88,6 +91,10 @@ pub enum Method {
     ForwardIncrement,
     /// Exact motion from one change of contact state to the next.
     EventDriven,
+}
+
+fn no_signals() -> Arc<[Signal]> {
+    [].into()
 }
 
 /// Masses, springs and contacts.

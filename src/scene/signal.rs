@@ -23,7 +23,7 @@ pub enum Shape {
     Constant(Constant),
     /// Straight from one value to another.
     Ramp(Ramp),
-    /// A value for a while.
+    /// A value from a time on, or for a while.
     Pulse(Pulse),
     /// An oscillation for a while.
     Sine(Sine),
@@ -57,7 +57,7 @@ pub struct Ramp {
     pub end: f64,
 }
 
-/// `value` for start ≤ t < end, zero before and after.
+/// `value` for start ≤ t < end, zero before and after; a step where it has no end.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -67,8 +67,9 @@ pub struct Pulse {
     /// When it begins, s.
     #[serde(default)]
     pub start: f64,
-    /// When it is over, s; after `start`.
-    pub end: f64,
+    /// When it is over, s, after `start`; never unless given.
+    #[serde(default)]
+    pub end: Option<f64>,
 }
 
 /// amplitude · sin(2π frequency (t − start) + phase) for start ≤ t < end, zero before and after.
@@ -114,43 +115,66 @@ pub enum Between {
 }
 
 impl Shape {
-    /// The value at time `t` (s).
+    /// The value at time `t` (s), which rounding may have left up to `slack` (s) before an edge that it
+    /// has reached.
     #[must_use]
-    pub fn at(&self, t: f64) -> f64 {
+    pub fn at(&self, t: f64, slack: f64) -> f64 {
+        let reached = t + slack;
         match self {
             Self::Constant(Constant { value }) => *value,
             Self::Ramp(Ramp { from, to, start, end }) => {
-                if t < *start {
+                if reached < *start {
                     *from
-                } else if t >= *end {
+                } else if reached >= *end {
                     *to
                 } else {
                     between([*start, *from], [*end, *to], t)
                 }
             }
             Self::Pulse(Pulse { value, start, end }) => {
-                if *start <= t && t < *end {
+                if is_on(*start, *end, reached) {
                     *value
                 } else {
                     0.0
                 }
             }
             Self::Sine(Sine { amplitude, frequency, phase, start, end }) => {
-                if t < *start || end.is_some_and(|end| t >= end) {
-                    0.0
-                } else {
+                if is_on(*start, *end, reached) {
                     amplitude * libm::sin(TAU * frequency * (t - start) + phase)
+                } else {
+                    0.0
                 }
             }
-            Self::Table(table) => table.at(t),
+            Self::Table(table) => table.at(t, slack),
+        }
+    }
+
+    /// How fast the value changes from time `t` (s) on, per second; jumps do not count. `slack` as in
+    /// [`at`](Self::at).
+    #[must_use]
+    pub fn rate(&self, t: f64, slack: f64) -> f64 {
+        let reached = t + slack;
+        match self {
+            Self::Ramp(Ramp { from, to, start, end }) if is_on(*start, Some(*end), reached) => {
+                (to - from) / (end - start)
+            }
+            Self::Sine(Sine { amplitude, frequency, phase, start, end })
+                if is_on(*start, *end, reached) =>
+            {
+                let pulsation = TAU * frequency;
+                amplitude * pulsation * libm::cos(pulsation * (t - start) + phase)
+            }
+            Self::Table(table) => table.rate(t, slack),
+            Self::Constant(_) | Self::Ramp(_) | Self::Pulse(_) | Self::Sine(_) => 0.0,
         }
     }
 
     /// The time (s) up to which, but not including it, the value stays as it is at `t`; `t` itself
-    /// while it changes.
+    /// while it changes. `slack` as in [`at`](Self::at).
     #[must_use]
-    pub fn constant_until(&self, t: f64) -> f64 {
-        let ahead = |times: &[f64]| times.iter().copied().find(|time| t < *time);
+    pub fn constant_until(&self, t: f64, slack: f64) -> f64 {
+        let reached = t + slack;
+        let ahead = |times: &[f64]| times.iter().copied().find(|time| reached < *time);
         match self {
             Self::Constant(_) => f64::INFINITY,
             Self::Ramp(Ramp { start, end, .. }) => match ahead(&[*start, *end]) {
@@ -159,12 +183,12 @@ impl Shape {
                 None => f64::INFINITY,
             },
             Self::Pulse(Pulse { start, end, .. }) => {
-                ahead(&[*start, *end]).unwrap_or(f64::INFINITY)
+                ahead(&[*start, end.unwrap_or(f64::INFINITY)]).unwrap_or(f64::INFINITY)
             }
-            Self::Sine(Sine { start, .. }) if t < *start => *start,
-            Self::Sine(Sine { end: Some(end), .. }) if t >= *end => f64::INFINITY,
+            Self::Sine(Sine { start, .. }) if reached < *start => *start,
+            Self::Sine(Sine { end: Some(end), .. }) if reached >= *end => f64::INFINITY,
             Self::Sine(_) => t,
-            Self::Table(table) => table.constant_until(t),
+            Self::Table(table) => table.constant_until(t, slack),
         }
     }
 
@@ -187,7 +211,7 @@ impl Shape {
             }
             Self::Pulse(Pulse { value, start, end }) => {
                 rule("pulse.value", *value, Rule::Finite);
-                Some(("pulse", *start, *end))
+                Some(("pulse", *start, end.unwrap_or(f64::MAX)))
             }
             Self::Sine(Sine { amplitude, frequency, phase, start, end }) => {
                 rule("sine.amplitude", *amplitude, Rule::Finite);
@@ -208,10 +232,10 @@ impl Shape {
 }
 
 impl Table {
-    /// The value at time `t` (s); zero without points.
+    /// The value at time `t` (s); zero without points. `slack` as in [`Shape::at`].
     #[must_use]
-    pub fn at(&self, t: f64) -> f64 {
-        let after = self.points_up_to(t);
+    pub fn at(&self, t: f64, slack: f64) -> f64 {
+        let after = self.points_up_to(t + slack);
         match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after).copied()) {
             (Some(low), Some(high)) if self.between == Between::Linear => between(low, high, t),
             (Some([_, value]), _) | (None, Some([_, value])) => value,
@@ -224,8 +248,18 @@ impl Table {
         self.points.windows(2).filter(|two| two[0][0] == two[1][0]).map(|two| two[0][0])
     }
 
-    fn constant_until(&self, t: f64) -> f64 {
-        let after = self.points_up_to(t);
+    fn rate(&self, t: f64, slack: f64) -> f64 {
+        let after = self.points_up_to(t + slack);
+        match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after)) {
+            (Some([from, low]), Some([to, high])) if self.between == Between::Linear => {
+                (high - low) / (to - from)
+            }
+            _ => 0.0,
+        }
+    }
+
+    fn constant_until(&self, t: f64, slack: f64) -> f64 {
+        let after = self.points_up_to(t + slack);
         match self.points.get(after) {
             None => f64::INFINITY,
             Some([next, _]) if after == 0 || self.between == Between::Constant => *next,
@@ -255,6 +289,11 @@ impl Table {
     }
 }
 
+/// Does start ≤ t < end hold, without an end for ever?
+fn is_on(start: f64, end: Option<f64>, t: f64) -> bool {
+    start <= t && end.is_none_or(|end| t < end)
+}
+
 /// The value at `t` of the straight line through two points (t, value), of which the first is not
 /// after `t` and the second is.
 fn between([from, low]: [f64; 2], [to, high]: [f64; 2], t: f64) -> f64 {
@@ -270,20 +309,22 @@ mod tests {
     #[test]
     fn a_ramp_is_straight_between_constants() {
         let ramp = Shape::Ramp(Ramp { from: 1.0, to: 3.0, start: 2.0, end: 4.0 });
-        assert_eq!([0.0, 2.0, 2.5, 4.0, 9.0].map(|t| ramp.at(t)), [1.0, 1.0, 1.5, 3.0, 3.0]);
+        assert_eq!([0.0, 2.0, 2.5, 4.0, 9.0].map(|t| ramp.at(t, 0.0)), [1.0, 1.0, 1.5, 3.0, 3.0]);
     }
 
     #[test]
     fn a_pulse_lasts_from_its_start_to_just_before_its_end() {
-        let pulse = Shape::Pulse(Pulse { value: 5.0, start: 1.0, end: 2.0 });
-        assert_eq!([0.9, 1.0, 1.9, 2.0].map(|t| pulse.at(t)), [0.0, 5.0, 5.0, 0.0]);
+        let pulse = Shape::Pulse(Pulse { value: 5.0, start: 1.0, end: Some(2.0) });
+        assert_eq!([0.9, 1.0, 1.9, 2.0].map(|t| pulse.at(t, 0.0)), [0.0, 5.0, 5.0, 0.0]);
+        let step = Shape::Pulse(Pulse { value: 5.0, start: 1.0, end: None });
+        assert_eq!([0.9, 1.0, 1e9].map(|t| step.at(t, 0.0)), [0.0, 5.0, 5.0]);
     }
 
     #[test]
     fn a_sine_starts_at_its_phase_and_ends() {
         let mut sine =
             Sine { amplitude: 2.0, frequency: 0.25, phase: 0.0, start: 1.0, end: Some(3.5) };
-        let at = |sine: Sine, t| Shape::Sine(sine).at(t);
+        let at = |sine: Sine, t| Shape::Sine(sine).at(t, 0.0);
         assert_eq!([0.5, 1.0, 2.0, 3.5].map(|t| at(sine, t)), [0.0, 0.0, 2.0, 0.0]);
         sine.phase = std::f64::consts::FRAC_PI_2;
         assert_eq!(at(sine, 1.0), 2.0);
@@ -296,10 +337,10 @@ mod tests {
         let points = vec![[1.0, 1.0], [2.0, 3.0], [2.0, 5.0], [4.0, 6.0]];
         let linear = Table { points, between: Between::Linear };
         let times = [0.0, 1.5, 2.0, 3.0, 9.0];
-        assert_eq!(times.map(|t| linear.at(t)), [1.0, 2.0, 5.0, 5.5, 6.0]);
+        assert_eq!(times.map(|t| linear.at(t, 0.0)), [1.0, 2.0, 5.0, 5.5, 6.0]);
         assert_eq!(linear.jumps().collect::<Vec<_>>(), [2.0]);
         let constant = Table { between: Between::Constant, ..linear };
-        assert_eq!(times.map(|t| constant.at(t)), [1.0, 1.0, 5.0, 5.0, 6.0]);
+        assert_eq!(times.map(|t| constant.at(t, 0.0)), [1.0, 1.0, 5.0, 5.0, 6.0]);
     }
 
     #[test]
@@ -310,7 +351,8 @@ mod tests {
         for (shape, changes) in [
             (Shape::Constant(Constant { value: 3.0 }), &[][..]),
             (Shape::Ramp(Ramp { from: 1.0, to: 2.0, start, end }), &[(1.0, 3.0)]),
-            (Shape::Pulse(Pulse { value: 1.0, start, end }), &[(1.0, 1.0), (3.0, 3.0)]),
+            (Shape::Pulse(Pulse { value: 1.0, start, end: Some(end) }), &[(1.0, 1.0), (3.0, 3.0)]),
+            (Shape::Pulse(Pulse { value: 1.0, start, end: None }), &[(1.0, 1.0)]),
             (Shape::Sine(sine), &[(1.0, 3.0)]),
             (
                 Shape::Table(Table { points: points.clone(), between: Between::Constant }),
@@ -323,9 +365,13 @@ mod tests {
                 let is_changing = changes.iter().any(|(from, to)| *from <= t && t < *to);
                 let next = changes.iter().map(|change| change.0).find(|from| t < *from);
                 let expected = if is_changing { t } else { next.unwrap_or(f64::INFINITY) };
-                assert_eq!(shape.constant_until(t), expected, "{shape:?} at {t}");
+                assert_eq!(shape.constant_until(t, 0.0), expected, "{shape:?} at {t}");
                 let later = t + 0.999 * (expected.min(9.0) - t);
-                assert_eq!(shape.at(t), shape.at(later), "{shape:?} at {t}");
+                assert_eq!(shape.at(t, 0.0), shape.at(later, 0.0), "{shape:?} at {t}");
+                // Ahead of the present a change is the rate times the time that passes.
+                let (t, ahead) = (t + 1e-9, 1e-7);
+                let change = (shape.at(t + ahead, 0.0) - shape.at(t, 0.0)) / ahead;
+                assert!((change - shape.rate(t, 0.0)).abs() < 1e-5, "{shape:?} at {t}: {change}");
             }
         }
     }

@@ -23,7 +23,7 @@ pub(super) struct SignalTable {
     constant: Option<Constant>,
     /// Straight from one value to another.
     ramp: Option<Ramp>,
-    /// A value for a while.
+    /// A value from a time on, or for a while.
     pulse: Option<Pulse>,
     /// An oscillation for a while.
     sine: Option<Sine>,
@@ -36,7 +36,6 @@ pub(super) struct SignalTable {
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "tools", schemars(extend(
     "oneOf" = [{ "required": ["points"] }, { "required": ["file"] }],
-    "dependencies" = { "column": ["file"] },
 )))]
 #[serde(deny_unknown_fields)]
 struct PointTable {
@@ -84,10 +83,15 @@ pub(super) fn signals(
 impl PointTable {
     fn read(self, path: &str, input: &str, folder: &mut Folder<'_>) -> Result<Table, Problem> {
         let Self { points, file, column, between } = self;
+        let wrong = |key: &str, message| Problem::new(format!("{path}.{key}"), message);
         let Some(file) = file else {
+            if let Some(column) = column {
+                let problem =
+                    wrong("column", "is a column of a file, and points are given".to_owned());
+                return Err(problem.of(quoted(&column)).help("leave it out"));
+            }
             return Ok(Table { points: points.unwrap_or_default(), between });
         };
-        let wrong = |key: &str, message| Problem::new(format!("{path}.{key}"), message);
         let table =
             folder.table(&file).map_err(|message| wrong("file", message).of(quoted(&file)))?;
         let wanted = column.as_deref().unwrap_or(input);

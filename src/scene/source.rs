@@ -1,7 +1,7 @@
 //! What a scene is made from.
 
+use super::time_table::CSV_FILE;
 use super::{TimeTable, text};
-use crate::Error;
 use std::path::Path;
 
 /// A scene's files, word for word: all that an FMU needs to read it again.
@@ -23,20 +23,23 @@ impl From<&str> for Source {
 /// The folder of a scene file, and what has been read there so far.
 pub(super) struct Folder<'a> {
     path: Option<&'a Path>,
-    pub(super) tables: Vec<(String, String)>,
+    /// Names and texts of the files.
+    pub(super) texts: Vec<(String, String)>,
+    /// What they say.
+    tables: Vec<Result<TimeTable, String>>,
 }
 
 impl<'a> Folder<'a> {
     /// A folder; `None` for a scene that is not from a file.
     pub(super) fn new(path: Option<&'a Path>) -> Self {
-        Self { path, tables: Vec::new() }
+        Self { path, texts: Vec::new(), tables: Vec::new() }
     }
 
     /// The table in a file of the folder.
     ///
     /// # Errors
     /// What is wrong with its name or content, and what would be right.
-    pub(super) fn table(&mut self, name: &str) -> Result<TimeTable, String> {
+    pub(super) fn table(&mut self, name: &str) -> Result<&TimeTable, String> {
         if !is_plain(name) {
             // So it can travel inside an FMU, under the same name.
             return Err("must be the name of a .csv file beside the scene, without folders".into());
@@ -44,14 +47,22 @@ impl<'a> Folder<'a> {
         let Some(folder) = self.path else {
             return Err("only a scene that is a file itself can name another".into());
         };
-        if !self.tables.iter().any(|(known, _)| known == name) {
-            let path = folder.join(name);
-            let bytes = std::fs::read(&path).map_err(|e| Error::file(&path, &e).to_string())?;
-            let text = text::decode(name, bytes).map_err(|error| error.to_string())?;
-            self.tables.push((name.to_owned(), text));
-        }
-        let (_, text) = self.tables.iter().find(|(known, _)| known == name).expect("just read");
-        TimeTable::parse(text)
+        let known = self.texts.iter().position(|(known, _)| known.eq_ignore_ascii_case(name));
+        let place = match known {
+            Some(place) if self.texts[place].0 == name => place,
+            // Some systems would take the two for one when the FMU is unpacked.
+            Some(place) => return Err(format!("is {} but for its case", self.texts[place].0)),
+            None => {
+                let bytes = std::fs::read(folder.join(name))
+                    .map_err(|error| format!("cannot be read: {error}"))?;
+                let text =
+                    text::decode(name, CSV_FILE, bytes).map_err(|error| error.to_string())?;
+                self.tables.push(TimeTable::parse(&text));
+                self.texts.push((name.to_owned(), text));
+                self.tables.len() - 1
+            }
+        };
+        self.tables[place].as_ref().map_err(Clone::clone)
     }
 }
 

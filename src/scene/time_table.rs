@@ -23,7 +23,7 @@ impl TimeTable {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display().to_string();
         let bytes = std::fs::read(path).map_err(|error| Error::file(path, &error))?;
-        let text = text::decode(&place, bytes)?;
+        let text = text::decode(&place, CSV_FILE, bytes)?;
         Self::parse(&text).map_err(|message| Error::scene(format!("{place}: {message}")))
     }
 
@@ -44,8 +44,12 @@ impl TimeTable {
         if names.is_empty() {
             return Err("line 1: has no column beside `time`".to_owned());
         }
-        if let Some(twice) = names.iter().enumerate().find(|(i, name)| names[..*i].contains(name)) {
-            return Err(format!("line 1: two columns are named `{}`", twice.1));
+        if let Some(nameless) = names.iter().position(String::is_empty) {
+            return Err(format!("line 1: column {} has no name", nameless + 2));
+        }
+        let is_twice = |(i, name): &(usize, &String)| *name == "time" || names[..*i].contains(name);
+        if let Some((_, twice)) = names.iter().enumerate().find(is_twice) {
+            return Err(format!("line 1: two columns are named `{twice}`"));
         }
         let mut table = Self { names, times: Vec::new(), values: Vec::new() };
         let mut record = csv::StringRecord::new();
@@ -53,8 +57,12 @@ impl TimeTable {
             let line = record.position().map_or(0, csv::Position::line);
             for (name, field) in headers.iter().zip(&record) {
                 let value = field.parse().ok().filter(|value: &f64| value.is_finite());
-                let value = value.ok_or_else(|| {
-                    format!("line {line}, column `{name}`: `{field}` is not a finite number")
+                let value = value.ok_or_else(|| match field {
+                    "" => format!("line {line}, column `{name}`: is empty"),
+                    _ => format!(
+                        "line {line}, column `{name}`: `{field}` is not a finite number{}",
+                        if field.contains(',') { DECIMALS } else { "" }
+                    ),
                 })?;
                 if name == "time" { &mut table.times } else { &mut table.values }.push(value);
             }
@@ -90,11 +98,15 @@ fn not_a_header(headers: &csv::StringRecord) -> String {
     format!("line 1: the first column is `{first}`, must be `time` (in s); {help}")
 }
 
+/// What is wanted, for messages.
+pub(super) const CSV_FILE: &str = "a CSV file";
+const DECIMALS: &str = "; decimals are written with a point";
+
 /// What the reader of the CSV says, without its own count of records.
 fn explained(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => format!(
-            "line {}: has {len} values, the header {expected_len}",
+            "line {}: has {len} values, the header {expected_len}{DECIMALS}",
             pos.as_ref().map_or(0, csv::Position::line)
         ),
         _ => error.to_string(),
@@ -122,11 +134,14 @@ mod tests {
             ("0,1\n1,2\n", "the first line names the columns"),
             ("time\n0\n", "no column beside `time`"),
             ("time,a,a\n0,1,1\n", "two columns are named `a`"),
+            ("time,a,time\n0,1,0\n", "two columns are named `time`"),
+            ("time,a,\n0,1,\n", "column 3 has no name"),
             ("time,a\n", "has no rows"),
             ("time,a\n0,1\n1,1 N\n", "line 3, column `a`: `1 N` is not a finite number"),
             ("time,a\n0,1\n1,nan\n", "line 3, column `a`: `nan` is not a finite number"),
-            ("time,a\n0,\n", "line 2, column `a`: `` is not a finite number"),
-            ("time,a\n0,1\n1,5,2\n", "line 3: has 3 values, the header 2"),
+            ("time,a\n0,\n", "line 2, column `a`: is empty"),
+            ("time,a\n0,1\n1,5,2\n", "line 3: has 3 values, the header 2; decimals are"),
+            ("time,a\n0,\"1,5\"\n", "`1,5` is not a finite number; decimals are written with a"),
             ("time,a\n0,1\n2,1\n1,1\n", "line 4: time 1 s comes after 2 s"),
         ] {
             let message = TimeTable::parse(text).unwrap_err();

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 /// A step asked for is a whole multiple of the internal step if it misses it by this part.
 const TOLERANCE: f64 = 1e-9;
 /// A step asked for that is shorter than this part of the internal step is a rounding error.
-const NOTHING: f64 = 1e-6;
+pub(super) const NOTHING: f64 = 1e-6;
 
 /// The time of a motion: whole internal steps since a start, and what whoever asks for the steps
 /// calls the present time. The two differ by rounding errors, half an internal step at most.
@@ -31,19 +31,22 @@ pub(super) struct Leg {
 }
 
 impl Leg {
-    /// When one of its steps (from 0) begins, s.
+    /// When one of its steps (from 0) begins, s; that of the count is the end.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn time(&self, step: u64) -> f64 {
+        if step == self.count {
+            return self.arrival.grid_time(self.step);
+        }
         self.origin + (self.first + step) as f64 * self.step
     }
 
-    /// How many steps from this one (from 0) on begin before time `until` (s); at least the step
+    /// How many steps from this one (from 0) on end before time `until` (s); at least the step
     /// itself, at most those that are left.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub(super) fn steps_before(&self, until: f64, step: u64) -> u64 {
-        // Rounding down leaves the last one a whole step before that time. Casts saturate.
+        // One less than fit in leaves the last one's end a step before that time. Casts saturate.
         let count = ((until - self.time(step)) / self.step).floor() as u64;
-        count.clamp(1, self.count - step)
+        count.saturating_sub(1).clamp(1, self.count - step)
     }
 }
 

@@ -3,7 +3,7 @@
 
 use super::{Simulation, Variable, assign, variables};
 use crate::Error;
-use crate::scene::{Between, Scene, Table, TimeTable, nearest};
+use crate::scene::{Between, Scene, Table, TimeTable, meant_input};
 use crate::simulation::catalogue::Causality;
 use std::path::Path;
 
@@ -29,14 +29,11 @@ impl Inputs {
         let mut columns = Vec::new();
         for (i, name) in table.names.iter().enumerate() {
             let Some(variable) = inputs.iter().find(|input| input.name == *name) else {
-                let help = nearest(name, inputs.iter().map(|input| &*input.name)).map_or_else(
-                    || "; `amontons export` and FMPy's `fmpy info` list them".to_owned(),
-                    |meant| format!("; did you mean {meant}?"),
-                );
                 return Err(Error::argument(format!(
-                    "column `{name}` of {} is no input of {}{help}",
+                    "column `{name}` of {} is no input of {}; {}",
                     path.display(),
-                    scene.name
+                    scene.name,
+                    meant_input(name, &scene.input_names())
                 )));
             };
             columns.push((variable.clone(), table.column(i, Between::Linear)));
@@ -46,13 +43,18 @@ impl Inputs {
         Ok(Self { columns, jumps })
     }
 
+    /// The names of the inputs that it gives.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.columns.iter().map(|(input, _)| &*input.name)
+    }
+
     /// Gives the scene the values that the run starts with, at time `t` (s).
     ///
     /// # Errors
     /// An impossible value.
     pub fn assign(&self, scene: &mut Scene, t: f64) -> Result<(), Error> {
         self.columns.iter().try_for_each(|(input, table)| {
-            assign(scene, &input.name, table.at(self.after_jump(t))).map_err(|e| at(t, &e))
+            assign(scene, &input.name, self.value(table, t)).map_err(|e| at(t, &e))
         })
     }
 
@@ -62,7 +64,7 @@ impl Inputs {
     /// An impossible value.
     pub fn write(&self, simulation: &mut Simulation, t: f64) -> Result<(), Error> {
         self.columns.iter().try_for_each(|(input, table)| {
-            simulation.write(input, table.at(self.after_jump(t))).map_err(|e| at(t, &e))
+            simulation.write(input, self.value(table, t)).map_err(|e| at(t, &e))
         })
     }
 
@@ -70,14 +72,19 @@ impl Inputs {
     /// has to end.
     #[must_use]
     pub fn next_jump(&self, t: f64) -> f64 {
-        let is_later = |jump: &&f64| **jump > t && !is_close(**jump, t);
-        self.jumps.iter().find(is_later).copied().unwrap_or(f64::INFINITY)
+        let past = self.jumps.partition_point(|jump| *jump <= t || is_close(*jump, t));
+        self.jumps.get(past).copied().unwrap_or(f64::INFINITY)
     }
 
-    /// The time itself or, if rounding errors have left it just before a jump, the jump's.
-    fn after_jump(&self, t: f64) -> f64 {
-        let near = self.jumps.iter().find(|jump| is_close(**jump, t));
-        near.map_or(t, |jump| f64::max(t, *jump))
+    /// A column's value at time `t` (s): up to the first row that row's, and behind a jump that rounding
+    /// errors have left the time just before.
+    fn value(&self, table: &Table, t: f64) -> f64 {
+        if let Some([_, first]) = table.points.first().filter(|[start, _]| t <= *start) {
+            return *first;
+        }
+        let next = self.jumps.get(self.jumps.partition_point(|jump| *jump < t));
+        let reached = next.filter(|jump| is_close(**jump, t)).map_or(t, |jump| f64::max(t, *jump));
+        table.at(reached, 0.0)
     }
 }
 

@@ -21,13 +21,14 @@ pub(crate) use snapshot::{from_bytes, to_bytes};
 pub use values::assign;
 pub use values::{check_value, read_scene, write_scene};
 #[cfg(feature = "tools")]
-pub use warning::step_warning;
+pub use warning::{step_warning, warnings};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{self, Drive, Integrator, Motion, Statistics, StepFailure};
+use crate::model::ring::MODULE_DOFS;
 use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering, OwnValues};
-use crate::scene::{Method, Scene};
+use crate::scene::{Method, Scene, Structure};
 use crate::stability::StepGuard;
 use clock::Clock;
 use serde::{Deserialize, Serialize};
@@ -90,7 +91,10 @@ impl Simulation {
     pub fn new(scene: Scene, start_time: f64) -> Result<Self, Error> {
         scene.check()?;
         let clock = Clock::at(start_time);
-        let driven = Driven::at(clock.grid_time(scene.step), &scene)?;
+        let mut driven = Driven::of(&scene);
+        if let Some(driven) = &mut driven {
+            driven.bring_to([clock.time(); 2], &scene, |_| {})?;
+        }
         let acting = signals::acting(driven.as_ref(), &scene);
         let model = LumpedModel::from(acting);
         let equilibrium = model::equilibrium(acting, &model)?;
@@ -153,6 +157,12 @@ impl Simulation {
         &self.scene
     }
 
+    /// The values that act now: those given, and what signals add.
+    #[must_use]
+    pub fn acting(&self) -> &Scene {
+        signals::acting(self.driven.as_ref(), &self.scene)
+    }
+
     /// What has been counted since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
@@ -166,7 +176,7 @@ impl Simulation {
     }
 
     /// Moves on to time `target` (s), inputs held but for what signals add: each step has what they
-    /// give at its beginning.
+    /// give at its beginning or, of a slider's velocity, at its end.
     ///
     /// # Errors
     /// A target in the past; a step that, with the values as they are now, is above the critical
@@ -179,8 +189,9 @@ impl Simulation {
         let mut done = 0;
         let mut unchecked = 0;
         while done < leg.count {
-            let time = leg.time(done);
-            self.update_drive(time)?;
+            let (time, end) = (leg.time(done), leg.time(done + 1));
+            self.update_drive([time, end])?;
+            self.update_rates([time, end], leg.step);
             self.check_limit()?;
             let constant_until =
                 self.driven.as_ref().map_or(f64::INFINITY, |driven| driven.constant_until(time));
@@ -205,7 +216,14 @@ impl Simulation {
     /// Contacts that are coupled in a way that has no solution.
     pub fn contact_forces(&mut self) -> Result<&[ContactForce], Error> {
         if self.stale.contact_forces {
-            self.update_drive(self.clock.grid_time(self.scene.step))?;
+            let now = self.clock.grid_time(self.scene.step);
+            // What signals make impossible is for the next step to refuse.
+            let _ = self.update_drive([now, now]);
+            if let Some(driven) = &self.driven {
+                for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
+                    *acceleration = driven.slider_acceleration(now, i);
+                }
+            }
             self.integrator
                 .contact_forces(&self.motion, &self.drive, &mut self.contact_forces)
                 .map_err(|failure| self.failed(failure, self.time()))?;
@@ -214,16 +232,17 @@ impl Simulation {
         Ok(&self.contact_forces)
     }
 
-    /// Brings drive and damping up to date for time `t` (s). The drive is the load's change since the reference, the
+    /// Brings drive and damping up to date for a step between these times (s). The drive is the load's change since the reference, the
     /// contact forces that balanced it, and the external forces; at the reference nothing but the
     /// contacts' part is left.
-    fn update_drive(&mut self, t: f64) -> Result<(), Error> {
+    fn update_drive(&mut self, span: [f64; 2]) -> Result<(), Error> {
         let stale = &mut self.stale;
-        if let Some(driven) = &mut self.driven {
-            driven.bring_to(t, &self.scene, |variable| stale.by(variable))?;
-        }
+        let brought = match &mut self.driven {
+            Some(driven) => driven.bring_to(span, &self.scene, |variable| stale.by(variable)),
+            None => Ok(()),
+        };
         if !std::mem::replace(&mut stale.drive, false) {
-            return Ok(());
+            return brought;
         }
         let acting = signals::acting(self.driven.as_ref(), &self.scene);
         model::load(acting, &self.numbering, &mut self.model.load);
@@ -245,7 +264,19 @@ impl Simulation {
         }
         self.model.damping = acting.damping;
         self.integrator.set_damping(acting.damping);
-        Ok(())
+        brought
+    }
+
+    /// Brings what changes over a step between these times (s) up to date.
+    fn update_rates(&mut self, span: [f64; 2], step: f64) {
+        let Some(driven) = &self.driven else { return };
+        for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
+            *acceleration = driven.slider_change(span, i) / step;
+        }
+        for (variable, rate) in driven.force_rates(span[0]) {
+            let dof = dof(&self.scene, &self.numbering, variable);
+            self.drive.force_rate[dof] = rate;
+        }
     }
 
     fn check_limit(&mut self) -> Result<(), Error> {
@@ -289,6 +320,16 @@ impl Simulation {
                 self.scene.contact_name(contact)
             ),
         })
+    }
+}
+
+/// The degree of freedom that a variable belongs to.
+fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
+    let (index, component) = (variable.index, variable.template.component);
+    match scene.structure {
+        Structure::Ring(_) => MODULE_DOFS * index + component,
+        // Locked degrees of freedom have no variables.
+        Structure::Network(_) => numbering.dof(index, component).unwrap_or(0),
     }
 }
 

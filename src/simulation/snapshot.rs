@@ -9,7 +9,7 @@ use super::{Reference, Simulation};
 use crate::Error;
 use crate::integrator::Motion;
 use crate::model::LumpedModel;
-use crate::scene::{Module, Scene, Structure};
+use crate::scene::{Module, Scene, Signal, Structure};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
@@ -27,6 +27,11 @@ impl Snapshot {
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// Gives it the signals of the scene that it belongs to, which its bytes go without.
+    pub(crate) fn set_signals(&mut self, signals: &Arc<[Signal]>) {
+        self.scene.signals.clone_from(signals);
     }
 
     /// Do all lists have the lengths that the scene asks for?
@@ -69,7 +74,9 @@ impl Simulation {
         self.reference.clone_from(&snapshot.reference);
         self.motion.clone_from(&snapshot.motion);
         self.clock = snapshot.clock;
-        self.driven = Driven::at(self.clock.grid_time(self.scene.step), &self.scene)?;
+        if let Some(driven) = &mut self.driven {
+            driven.restart(&self.scene);
+        }
         self.stale = super::Stale { drive: true, limit: true, contact_forces: true };
         Ok(())
     }
@@ -84,7 +91,11 @@ impl Simulation {
             return Err(Error::saved_state("the saved state contradicts itself"));
         }
         let Snapshot { scene, reference, motion, clock } = snapshot;
-        let driven = Driven::at(clock.grid_time(scene.step), &scene)?;
+        // Where signals make a value impossible, the next step says so.
+        let mut driven = Driven::of(&scene);
+        if let Some(driven) = &mut driven {
+            let _ = driven.bring_to([clock.time(); 2], &scene, |_| {});
+        }
         let model = LumpedModel::from(signals::acting(driven.as_ref(), &scene));
         Self::assemble(scene, driven, model, reference, motion, clock)
     }

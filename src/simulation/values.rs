@@ -5,7 +5,6 @@ use super::Simulation;
 use super::catalogue::variables;
 use super::catalogue::{Kind, Quantity, Template, Variable};
 use crate::Error;
-use crate::model::ring::MODULE_DOFS;
 #[cfg(feature = "tools")]
 use crate::scene::nearest;
 use crate::scene::{Problem, Rule, Scene, Structure};
@@ -127,7 +126,7 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
         });
     }
     Err(Error::argument(format!(
-        "there is no parameter or input {name}; there are {}",
+        "there is no parameter or input {name}; there are, for example, {}",
         like.join(", ")
     )))
 }
@@ -140,12 +139,7 @@ impl Simulation {
     /// Contact forces that have no solution.
     pub fn read(&mut self, variable: &Variable) -> Result<f64, Error> {
         let index = variable.index;
-        let component = variable.template.component;
-        let dof = match self.scene.structure {
-            Structure::Ring(_) => MODULE_DOFS * index + component,
-            // Locked degrees of freedom have no variables.
-            Structure::Network(_) => self.numbering.dof(index, component).unwrap_or(0),
-        };
+        let dof = super::dof(&self.scene, &self.numbering, variable);
         Ok(match variable.template.quantity {
             Quantity::Displacement => self.motion.displacement[dof],
             Quantity::Velocity => self.motion.velocity[dof],

@@ -249,31 +249,24 @@ fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> 
 
 /// Refuses steps above the critical one, again and again as µ and the damping change. A bound is
 /// asked first, which costs one pass over the degrees of freedom and allocates nothing; the contact
-/// states are looked at only where it does not suffice, and again only once µ has changed by a
-/// thousandth: a signal may drive it in every step.
+/// states are looked at only where it does not suffice.
 #[derive(Clone, Debug)]
 pub struct StepGuard {
     step: f64,
     bound: Option<FrequencyBound>,
     /// The damping that `admissible` belongs to.
     damping: Damping,
-    /// Sizes of modes up to which the step is known to be admissible.
-    admissible: Sizes,
-    /// µ of each contact when the contact states were last looked at, and found to allow the step.
-    looked_at: Vec<f64>,
+    /// The largest bound of the eigenvalues at which the step is admissible with friction, 1/s². That of
+    /// single dampers grows in proportion with it.
+    admissible: f64,
 }
-
-/// How much µ may change before the contact states are looked at again.
-const FRICTION_RESOLUTION: f64 = 1e-3;
 
 impl StepGuard {
     /// A guard of this step (s) for this model; sharpest near the given µ.
     #[must_use]
     pub fn new(model: &LumpedModel, friction_coefficient: f64, step: f64) -> Self {
         let bound = FrequencyBound::new(model, friction_coefficient);
-        let admissible = Sizes { square: 0.0, dampers: 0.0 };
-        let damping = model.damping;
-        let mut guard = Self { step, bound, damping, admissible, looked_at: Vec::new() };
+        let mut guard = Self { step, bound, damping: model.damping, admissible: 0.0 };
         guard.set_damping(model.damping);
         guard
     }
@@ -281,31 +274,20 @@ impl StepGuard {
     fn set_damping(&mut self, damping: Damping) {
         // No real mode above (2/h)² is admissible.
         let end = 4.0 / (self.step * self.step);
-        let square = largest(end, |square| {
-            all_admissible(self.step, damping, Sizes { square, dampers: 0.0 }, true)
-        });
-        self.admissible = Sizes { square, dampers: 0.0 };
+        let dampers = self.bound.as_ref().map_or(0.0, FrequencyBound::dampers_against_stiffness);
+        let admits = |square: f64| {
+            all_admissible(self.step, damping, Sizes { square, dampers: dampers * square }, true)
+        };
+        // Single dampers make the question some dozens of times longer: from above most answers are a
+        // quick no, and each yes speaks for all smaller sizes.
+        self.admissible = match dampers {
+            0.0 => largest(end, admits),
+            _ => {
+                let sizes = std::iter::successors(Some(end), |square| Some(0.9 * square));
+                sizes.take(200).find(|square| admits(*square)).unwrap_or(0.0)
+            }
+        };
         self.damping = damping;
-        self.looked_at.clear();
-    }
-
-    /// Do the bounds suffice? `rubs`: is there friction?
-    fn is_bounded(&mut self, sizes: Sizes, rubs: bool) -> bool {
-        let known = self.admissible;
-        if sizes.square <= known.square && sizes.dampers <= known.dampers {
-            return true;
-        }
-        // Without single dampers, what is known is all that there is to know.
-        let may_be_more = sizes.dampers > 0.0 || !rubs;
-        if !(may_be_more && all_admissible(self.step, self.damping, sizes, rubs)) {
-            return false;
-        }
-        // With room to grow, so that a µ that rises is not asked about again and again.
-        let wider = Sizes { square: 1.25 * sizes.square, dampers: 1.25 * sizes.dampers };
-        if sizes.dampers > 0.0 && all_admissible(self.step, self.damping, wider, true) {
-            self.admissible = wider;
-        }
-        true
     }
 
     /// Is the step below the critical one? `model` is the one that the guard was made for, but for
@@ -317,19 +299,17 @@ impl StepGuard {
         if self.damping != model.damping {
             self.set_damping(model.damping);
         }
-        let sizes = self.bound.as_ref().map(|bound| bound.at(model, friction));
-        if sizes.is_some_and(|sizes| self.is_bounded(sizes, has_friction(model, friction))) {
-            return Ok(());
-        }
-        let now = || model.contacts.iter().map(|contact| contact.friction(friction));
-        let is_near = |(now, then): (f64, &f64)| (now - then).abs() <= FRICTION_RESOLUTION;
-        if !self.looked_at.is_empty() && now().zip(&self.looked_at).all(is_near) {
+        let suffices = self.bound.as_ref().is_some_and(|bound| {
+            let sizes = bound.at(model, friction);
+            sizes.square <= self.admissible
+                || (!has_friction(model, friction)
+                    && all_admissible(self.step, model.damping, sizes, false))
+        });
+        if suffices {
             return Ok(());
         }
         let critical = critical_step(model, friction)?;
         if self.step <= critical.step {
-            self.looked_at.clear();
-            self.looked_at.extend(now());
             return Ok(());
         }
         let step = self.step;

@@ -67,6 +67,15 @@ impl FrequencyBound {
         Some(Self { rows, dampers, groups: Some(groups(&model.contacts, &mass)?) })
     }
 
+    /// The bound of the single dampers against that of the stiffness, s: the same at every µ.
+    pub(super) fn dampers_against_stiffness(&self) -> f64 {
+        if self.dampers == 0.0 {
+            return 0.0;
+        }
+        // With single dampers µ is in the groups alone, which stretch both.
+        self.dampers / self.rows.iter().fold(0.0, |largest, row| f64::max(largest, row.0))
+    }
+
     /// The bounds at this µ; `model` is the one they were made for, but for its contacts' own values.
     pub(super) fn at(&self, model: &LumpedModel, friction: f64) -> Sizes {
         let mu = |contact: usize| model.contacts.get(contact).map_or(0.0, |c| c.friction(friction));

@@ -3,7 +3,7 @@
 use crate::arguments::Export;
 use crate::scenes;
 use amontons::Error;
-use amontons::model::LumpedModel;
+use amontons::model::{Equilibrium, LumpedModel};
 use amontons::output::Pending;
 use amontons::package;
 use amontons::scene::{self, Scene, Structure};
@@ -15,7 +15,7 @@ use std::path::PathBuf;
 
 pub fn run(arguments: &Export) -> Result<(), Error> {
     let (scene, source) = scene::find(&arguments.scene)?;
-    scenes::start(&scene)?;
+    let simulation = scenes::start(&scene)?;
     let fmu = package::fmu(&scene, &source)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
@@ -23,22 +23,23 @@ pub fn run(arguments: &Export) -> Result<(), Error> {
     file.write_all(&fmu).map_err(|error| Error::file(&path, &error))?;
     file.complete()?;
     println!("{}: {}", scene.name, scene.description);
-    print_contents(&scene)?;
+    print_contents(&scene, simulation.acting())?;
+    print_equilibrium(&scene, simulation.reference());
     println!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
     Ok(())
 }
 
-/// What went in: structure, variables, critical step.
-fn print_contents(scene: &Scene) -> Result<(), Error> {
-    let model = LumpedModel::from(scene);
+/// What went in: structure, variables, critical step of the values that act at the start.
+fn print_contents(scene: &Scene, acting: &Scene) -> Result<(), Error> {
+    let model = LumpedModel::from(acting);
     let kind = match &scene.structure {
         Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
         Structure::Network(network) => format!("network of {} masses", network.masses.len()),
     };
     println!(
-        "  structure      {kind}: {} degrees of freedom, {} contacts",
-        model.dofs(),
-        model.contacts.len()
+        "  structure      {kind}: {}, {}",
+        counted(model.dofs(), "degree of freedom", "degrees of freedom"),
+        counted(model.contacts.len(), "contact", "contacts")
     );
     let variables = variables(scene);
     let count = |causality| variables.iter().filter(|v| v.template.causality == causality).count();
@@ -49,7 +50,26 @@ fn print_contents(scene: &Scene) -> Result<(), Error> {
         count(Causality::Parameter)
     );
     println!("  step           {:e} s", scene.step);
-    println!("  critical step  {}", critical_step(&model, scene.friction_coefficient)?);
+    println!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
+    if !scene.signals.is_empty() {
+        println!("  signals        {}", scene.signals.len());
+    }
     println!("  platform       {}", package::PLATFORM);
     Ok(())
+}
+
+fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
+/// The normal forces that the run starts with, of the first contacts.
+fn print_equilibrium(scene: &Scene, equilibrium: &Equilibrium) {
+    const MOST: usize = 4;
+    let forces = equilibrium.normal_force.iter().enumerate().take(MOST);
+    let forces = forces.map(|(i, force)| format!("{force:.4} N at {}", scene.contact_name(i)));
+    let more = if equilibrium.normal_force.len() > MOST { ", …" } else { "" };
+    let forces = forces.collect::<Vec<_>>().join(", ");
+    if !forces.is_empty() {
+        println!("  equilibrium    {forces}{more}");
+    }
 }

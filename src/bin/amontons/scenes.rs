@@ -5,7 +5,7 @@ use crate::draw;
 use amontons::Error;
 use amontons::picture;
 use amontons::scene::{self, BUILTIN, Scene};
-use amontons::simulation::{Simulation, step_warning};
+use amontons::simulation::{Simulation, warnings};
 use std::error;
 use std::io::{Write, stdout};
 
@@ -35,7 +35,7 @@ pub fn run(command: Option<&Scenes>) -> Result<(), Box<dyn error::Error>> {
 /// A simulation of the scene, before anything is written; warns of what is hardly meant.
 pub fn start(scene: &Scene) -> Result<Simulation, Error> {
     let simulation = Simulation::new(scene.clone(), 0.0)?;
-    if let Some(warning) = step_warning(scene) {
+    for warning in warnings(&simulation) {
         eprintln!("warning: {warning}");
     }
     Ok(simulation)

@@ -15,6 +15,10 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
     let input = arguments.input.as_ref();
     let inputs = input.map(|path| Inputs::read(path, &scene)).transpose()?;
     if let Some(inputs) = &inputs {
+        let is_set = |name: &&str| arguments.set.iter().any(|(set, _)| set == name);
+        for name in inputs.names().filter(is_set) {
+            eprintln!("note: {name} follows the file of --input, not --set");
+        }
         inputs.assign(&mut scene, 0.0)?;
     }
     let simulation = scenes::start(&scene)?;

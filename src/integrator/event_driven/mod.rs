@@ -6,8 +6,9 @@
 //! contact says which state follows ([`EventDriven::change`]); a touch-down is a perfectly inelastic
 //! impact with friction, as the forward increment scheme has it.
 //!
-//! Drive and friction are constant over an internal step. Errors are those of rounding, so the step
-//! decides how often inputs are looked at, not how accurate the motion is.
+//! Over an internal step forces and slider velocities change linearly, friction coefficients not at all.
+//! Errors are those of rounding, so the step decides how often inputs are looked at, not how accurate
+//! the motion is.
 
 mod held;
 mod roots;
@@ -52,6 +53,9 @@ pub struct EventDriven {
     held_friction: Vec<f64>,
     /// The polynomial at hand.
     polynomial: [f64; ORDER + 1],
+    /// The outer forces, N, and the velocities of the sliders, m/s, at the instant that was reached.
+    force: Vec<f64>,
+    surface: Vec<f64>,
     /// The events at one instant.
     events: Vec<Option<Event>>,
     before: Vec<ContactState>,
@@ -78,6 +82,8 @@ impl EventDriven {
             held_states: Vec::with_capacity(contacts),
             held_friction: Vec::with_capacity(contacts),
             polynomial: [0.0; ORDER + 1],
+            force: vec![0.0; model.dofs()],
+            surface: vec![0.0; contacts],
             events: vec![None; contacts],
             before: vec![ContactState::Detached; contacts],
             dynamics,
@@ -86,8 +92,9 @@ impl EventDriven {
 
     fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
         motion.statistics.steps += 1;
-        self.follow_slider(motion, drive);
         let (mut left, mut events, mut standstill) = (h, 0, 0);
+        self.reach(drive, h, left);
+        self.follow_slider(motion);
         while left > 0.0 {
             self.expand(motion, drive);
             let reach = self.series.reach(left);
@@ -98,10 +105,11 @@ impl EventDriven {
             let is_event = self.events.iter().any(Option::is_some);
             if passed > 0.0 {
                 self.series.evaluate(passed, &mut motion.displacement, &mut motion.velocity);
-                self.settle(motion, drive);
+                // What is left ends in an exact zero, and never in a remainder of rounding.
+                left = if passed == left { 0.0 } else { left - passed };
+                self.reach(drive, h, left);
+                self.settle(motion);
             }
-            // What is left ends in an exact zero, and never in a remainder of rounding.
-            left = if passed == left { 0.0 } else { left - passed };
             if is_event {
                 self.change(motion, drive)?;
                 events += 1;
@@ -116,17 +124,33 @@ impl EventDriven {
         Ok(())
     }
 
+    /// Takes note of what drives the motion with `left` (s) of a step of length `h` to go.
+    fn reach(&mut self, drive: &Drive, h: f64, left: f64) {
+        for (force, (start, rate)) in
+            self.force.iter_mut().zip(drive.force.iter().zip(&drive.force_rate))
+        {
+            *force = start + rate * (h - left);
+        }
+        for (surface, (end, acceleration)) in self
+            .surface
+            .iter_mut()
+            .zip(drive.slider_velocity.iter().zip(&drive.slider_acceleration))
+        {
+            *surface = end - acceleration * left;
+        }
+    }
+
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
-    fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive) {
+    fn follow_slider(&self, motion: &mut Motion) {
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let old = motion.contacts[i];
             if old == ContactState::Detached {
                 continue;
             }
             let along = contact.tangent.dot(&motion.velocity);
-            let slip = drive.slider_velocity[i] - along;
-            let size = drive.slider_velocity[i].abs().max(along.abs());
+            let slip = self.surface[i] - along;
+            let size = self.surface[i].abs().max(along.abs());
             let new = if slip.abs() <= NOISE * size {
                 continue;
             } else if slip > 0.0 {
@@ -142,14 +166,14 @@ impl EventDriven {
     }
 
     fn expand(&mut self, motion: &Motion, drive: &Drive) {
-        let Self { dynamics, held, series, held_states, held_friction, .. } = self;
+        let Self { dynamics, held, series, held_states, held_friction, force, .. } = self;
         if *held_states != motion.contacts || *held_friction != drive.friction_coefficient {
             held_states.clone_from(&motion.contacts);
             held_friction.clone_from(&drive.friction_coefficient);
             held.set(dynamics, held_states, held_friction);
         }
         let state = (&*motion.displacement, &*motion.velocity);
-        series.expand(dynamics, held, held_states, drive, state);
+        series.expand(dynamics, held, held_states, drive, force, state);
     }
 
     /// The time of the next event up to `reach` (s), and in `events` what happens then.
@@ -186,7 +210,7 @@ impl EventDriven {
         let own = self.dynamics.multipliers.delassus.own(contact);
         let acceleration = self.series.largest_acceleration();
         let force = normal.abs().max(acceleration / own[0]);
-        let speed = drive.slider_velocity[contact].abs();
+        let speed = self.surface[contact].abs();
         let friction = drive.friction_coefficient[contact];
         let limit = |direction| (Event::Slip(direction), (1.0 + friction) * force);
         let events = match state {
@@ -203,7 +227,7 @@ impl EventDriven {
 
     /// Writes what must not become negative as a polynomial; its number of terms.
     fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
-        let Self { series, dynamics, polynomial, .. } = self;
+        let Self { series, dynamics, polynomial, surface, .. } = self;
         let rows = &dynamics.contacts[contact];
         let friction = drive.friction_coefficient[contact];
         match event {
@@ -217,7 +241,11 @@ impl EventDriven {
                 let direction = self.held_states[contact].sliding_direction().unwrap_or(1.0);
                 for (k, value) in polynomial[..ORDER].iter_mut().enumerate() {
                     let along = index(k + 1) * rows.tangent.dot(series.displacement(k + 1));
-                    let slider = if k == 0 { drive.slider_velocity[contact] } else { 0.0 };
+                    let slider = match k {
+                        0 => surface[contact],
+                        1 => drive.slider_acceleration[contact],
+                        _ => 0.0,
+                    };
                     *value = direction * (slider - along);
                 }
                 return ORDER;
@@ -239,7 +267,7 @@ impl EventDriven {
     }
 
     /// Puts what is held exactly where it is held.
-    fn settle(&self, motion: &mut Motion, drive: &Drive) {
+    fn settle(&self, motion: &mut Motion) {
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let state = motion.contacts[i];
             if state == ContactState::Detached {
@@ -250,7 +278,7 @@ impl EventDriven {
                 motion.velocity[dof] = 0.0;
             }
             if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
-                motion.velocity[dof] = drive.slider_velocity[i];
+                motion.velocity[dof] = self.surface[i];
             }
         }
     }
@@ -266,12 +294,12 @@ impl EventDriven {
             if let (Some(Event::Stop), Some(dof)) =
                 (event, self.dynamics.contacts[i].tangent.as_unit())
             {
-                motion.velocity[dof] = drive.slider_velocity[i];
+                motion.velocity[dof] = self.surface[i];
             }
         }
-        self.dynamics.free_acceleration(motion, drive);
+        self.dynamics.free_acceleration(motion, &self.force);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
-            let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
+            let slip = self.surface[i] - contact.tangent.dot(&motion.velocity);
             let multipliers = &mut self.dynamics.multipliers;
             multipliers.freedom[i] = match (self.events[i], motion.contacts[i]) {
                 (Some(Event::Lift), _) => Freedom::Open,
@@ -286,7 +314,7 @@ impl EventDriven {
             };
             multipliers.free[i] = [
                 contact.normal.dot(&self.dynamics.acceleration),
-                contact.tangent.dot(&self.dynamics.acceleration),
+                contact.tangent.dot(&self.dynamics.acceleration) - drive.slider_acceleration[i],
             ];
         }
         motion.statistics.sweeps += self.dynamics.multipliers.solve(&drive.friction_coefficient)?;
@@ -310,7 +338,7 @@ impl EventDriven {
         for (old, new) in self.before.iter().zip(&motion.contacts) {
             statistics.state_changes += u64::from(old != new);
         }
-        self.settle(motion, drive);
+        self.settle(motion);
         Ok(())
     }
 
@@ -323,7 +351,7 @@ impl EventDriven {
             let is_closed = motion.contacts[i] != ContactState::Detached;
             multipliers.freedom[i] =
                 if touches || is_closed { Freedom::Any } else { Freedom::Open };
-            let tangential = contact.tangent.dot(&motion.velocity) - drive.slider_velocity[i];
+            let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
         motion.statistics.sweeps += multipliers.solve(&drive.friction_coefficient)?;
@@ -343,7 +371,7 @@ impl EventDriven {
             }
             let held = tangential.abs() < drive.friction_coefficient[i] * normal;
             if let (Some(dof), true) = (contact.tangent.as_unit(), held) {
-                motion.velocity[dof] = drive.slider_velocity[i];
+                motion.velocity[dof] = self.surface[i];
             }
         }
         Ok(())

@@ -89,10 +89,13 @@ impl Search<'_> {
             } else {
                 to = at;
             }
+            if value == 0.0 {
+                return at;
+            }
             let newton = at - value / slope;
-            let is_inside = newton > from && newton < to && step < MOST_NEWTON;
+            let is_inside = newton >= from && newton <= to && step < MOST_NEWTON;
             let next = if is_inside { newton } else { from + 0.5 * (to - from) };
-            if value == 0.0 || (next - at).abs() <= f64::EPSILON * at {
+            if (next - at).abs() <= f64::EPSILON * at {
                 return next;
             }
             at = next;

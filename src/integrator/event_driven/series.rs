@@ -52,13 +52,15 @@ impl Series {
         }
     }
 
-    /// The series from (x, ẋ) under the drive, for contact states that `held` has been set to.
+    /// The series from (x, ẋ) under the outer forces (N) and their rates in the drive, for contact states
+    /// that `held` has been set to.
     pub(super) fn expand(
         &mut self,
         dynamics: &Dynamics,
         held: &mut HeldContacts,
         states: &[ContactState],
         drive: &Drive,
+        outer: &[f64],
         (x, v): (&[f64], &[f64]),
     ) {
         let n = self.dofs;
@@ -75,7 +77,11 @@ impl Series {
                 *stretch = c + dynamics.damping.beta * *velocity;
             }
             for (row, force) in self.force.iter_mut().enumerate() {
-                let outer = if k == 0 { drive.force[row] } else { 0.0 };
+                let outer = match k {
+                    0 => outer[row],
+                    1 => drive.force_rate[row],
+                    _ => 0.0,
+                };
                 *force = outer - dynamics.stiffness.row_times(row, &self.stretch);
             }
             if !dynamics.dampers.is_empty() {
@@ -87,17 +93,18 @@ impl Series {
                 *a = dynamics.inverse_mass.row_times(row, &self.force)
                     - dynamics.damping.alpha * self.velocity[row];
             }
-            for (free, contact) in self.free.iter_mut().zip(&dynamics.contacts) {
+            // A stuck contact has the acceleration of its slider.
+            let surface = |i: usize| if k == 0 { drive.slider_acceleration[i] } else { 0.0 };
+            for (i, (free, contact)) in self.free.iter_mut().zip(&dynamics.contacts).enumerate() {
                 *free = [
                     contact.normal.dot(&self.acceleration),
-                    contact.tangent.dot(&self.acceleration),
+                    contact.tangent.dot(&self.acceleration) - surface(i),
                 ];
             }
             let forces = &mut self.forces[k * self.contacts..(k + 1) * self.contacts];
             held.forces(|contact, row| self.free[contact][row], forces);
-            for ((force, responses), (contact, state)) in
-                forces.iter().zip(&dynamics.responses).zip(dynamics.contacts.iter().zip(states))
-            {
+            for (i, (force, responses)) in forces.iter().zip(&dynamics.responses).enumerate() {
+                let (contact, state) = (&dynamics.contacts[i], &states[i]);
                 if *state == ContactState::Detached {
                     continue;
                 }
@@ -109,7 +116,7 @@ impl Series {
                     self.acceleration[dof] = 0.0;
                 }
                 if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
-                    self.acceleration[dof] = 0.0;
+                    self.acceleration[dof] = surface(i);
                 }
             }
             let factor = 1.0 / (index(k + 2) * ahead);

@@ -219,7 +219,8 @@ impl Integrator for RingForwardIncrement {
             *out = if open || pressing < 0.0 {
                 ContactForce::detached(slip)
             } else {
-                let holding = -damped(TANGENT, tangent);
+                let carried = self.blocks[i].mass[TANGENT] * drive.slider_acceleration[i];
+                let holding = carried - damped(TANGENT, tangent);
                 ContactForce::closed(drive.friction_coefficient[i], pressing, slip, holding)
             };
         }

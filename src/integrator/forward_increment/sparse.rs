@@ -23,7 +23,7 @@ impl SparseForwardIncrement {
     }
 
     fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
-        self.dynamics.free_acceleration(motion, drive);
+        self.dynamics.free_acceleration(motion, &drive.force);
         let Dynamics { contacts, multipliers, responses, acceleration, .. } = &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
             let normal = contact.normal.dot(&motion.velocity);

@@ -41,7 +41,7 @@ impl Legend {
             }
         };
         entry(kind(LinkKind::Spring), "spring", &|shapes| symbols::spring([from, to], 6.0, shapes));
-        entry(kind(LinkKind::Damper), "dashpot", &|shapes| {
+        entry(kind(LinkKind::Damper), "damper", &|shapes| {
             symbols::dashpot([from, to], 6.0, shapes);
         });
         entry(grounded, "fixed", &|shapes| {

@@ -104,7 +104,7 @@ pub(super) fn description(structure: &Structure) -> String {
     for Link { name: own, label, ends, direction, kind } in &structure.links {
         let kind = match kind {
             LinkKind::Spring => "spring",
-            LinkKind::Damper => "dashpot",
+            LinkKind::Damper => "damper",
         };
         let [from, to] = ends.map(|end| end.map_or("ground", name));
         let degrees = direction.to_degrees().round() + 0.0;

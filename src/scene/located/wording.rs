@@ -60,21 +60,15 @@ pub(super) fn wrong_kind(value: &DeValue<'_>, schema: &Value, path: &str) -> Pro
     let help = match value {
         DeValue::String(text) if takes("number") || takes("integer") => {
             let number = text.trim().replace(',', ".");
-            let alone: String = number
-                .chars()
-                .take_while(|c| c.is_ascii_digit() || "+-._eE".contains(*c))
-                .collect();
+            let begins_as_one =
+                number.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c));
             if number.parse::<f64>().is_ok() {
                 Some(format!("write it without quotes: {}", write(&number)))
-            } else if let Some(alone) =
-                alone.trim_end_matches(['e', 'E']).parse::<f64>().ok().map(|_| alone)
-            {
-                let unit = kind::meaning(schema)
-                    .map_or_else(String::new, |meaning| format!(" ({meaning})"));
-                Some(format!(
-                    "write the number alone: {}{unit}",
-                    write(alone.trim_end_matches(['e', 'E']))
-                ))
+            } else if begins_as_one {
+                let meaning = kind::meaning(schema);
+                let unit = meaning.map_or_else(String::new, |meaning| format!(" ({meaning})"));
+                // Which number it is depends on the unit that stands there.
+                Some(format!("write the number alone, without its unit: {}{unit}", write("…")))
             } else {
                 None
             }
@@ -86,7 +80,7 @@ pub(super) fn wrong_kind(value: &DeValue<'_>, schema: &Value, path: &str) -> Pro
         DeValue::Table(_) if takes("array") && wishes == "a list of tables" => {
             Some(format!("write `[[{key}]]`, with two brackets"))
         }
-        DeValue::Array(_) if takes("object") => {
+        DeValue::Array(_) if takes("object") && !path.contains('.') => {
             Some(format!("write `[{key}]`, once and with single brackets"))
         }
         DeValue::Integer(_) | DeValue::Float(_) if takes("string") => {
