@@ -80,6 +80,8 @@ pub struct Run {
     /// Else, how much is forgiven as a part of the scales, and the gap of it, m.
     drift: f64,
     gap_drift: f64,
+    /// The step that was judged last.
+    judged: u64,
 }
 
 /// What acts at one time.
@@ -169,6 +171,7 @@ impl Run {
             is_exact,
             drift: 0.0,
             gap_drift: 0.0,
+            judged: 0,
         };
         run.look();
         run.before = run.now.clone();
@@ -297,7 +300,8 @@ impl Run {
         if !self.is_exact {
             let lightest = self.mass.diagonal().iter().copied().fold(f64::MAX, f64::min);
             let velocity = 2e-12 * forces.amax() * self.h() / lightest;
-            self.gap_drift += velocity * self.h();
+            let steps = self.steps - std::mem::replace(&mut self.judged, self.steps);
+            self.gap_drift += velocity * self.h() * steps as f64;
             self.drift = velocity / self.scales.velocity + self.gap_drift / self.scales.length;
         }
     }
