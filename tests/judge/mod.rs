@@ -390,9 +390,13 @@ impl Run {
         let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);
         let forces = DVector::from_iterator(2 * reported.len(), pairs);
         let rest = (needed - &self.directions * &forces).amax();
-        // Where masses share contacts the multipliers may converge slowly, and so stop early.
-        let part = if self.is_exact { 1e-12 } else { 1e-9 };
-        let allowed = 10.0 * rounding + part * forces.amax();
+        // Where masses share contacts the multipliers stop at 1e-13 of the largest in a step, and what
+        // that leaves, up to a hundred times as much where they converge slowly, comes in the next.
+        let allowed = if self.is_exact {
+            10.0 * rounding + 1e-12 * forces.amax()
+        } else {
+            1000.0 * rounding + 1e-9 * forces.amax()
+        };
         assert!(
             rest <= allowed,
             "at {time} s Newton's law misses what is reported by {rest} N: {reported:?}"
