@@ -252,7 +252,10 @@ fn equal_modules_that_lift_off_and_land_together_stay_equal_to_the_last_bit() {
             assert_copies(&run, 4);
         }
         let statistics = run.simulation.statistics();
-        assert!(statistics.touch_downs >= 4 && statistics.touch_downs % 4 == 0, "{statistics:?}");
+        assert!(
+            statistics.touch_downs >= 4 && statistics.touch_downs.is_multiple_of(4),
+            "{statistics:?}"
+        );
         assert_eq!(statistics.state_changes % 4, 0);
     }
 }
