@@ -394,13 +394,22 @@ fn a_state_from_before_its_signal_made_friction_impossible_can_be_gone_back_to()
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
     simulation.write(&friction, 0.5).unwrap();
     simulation.advance_to(0.01).unwrap();
-    let saved = simulation.save();
+    let (saved, mut ends) = (simulation.save(), Vec::new());
     // Looking is always possible, going on is not, until the importer makes it so.
     simulation.contact_forces().unwrap();
     assert!(simulation.advance_to(0.011).unwrap_err().is_step());
     simulation.write(&friction, 1.96).unwrap();
     simulation.advance_to(0.011).unwrap();
+    // What no signal drives goes back too.
+    let damping = variable(simulation.scene(), "damping.beta");
+    simulation.write(&damping, 1e-4).unwrap();
     simulation.restore(&saved).unwrap();
     assert!(simulation.save() == saved);
+    for run in [&mut simulation, &mut Simulation::resume(saved.clone()).unwrap()] {
+        run.write(&friction, 1.96).unwrap();
+        run.advance_to(0.02).unwrap();
+        ends.push(run.save());
+    }
+    assert!(ends[0] == ends[1]);
     assert!(Simulation::resume(saved).unwrap().advance_to(0.011).unwrap_err().is_step());
 }

@@ -5,6 +5,7 @@
 //! T = +µN where v_r > 0, −µN where v_r < 0, anything with |T| ≤ µN where v_r = 0.
 
 mod local;
+pub mod residual;
 
 pub use local::LocalProblem;
 

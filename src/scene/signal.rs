@@ -145,7 +145,8 @@ impl Shape {
                     0.0
                 }
             }
-            Self::Table(table) => table.at(t, slack),
+            // Interpolated it would waver by a bit.
+            Self::Table(table) => table.plateau(t + slack).unwrap_or_else(|| table.at(t, slack)),
         }
     }
 
@@ -243,6 +244,14 @@ impl Table {
         }
     }
 
+    /// The value at time `t` (s) if it is the same at the points before and after.
+    fn plateau(&self, t: f64) -> Option<f64> {
+        let after = self.points_up_to(t);
+        let [_, low] = *self.points.get(after.checked_sub(1)?)?;
+        let [_, high] = *self.points.get(after)?;
+        (low == high).then_some(low)
+    }
+
     /// Where two points at one time make the value jump, s, in ascending order.
     pub fn jumps(&self) -> impl Iterator<Item = f64> + '_ {
         self.points.windows(2).filter(|two| two[0][0] == two[1][0]).map(|two| two[0][0])
@@ -262,7 +271,13 @@ impl Table {
         let after = self.points_up_to(t + slack);
         match self.points.get(after) {
             None => f64::INFINITY,
-            Some([next, _]) if after == 0 || self.between == Between::Constant => *next,
+            Some([next, _])
+                if after == 0
+                    || self.between == Between::Constant
+                    || self.plateau(t + slack).is_some() =>
+            {
+                *next
+            }
             Some(_) => t,
         }
     }
@@ -341,6 +356,17 @@ mod tests {
         assert_eq!(linear.jumps().collect::<Vec<_>>(), [2.0]);
         let constant = Table { between: Between::Constant, ..linear };
         assert_eq!(times.map(|t| constant.at(t, 0.0)), [1.0, 1.0, 5.0, 5.0, 6.0]);
+    }
+
+    #[test]
+    fn a_table_that_stays_where_it_is_does_not_waver_by_a_bit() {
+        // Interpolated between two equal values a slider that stands would creep to and fro.
+        let points = vec![[0.2, 0.0], [0.3, -0.1], [1.0, -0.1], [1.1, 0.0]];
+        let shape = Shape::Table(Table { points, between: Between::Linear });
+        for i in 0..700 {
+            assert_eq!(shape.at(0.3 + 1e-3 * f64::from(i), 0.0), -0.1, "{i}");
+        }
+        assert_eq!(shape.constant_until(0.5, 0.0), 1.0);
     }
 
     #[test]

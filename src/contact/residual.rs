@@ -1,0 +1,245 @@
+//! How far a contact is from the Signorini–Coulomb law: a judge of integrators.
+//!
+//! It knows positions, velocities and forces of one contact at one instant and nothing else, and
+//! shares nothing with the code that solves the law. The law, with the gap g, N compressive, T on
+//! the mass and v_r = v − ẋ_t:
+//!
+//! * 0 ≤ g ⊥ N ≥ 0, and on a closed contact 0 ≤ ġ ⊥ N ≥ 0;
+//! * |T| ≤ µ_s N;
+//! * v_r = 0, or T = sign(v_r) µ_k N.
+//!
+//! "Either this or that vanishes" is measured by the smaller of the two, each over its scale, so no
+//! threshold decides what counts as closed or as stuck.
+
+use std::fmt;
+
+/// What a contact does at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Instant {
+    /// g, m; negative where the mass is inside the slider.
+    pub gap: f64,
+    /// ġ, m/s; positive where it opens.
+    pub gap_velocity: f64,
+    /// v_r = v − ẋ_t, slider against mass, m/s.
+    pub slip_velocity: f64,
+    /// N, compressive, N.
+    pub normal_force: f64,
+    /// T, on the mass along the tangent, N.
+    pub friction_force: f64,
+}
+
+/// The coefficients of friction of a contact; Coulomb's law with one has both alike.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coefficients {
+    /// µ_s, of a contact that does not slip.
+    pub static_: f64,
+    /// µ_k ≤ µ_s, of one that does.
+    pub kinetic: f64,
+}
+
+impl From<f64> for Coefficients {
+    fn from(friction_coefficient: f64) -> Self {
+        Self { static_: friction_coefficient, kinetic: friction_coefficient }
+    }
+}
+
+/// What a violation is measured against; all above zero.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Scales {
+    /// m.
+    pub length: f64,
+    /// m/s.
+    pub velocity: f64,
+    /// N.
+    pub force: f64,
+}
+
+/// A part of the law.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    /// Values are numbers.
+    Finite,
+    /// g ≥ 0.
+    Penetration,
+    /// ġ ≥ 0 where the contact is closed.
+    Approach,
+    /// N ≥ 0.
+    Adhesion,
+    /// N = 0 where the contact is open or opens.
+    ForceAtADistance,
+    /// |T| ≤ µ_s N.
+    FrictionLimit,
+    /// |T| = µ_k N where the contact slips.
+    SlidingFriction,
+    /// T v_r ≥ 0: friction takes power from a contact that slips, and never feeds it.
+    Feeding,
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Finite => "a value is not a number",
+            Self::Penetration => "the mass is inside the slider",
+            Self::Approach => "a closed contact closes further",
+            Self::Adhesion => "the contact pulls",
+            Self::ForceAtADistance => "an open contact presses",
+            Self::FrictionLimit => "friction is above its limit",
+            Self::SlidingFriction => "friction that slips is not at its kinetic value",
+            Self::Feeding => "friction feeds the slip",
+        })
+    }
+}
+
+/// The part of the law that is violated most, and how much, as a part of the scales.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Violation {
+    /// Zero where the law holds; infinite where values are not numbers.
+    pub size: f64,
+    /// Which part, if any is violated.
+    pub part: Option<Part>,
+}
+
+impl fmt::Display for Violation {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.part {
+            Some(part) => write!(f, "{part}, by {:.3e}", self.size),
+            None => f.write_str("the law holds"),
+        }
+    }
+}
+
+/// How far a contact is from the law.
+#[must_use]
+pub fn residual(instant: &Instant, friction: Coefficients, scales: &Scales) -> Violation {
+    let Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force } = *instant;
+    let values = [gap, gap_velocity, slip_velocity, normal_force, friction_force];
+    if !values.iter().all(|value| value.is_finite()) {
+        return Violation { size: f64::INFINITY, part: Some(Part::Finite) };
+    }
+    let (gap, opening) = (gap / scales.length, gap_velocity / scales.velocity);
+    let (pressing, held) = (normal_force / scales.force, friction_force.abs() / scales.force);
+    let slip = slip_velocity.abs() / scales.velocity;
+    let compressed = pressing.max(0.0);
+    let feeds = friction_force * slip_velocity < 0.0;
+    let kinetic = friction.kinetic * compressed;
+    // Against the slip a force misses the kinetic one by the sum of both.
+    let missed = if feeds { held + kinetic } else { (held - kinetic).abs() };
+    let sliding = if feeds { Part::Feeding } else { Part::SlidingFriction };
+    let parts = [
+        (Part::Penetration, -gap),
+        (Part::Approach, if gap <= 0.0 { -opening } else { 0.0 }),
+        (Part::Adhesion, -pressing),
+        (Part::ForceAtADistance, gap.max(opening).min(pressing)),
+        (Part::FrictionLimit, held - friction.static_ * compressed),
+        (sliding, slip.min(missed)),
+    ];
+    let none = Violation { size: 0.0, part: None };
+    parts.into_iter().fold(none, |worst, (part, size)| {
+        if size > worst.size { Violation { size, part: Some(part) } } else { worst }
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const SCALES: Scales = Scales { length: 1e-3, velocity: 0.1, force: 10.0 };
+    const FRICTION: Coefficients = Coefficients { static_: 0.6, kinetic: 0.4 };
+    /// Stuck within its cone: N = 10 N, T = 5 N of 6.
+    const STUCK: Instant = Instant {
+        gap: 0.0,
+        gap_velocity: 0.0,
+        slip_velocity: 0.0,
+        normal_force: 10.0,
+        friction_force: 5.0,
+    };
+    const SLIPPING: Instant = Instant { slip_velocity: 0.1, friction_force: 4.0, ..STUCK };
+    const OPEN: Instant = Instant {
+        gap: 1e-3,
+        gap_velocity: -0.1,
+        slip_velocity: 0.3,
+        normal_force: 0.0,
+        friction_force: 0.0,
+    };
+
+    #[track_caller]
+    fn assert_found(instant: Instant, part: Part, size: f64) {
+        // The law knows no left and right.
+        let (slip, friction) = (-instant.slip_velocity, -instant.friction_force);
+        let mirrored = Instant { slip_velocity: slip, friction_force: friction, ..instant };
+        for instant in [instant, mirrored] {
+            let found = residual(&instant, FRICTION, &SCALES);
+            assert_eq!(found.part, Some(part), "{found}");
+            assert!((found.size - size).abs() < 1e-12, "{found}");
+        }
+    }
+
+    #[test]
+    fn each_state_that_obeys_the_law_has_no_residual() {
+        let reverse = Instant { slip_velocity: -0.2, friction_force: -4.0, ..STUCK };
+        let at_limit = Instant { friction_force: -6.0, ..STUCK };
+        let opening = Instant { gap: 0.0, gap_velocity: 0.3, ..OPEN };
+        for state in [STUCK, at_limit, SLIPPING, reverse, OPEN, opening] {
+            assert_eq!(
+                residual(&state, FRICTION, &SCALES),
+                Violation { size: 0.0, part: None },
+                "{state:?}"
+            );
+        }
+    }
+
+    #[test]
+    fn penetration_and_what_leads_to_it_are_seen() {
+        assert_found(Instant { gap: -2e-5, ..STUCK }, Part::Penetration, 0.02);
+        assert_found(Instant { gap_velocity: -0.03, ..STUCK }, Part::Approach, 0.3);
+    }
+
+    #[test]
+    fn a_contact_that_pulls_is_seen() {
+        let pulls = Instant { normal_force: -1.0, friction_force: 0.0, ..STUCK };
+        assert_found(pulls, Part::Adhesion, 0.1);
+    }
+
+    #[test]
+    fn a_force_at_a_distance_is_seen_as_far_as_both_are_above_zero() {
+        let near = Instant { gap: 1e-4, ..STUCK };
+        assert_found(near, Part::ForceAtADistance, 0.1);
+        let light = Instant { gap: 1e-3, normal_force: 0.5, friction_force: 0.2, ..STUCK };
+        assert_found(light, Part::ForceAtADistance, 0.05);
+        assert_found(Instant { gap_velocity: 0.02, ..STUCK }, Part::ForceAtADistance, 0.2);
+    }
+
+    #[test]
+    fn friction_above_its_limit_is_seen_also_where_nothing_presses() {
+        assert_found(Instant { friction_force: 7.0, ..STUCK }, Part::FrictionLimit, 0.1);
+        assert_found(
+            Instant { slip_velocity: 0.0, friction_force: 1.0, ..OPEN },
+            Part::FrictionLimit,
+            0.1,
+        );
+    }
+
+    #[test]
+    fn a_contact_that_slips_under_another_than_its_kinetic_friction_is_seen() {
+        // The static limit of 6 N would allow it.
+        assert_found(Instant { friction_force: 5.5, ..SLIPPING }, Part::SlidingFriction, 0.15);
+        assert_found(Instant { friction_force: 3.0, ..SLIPPING }, Part::SlidingFriction, 0.1);
+        let creeping = Instant { slip_velocity: 1e-3, friction_force: 2.0, ..STUCK };
+        assert_found(creeping, Part::SlidingFriction, 0.01);
+    }
+
+    #[test]
+    fn friction_that_feeds_the_slip_is_seen() {
+        assert_found(Instant { friction_force: -4.0, ..SLIPPING }, Part::Feeding, 0.8);
+        let slow = Instant { slip_velocity: 0.01, friction_force: -4.0, ..SLIPPING };
+        assert_found(slow, Part::Feeding, 0.1);
+    }
+
+    #[test]
+    fn what_is_not_a_number_is_no_state_at_all() {
+        for value in [f64::NAN, f64::INFINITY] {
+            let found = residual(&Instant { friction_force: value, ..STUCK }, FRICTION, &SCALES);
+            assert_eq!(found, Violation { size: f64::INFINITY, part: Some(Part::Finite) });
+        }
+    }
+}
