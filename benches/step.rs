@@ -192,7 +192,7 @@ impl Ring {
                 contacts: vec![ContactState::Slide; model.contacts.len()],
                 statistics: Statistics::default(),
             },
-            integrator: integrator::choose(&model).expect("its masses are positive"),
+            integrator: integrator::choose(&model, scene.method).expect("its masses are positive"),
             model,
         }
     }

@@ -2,10 +2,12 @@
 //! run is split, inputs that act when they change.
 
 use amontons::contact::ContactState;
-use amontons::scene::{Module, Scene, builtin};
+use amontons::scene::{Method, Module, Scene, builtin};
 use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{Simulation, variables};
 use proptest::prelude::*;
+
+const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
 
 fn any_module() -> impl Strategy<Value = Module> {
     (
@@ -25,9 +27,11 @@ fn any_module() -> impl Strategy<Value = Module> {
 }
 
 fn any_scene() -> impl Strategy<Value = Scene> {
-    (prop::collection::vec(any_module(), 1..=4), 0.0..3.0, -0.3..0.3, -1.0..1.0, 0.0..1e-4)
-        .prop_map(|(modules, friction_coefficient, velocity, angle, beta)| {
+    let modules = prop::collection::vec(any_module(), 1..=4);
+    (prop::sample::select(METHODS.to_vec()), modules, 0.0..3.0, -0.3..0.3, -1.0..1.0, 0.0..1e-4)
+        .prop_map(|(method, modules, friction_coefficient, velocity, angle, beta)| {
             let mut scene = builtin("set1").unwrap().scene();
+            scene.method = method;
             *scene.modules_mut() = modules;
             scene.friction_coefficient = friction_coefficient;
             (scene.slider.velocity, scene.slider.angle) = (velocity, angle);

@@ -1,7 +1,7 @@
 //! A step, a read and a write allocate nothing.
 #![allow(unsafe_code)]
 
-use amontons::scene::{builtin, parse};
+use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::{Simulation, variables};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
@@ -79,7 +79,9 @@ fn steps_reads_and_writes_allocate_nothing() {
     let network = parse("network", NETWORK).unwrap();
     let driven = parse("driven", &format!("{NETWORK}{SIGNALS}")).unwrap();
     let rings = ["set1", "ring12"].map(|name| builtin(name).unwrap().scene());
-    for scene in rings.into_iter().chain([network, driven]) {
+    let exact = |scene: &Scene| Scene { method: Method::EventDriven, ..scene.clone() };
+    let exactly: Vec<Scene> = rings.iter().chain([&network, &driven]).map(exact).collect();
+    for scene in rings.into_iter().chain([network, driven]).chain(exactly) {
         let name = scene.name.clone();
         let all = variables(&scene);
         let mut simulation = Simulation::new(scene, 0.0).unwrap();

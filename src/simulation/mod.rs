@@ -163,6 +163,18 @@ impl Simulation {
         signals::acting(self.driven.as_ref(), &self.scene)
     }
 
+    /// Displacements from the equilibrium, m, one a degree of freedom.
+    #[must_use]
+    pub fn displacement(&self) -> &[f64] {
+        &self.motion.displacement
+    }
+
+    /// Velocities, m/s, one a degree of freedom.
+    #[must_use]
+    pub fn velocity(&self) -> &[f64] {
+        &self.motion.velocity
+    }
+
     /// What has been counted since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {

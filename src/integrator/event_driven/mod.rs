@@ -94,7 +94,7 @@ impl EventDriven {
         motion.statistics.steps += 1;
         let (mut left, mut events, mut standstill) = (h, 0, 0);
         self.reach(drive, h, left);
-        self.follow_slider(motion);
+        self.follow_slider(motion, h);
         while left > 0.0 {
             self.expand(motion, drive);
             let reach = self.series.reach(left);
@@ -142,7 +142,11 @@ impl EventDriven {
 
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
-    fn follow_slider(&self, motion: &mut Motion) {
+    fn follow_slider(&self, motion: &mut Motion, h: f64) {
+        // Of a slider that stands only what the forces would do in a step says what rounding is.
+        let rows = 0..self.force.len();
+        let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &self.force).abs());
+        let gained = h * driven.fold(0.0, f64::max);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let old = motion.contacts[i];
             if old == ContactState::Detached {
@@ -150,7 +154,7 @@ impl EventDriven {
             }
             let along = contact.tangent.dot(&motion.velocity);
             let slip = self.surface[i] - along;
-            let size = self.surface[i].abs().max(along.abs());
+            let size = self.surface[i].abs().max(along.abs()).max(gained);
             let new = if slip.abs() <= NOISE * size {
                 continue;
             } else if slip > 0.0 {
@@ -181,7 +185,7 @@ impl EventDriven {
         self.events.fill(None);
         let mut first = None;
         for i in 0..self.events.len() {
-            for (event, size) in self.watched(i, motion.contacts[i], drive) {
+            for (event, size) in self.watched(i, motion.contacts[i], drive, reach) {
                 let terms = self.fill(i, event, drive);
                 let p = &self.polynomial[..terms];
                 let Some(time) = roots::first_negative(p, reach, NOISE * size) else { continue };
@@ -205,16 +209,19 @@ impl EventDriven {
         contact: usize,
         state: ContactState,
         drive: &Drive,
+        reach: f64,
     ) -> impl Iterator<Item = (Event, f64)> + use<> {
         let [normal, _] = self.series.force(0, contact);
         let own = self.dynamics.multipliers.delassus.own(contact);
         let acceleration = self.series.largest_acceleration();
         let force = normal.abs().max(acceleration / own[0]);
-        let speed = self.surface[contact].abs();
+        let speed = self.surface[contact].abs().max(acceleration * reach);
         let friction = drive.friction_coefficient[contact];
         let limit = |direction| (Event::Slip(direction), (1.0 + friction) * force);
         let events = match state {
-            ContactState::Detached => [Some((Event::Touch, 0.0)), None, None],
+            ContactState::Detached => {
+                [Some((Event::Touch, acceleration * reach * reach)), None, None]
+            }
             ContactState::Stick => [
                 Some((Event::Lift, force)),
                 Some(limit(ContactState::Slide)),
