@@ -184,3 +184,15 @@ fn ramps_of_force_and_slider_are_followed_exactly() {
         );
     }
 }
+
+#[test]
+fn numbers_that_leave_their_range_end_the_run_with_the_reason() {
+    // A force of 1e308 N on half a kilogram; the series once was shortened without an end.
+    let text = "[[mass]]\nname = \"a\"\nmass = 0.5\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
+        between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n[integrator]\n\
+        method = \"event-driven\"\nstep = 1e-3\n[[signal]]\ninput = \"mass.a.fx\"\n\
+        constant = { value = 1e308 }";
+    let scene = amontons::scene::parse("far", text).unwrap();
+    let error = Simulation::new(scene, 0.0).unwrap().advance_to(0.1).unwrap_err();
+    assert!(error.is_step() && error.to_string().contains("range of numbers"), "{error}");
+}

@@ -27,6 +27,8 @@ use series::{ORDER, Series, index};
 const MAX_EVENTS: u64 = 10_000;
 /// And this many at one instant.
 const MAX_STANDSTILL: u64 = 16;
+/// A series that covers no more than this part of what is left of a step will not end it.
+const SHORTEST: f64 = 1e-12;
 /// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
 const NOISE: f64 = 1e-13;
 
@@ -98,11 +100,14 @@ impl EventDriven {
         while left > 0.0 {
             self.expand(motion, drive);
             let reach = self.series.reach(left);
-            let passed = match self.next_event(motion, drive, reach) {
-                None => reach,
-                Some(time) => time,
-            };
-            let is_event = self.events.iter().any(Option::is_some);
+            if reach <= SHORTEST * left {
+                // No series covers numbers that have left their range: whoever looks at the motion is to
+                // see that.
+                motion.displacement.fill(f64::NAN);
+                return Ok(());
+            }
+            let event = self.next_event(motion, drive, reach);
+            let passed = event.unwrap_or(reach);
             if passed > 0.0 {
                 self.series.evaluate(passed, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
@@ -110,7 +115,7 @@ impl EventDriven {
                 self.reach(drive, h, left);
                 self.settle(motion);
             }
-            if is_event {
+            if event.is_some() {
                 self.change(motion, drive)?;
                 events += 1;
                 standstill = if passed > 0.0 { 0 } else { standstill + 1 };

@@ -1,5 +1,7 @@
 //! Where a polynomial that must not be negative becomes so.
 
+use super::series::index;
+
 /// Halvings after which an interval holds no more doubles.
 const MOST_HALVINGS: u32 = 60;
 /// Newton steps before bisection alone goes on.
@@ -43,11 +45,6 @@ fn bend(p: &[f64], h: f64) -> f64 {
         let k = index(k);
         sum * h + k * (k - 1.0) * c.abs()
     })
-}
-
-/// A small number as a double.
-fn index(k: usize) -> f64 {
-    f64::from(u32::try_from(k).unwrap_or(u32::MAX))
 }
 
 struct Search<'a> {

@@ -11,6 +11,8 @@ pub(super) const ORDER: usize = 22;
 const TRUNCATION: f64 = 1e-17;
 /// By how much a step that the series does not cover is shortened, again and again.
 const SHORTER: f64 = 0.8;
+/// How often at the most: to 1e-19 of it.
+const MOST_SHORTENINGS: u32 = 200;
 
 /// Coefficients of x(τ) = Σ c_k τ^k and of the contact forces; the forces have two powers less.
 ///
@@ -126,7 +128,8 @@ impl Series {
         }
     }
 
-    /// The longest step up to `h` (s) that the series covers to the last digits.
+    /// The longest step up to `h` (s) that the series covers to the last digits; next to nothing where its
+    /// numbers have left their range.
     pub(super) fn reach(&self, h: f64) -> f64 {
         let largest = |k: usize| {
             let c = &self.displacement[k * self.dofs..(k + 1) * self.dofs];
@@ -135,7 +138,7 @@ impl Series {
         let last = [ORDER - 1, ORDER].map(largest);
         let first = [0, 1, 2].map(largest);
         let mut reach = h;
-        while reach > 0.0 {
+        for _ in 0..MOST_SHORTENINGS {
             let size = first[0].max(first[1] * reach).max(first[2] * reach * reach);
             let mut power = 1.0;
             for _ in 0..ORDER - 1 {
