@@ -230,7 +230,7 @@ impl From<&Ring> for Problem {
             damping: from_fn(|i| from_fn(|j| c(i, j))),
             force: from_fn(|i| ring.drive.force[i]),
             slider_velocity: ring.drive.slider_velocity[0],
-            friction: ring.drive.friction_coefficient[0],
+            friction: ring.drive.friction[0].kinetic,
             step: ring.step,
         }
     }

@@ -59,7 +59,7 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
     let (x, v) =
         (DVector::from(motion.displacement.clone()), DVector::from(motion.velocity.clone()));
     let impulse = (DVector::from(drive.force.clone()) - damping * &v - stiffness * x) * STEP;
-    let friction = drive.friction_coefficient[0];
+    let friction = drive.friction[0].kinetic;
     all_states(u32::try_from(m).unwrap())
         .filter_map(|states| {
             // Unknowns: v⁺, then N and T of each contact.
@@ -183,7 +183,7 @@ fn a_ring_moves_the_same_through_the_general_integrator() {
     }
     // Each contact with its own µ and v, and then all with the same.
     let mut own = drive.clone();
-    (own.friction_coefficient[1], own.slider_velocity[2]) = (1.2, -0.03);
+    (own.friction[1], own.slider_velocity[2]) = (1.2.into(), -0.03);
     let mut start = closed(6, &[0.0]);
     start.contacts = vec![ContactState::Slide; 3];
     start.velocity[0] = 0.3;

@@ -772,7 +772,7 @@ fn imbalance(run: &mut Run, end: f64) -> (f64, Work, bool) {
                 // Perfectly inelastic, with friction as long as it lasts.
                 let approach = contact.normal.dot(run.before[1].as_slice()).abs();
                 let slip = v[i] - contact.tangent.dot(run.before[1].as_slice());
-                let limit = mu[i] * mass * approach;
+                let limit = mu[i].kinetic * mass * approach;
                 let impulse = (mass * slip).clamp(-limit, limit);
                 work.impact += 0.5 * mass * approach * approach;
                 work.friction += impulse * slip - 0.5 * impulse * impulse / mass;

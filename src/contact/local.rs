@@ -1,5 +1,7 @@
 //! The Signorini–Coulomb law of one contact against its own block of the Delassus matrix.
 
+use super::{ContactState, FrictionRange};
+
 /// Block of the Delassus matrix G M⁻¹ Gᵀ that belongs to one contact, 1/kg: normal–normal,
 /// normal–tangential, tangential–tangential.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,77 +14,120 @@ pub struct LocalProblem {
     pub tt: f64,
 }
 
+/// The multipliers of one contact, and the state that they belong to.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LocalSolution {
+    /// (N, T), N.
+    pub force: [f64; 2],
+    /// Dt where N is zero.
+    pub state: ContactState,
+}
+
+impl LocalSolution {
+    /// Of a contact that carries nothing.
+    pub const OPEN: Self = Self { force: [0.0; 2], state: ContactState::Detached };
+}
+
 impl LocalProblem {
     /// The multipliers (N, T), in N, of the law
     ///
-    /// 0 ≤ a_N ⊥ N ≥ 0, |T| ≤ µN, a_T = 0 or T = −sign(a_T) µN, with a = W (N, T) + `free`,
+    /// 0 ≤ a_N ⊥ N ≥ 0, T/N in `range` with a_T = 0, or T = −sign(a_T) µ_k N, with
+    /// a = W (N, T) + `free`,
     ///
     /// where `free` holds the normal and tangential accelerations (m/s²) without this contact.
     /// The cases are tried in turn: open, stick, slide. W is positive definite, so one of them holds.
     #[must_use]
-    pub fn solve(&self, free: [f64; 2], friction_coefficient: f64) -> [f64; 2] {
+    pub fn solve(&self, free: [f64; 2], range: &FrictionRange) -> LocalSolution {
         let [free_normal, free_tangential] = free;
         if free_normal >= 0.0 {
-            return [0.0, 0.0];
+            return LocalSolution::OPEN;
         }
-        if let Some(held) = self.stick(free, friction_coefficient) {
+        if let Some(held) = self.stick(free, range) {
             return held;
         }
         // A mass that lags behind the slider (a_T < 0) is dragged along (T > 0), and the other way
         // round. Where rounding lets neither pass, friction opposes what the free motion would do.
         let slides = |direction: f64| {
-            let [normal, tangential] = self.slide(free_normal, friction_coefficient, direction)?;
+            let solution = self.slide(free_normal, range.kinetic, direction)?;
+            let [normal, tangential] = solution.force;
             let acceleration = free_tangential + self.nt * normal + self.tt * tangential;
-            (acceleration * direction <= 0.0).then_some([normal, tangential])
+            (acceleration * direction <= 0.0).then_some(solution)
         };
         let against = if free_tangential > 0.0 { -1.0 } else { 1.0 };
         slides(1.0)
             .or_else(|| slides(-1.0))
-            .or_else(|| self.slide(free_normal, friction_coefficient, against))
-            .unwrap_or([f64::NAN; 2])
+            .or_else(|| self.slide(free_normal, range.kinetic, against))
+            .unwrap_or(LocalSolution { force: [f64::NAN; 2], state: ContactState::Stick })
     }
 
-    /// The multipliers of a contact that does slip, with friction in the given direction (±1);
+    /// The multipliers of a contact that does slip, with `friction` = µ_k in the given direction (±1);
     /// `None` where it wedges (Painlevé): friction then presses the mass on more than it is
     /// pressed, W_NN ± µ W_NT ≤ 0.
     #[must_use]
-    pub fn slide(&self, free_normal: f64, friction: f64, direction: f64) -> Option<[f64; 2]> {
+    pub fn slide(&self, free_normal: f64, friction: f64, direction: f64) -> Option<LocalSolution> {
         let slope = direction * friction;
         let stiffness = self.nn + slope * self.nt;
         if free_normal >= 0.0 {
-            return Some([0.0, 0.0]);
+            return Some(LocalSolution::OPEN);
         }
         (stiffness > 0.0).then(|| {
             let normal = -free_normal / stiffness;
-            [normal, slope * normal]
+            let state =
+                if direction > 0.0 { ContactState::Slide } else { ContactState::ReverseSlide };
+            LocalSolution { force: [normal, slope * normal], state }
         })
     }
 
     /// The multipliers that hold the contact, if friction can.
-    fn stick(&self, [free_normal, free_tangential]: [f64; 2], friction: f64) -> Option<[f64; 2]> {
+    fn stick(
+        &self,
+        [free_normal, free_tangential]: [f64; 2],
+        range: &FrictionRange,
+    ) -> Option<LocalSolution> {
         let determinant = self.nn * self.tt - self.nt * self.nt;
         let normal = (self.nt * free_tangential - self.tt * free_normal) / determinant;
         let tangential = (self.nt * free_normal - self.nn * free_tangential) / determinant;
-        (normal >= 0.0 && tangential.abs() <= friction * normal).then_some([normal, tangential])
+        let state = if normal > 0.0 { ContactState::Stick } else { ContactState::Detached };
+        let held = normal >= 0.0 && range.holds(tangential, normal);
+        held.then_some(LocalSolution { force: [normal, tangential], state })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::Friction;
+    use ContactState::{ReverseSlide, Slide, Stick};
 
     const W: LocalProblem = LocalProblem { nn: 2.0, nt: 0.0, tt: 4.0 };
 
+    fn coulomb(friction: f64) -> FrictionRange {
+        Friction::from(friction).range(Stick)
+    }
+
     #[test]
     fn a_contact_that_opens_carries_nothing() {
-        assert_eq!(W.solve([0.1, 5.0], 0.3), [0.0, 0.0]);
+        assert_eq!(W.solve([0.1, 5.0], &coulomb(0.3)), LocalSolution::OPEN);
     }
 
     #[test]
     fn stick_where_friction_can_hold_and_slide_where_it_cannot() {
-        assert_eq!(W.solve([-4.0, 1.0], 0.5), [2.0, -0.25]);
-        assert_eq!(W.solve([-4.0, 8.0], 0.5), [2.0, -1.0]);
-        assert_eq!(W.solve([-4.0, -8.0], 0.5), [2.0, 1.0]);
+        for (free, force, state) in [
+            ([-4.0, 1.0], [2.0, -0.25], Stick),
+            ([-4.0, 8.0], [2.0, -1.0], ReverseSlide),
+            ([-4.0, -8.0], [2.0, 1.0], Slide),
+        ] {
+            assert_eq!(W.solve(free, &coulomb(0.5)), LocalSolution { force, state });
+        }
+    }
+
+    #[test]
+    fn what_static_friction_lets_go_slips_under_kinetic_friction() {
+        let range = Friction { kinetic: 0.25, static_: 0.5 }.range(Stick);
+        let held = LocalSolution { force: [2.0, -1.0], state: Stick };
+        assert_eq!(W.solve([-4.0, 4.0], &range), held);
+        let slips = LocalSolution { force: [2.0, -0.5], state: ReverseSlide };
+        assert_eq!(W.solve([-4.0, 4.1], &range), slips);
     }
 
     #[test]
@@ -93,15 +138,19 @@ mod tests {
         for angle in 0..360 {
             let angle = f64::from(angle).to_radians();
             let free = [angle.cos(), angle.sin()];
-            let [normal, tangential] = wedge.solve(free, 2.0);
+            let LocalSolution { force: [normal, tangential], state } =
+                wedge.solve(free, &coulomb(2.0));
             let normal_acceleration = free[0] + wedge.nn * normal + wedge.nt * tangential;
             let tangential_acceleration = free[1] + wedge.nt * normal + wedge.tt * tangential;
             assert!(normal >= 0.0 && normal_acceleration > -1e-12);
             assert!(normal * normal_acceleration < 1e-10);
             assert!(tangential.abs() <= 2.0 * normal + 1e-12);
             assert!(tangential_acceleration * tangential <= 1e-10);
-            let holds = tangential.abs() < 2.0 * normal - 1e-12;
-            assert!(!holds || tangential_acceleration.abs() < 1e-12);
+            assert!(state != Stick || tangential_acceleration.abs() < 1e-12);
+            assert_eq!(state == ContactState::Detached, normal == 0.0);
+            if let Some(direction) = state.sliding_direction() {
+                assert!((tangential - direction * 2.0 * normal).abs() <= 1e-12);
+            }
         }
     }
 }

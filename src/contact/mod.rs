@@ -2,12 +2,15 @@
 //!
 //! Signs: the normal force N ≥ 0 is compressive. The slip velocity is that of the slider against
 //! the mass, v_r = v − ẋ_t. The friction force is the one on the mass, along the tangent:
-//! T = +µN where v_r > 0, −µN where v_r < 0, anything with |T| ≤ µN where v_r = 0.
+//! T = +µN where v_r > 0, −µN where v_r < 0, anything with |T| ≤ µN where v_r = 0. Where a contact has
+//! a static coefficient besides, that one stands in the last of the three ([`Friction`]).
 
+mod friction;
 mod local;
 pub mod residual;
 
-pub use local::LocalProblem;
+pub use friction::{Coulomb, Friction, FrictionLaw, FrictionRange};
+pub use local::{LocalProblem, LocalSolution};
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
@@ -21,7 +24,7 @@ pub enum ContactState {
     Slide = 1,
     /// v_r < 0: the mass overtakes the slider; T = −µN.
     ReverseSlide = 2,
-    /// v_r = 0: the mass moves with the slider; |T| ≤ µN.
+    /// v_r = 0: the mass moves with the slider; |T| ≤ µN, with the static coefficient.
     Stick = 3,
     /// N = T = 0.
     Detached = 4,
@@ -137,33 +140,20 @@ impl ContactForce {
     /// needs `holding_force`; a contact that slips has no choice, one that does not slip may stick.
     #[must_use]
     pub fn closed(
-        friction_coefficient: f64,
+        friction: Friction,
         normal_force: f64,
         slip_velocity: f64,
         holding_force: f64,
     ) -> Self {
-        let limit = friction_coefficient * normal_force;
+        let limit = friction.kinetic * normal_force;
         let (friction_force, state) = if slip_velocity > 0.0 {
             (limit, ContactState::Slide)
         } else if slip_velocity < 0.0 {
             (-limit, ContactState::ReverseSlide)
         } else {
-            coulomb(holding_force, limit)
+            friction.friction(holding_force, normal_force, ContactState::Stick)
         };
         Self { state, normal_force, friction_force, slip_velocity }
-    }
-}
-
-/// Coulomb's law: the force that would hold the contact if friction can, else the limit µN.
-#[inline]
-#[must_use]
-pub fn coulomb(holding_force: f64, limit: f64) -> (f64, ContactState) {
-    if holding_force.abs() <= limit {
-        (holding_force, ContactState::Stick)
-    } else if holding_force > 0.0 {
-        (limit, ContactState::Slide)
-    } else {
-        (-limit, ContactState::ReverseSlide)
     }
 }
 
@@ -191,16 +181,9 @@ mod tests {
     }
 
     #[test]
-    fn friction_holds_up_to_its_limit_and_no_further() {
-        assert_eq!(coulomb(3.0, 3.0), (3.0, ContactState::Stick));
-        assert_eq!(coulomb(3.1, 3.0), (3.0, ContactState::Slide));
-        assert_eq!(coulomb(-3.1, 3.0), (-3.0, ContactState::ReverseSlide));
-    }
-
-    #[test]
     fn friction_never_feeds_a_slipping_contact() {
         for slip in [-0.3, 0.3] {
-            let force = ContactForce::closed(0.5, 10.0, slip, 1e3);
+            let force = ContactForce::closed(0.5.into(), 10.0, slip, 1e3);
             // The slider drags the mass along: the power lost in the contact is T·v_r.
             assert!(force.friction_force * slip > 0.0);
         }

@@ -11,6 +11,7 @@
 //! "Either this or that vanishes" is measured by the smaller of the two, each over its scale, so no
 //! threshold decides what counts as closed or as stuck.
 
+use super::Friction;
 use std::fmt;
 
 /// What a contact does at one instant.
@@ -26,21 +27,6 @@ pub struct Instant {
     pub normal_force: f64,
     /// T, on the mass along the tangent, N.
     pub friction_force: f64,
-}
-
-/// The coefficients of friction of a contact; Coulomb's law with one has both alike.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coefficients {
-    /// µ_s, of a contact that does not slip.
-    pub static_: f64,
-    /// µ_k ≤ µ_s, of one that does.
-    pub kinetic: f64,
-}
-
-impl From<f64> for Coefficients {
-    fn from(friction_coefficient: f64) -> Self {
-        Self { static_: friction_coefficient, kinetic: friction_coefficient }
-    }
 }
 
 /// What a violation is measured against; all above zero.
@@ -110,7 +96,7 @@ impl fmt::Display for Violation {
 
 /// How far a contact is from the law.
 #[must_use]
-pub fn residual(instant: &Instant, friction: Coefficients, scales: &Scales) -> Violation {
+pub fn residual(instant: &Instant, friction: Friction, scales: &Scales) -> Violation {
     let Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force } = *instant;
     let values = [gap, gap_velocity, slip_velocity, normal_force, friction_force];
     if !values.iter().all(|value| value.is_finite()) {
@@ -144,7 +130,7 @@ mod tests {
     use super::*;
 
     const SCALES: Scales = Scales { length: 1e-3, velocity: 0.1, force: 10.0 };
-    const FRICTION: Coefficients = Coefficients { static_: 0.6, kinetic: 0.4 };
+    const FRICTION: Friction = Friction { static_: 0.6, kinetic: 0.4 };
     /// Stuck within its cone: N = 10 N, T = 5 N of 6.
     const STUCK: Instant = Instant {
         gap: 0.0,

@@ -95,47 +95,34 @@ impl Dynamics {
         self.free_acceleration(motion, &drive.force);
         for (i, contact) in self.contacts.iter().enumerate() {
             let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
+            let friction = drive.friction[i];
+            let held = Freedom::Law(friction.range(ContactState::Stick));
             self.multipliers.freedom[i] = match motion.contacts[i] {
                 ContactState::Detached => Freedom::Open,
-                ContactState::Stick => Freedom::Any,
-                _ if slip == 0.0 => Freedom::Any,
-                _ => Freedom::Slipping(slip.signum()),
+                ContactState::Stick => held,
+                _ if slip == 0.0 => held,
+                _ => Freedom::Slipping { direction: slip.signum(), friction: friction.kinetic },
             };
             self.multipliers.free[i] = [
                 contact.normal.dot(&self.acceleration),
                 contact.tangent.dot(&self.acceleration) - drive.slider_acceleration[i],
             ];
         }
-        self.multipliers.solve(&drive.friction_coefficient)?;
+        self.multipliers.solve()?;
         for (i, out) in forces.iter_mut().enumerate() {
-            let force = self.multipliers.forces[i];
+            let [normal_force, friction_force] = self.multipliers.forces[i];
             let slip = match motion.contacts[i] {
                 ContactState::Stick => 0.0,
                 _ => drive.slider_velocity[i] - self.contacts[i].tangent.dot(&motion.velocity),
             };
             *out = ContactForce {
-                state: state_of(force, drive.friction_coefficient[i], slip),
-                normal_force: force[0],
-                friction_force: force[1],
+                state: self.multipliers.states[i],
+                normal_force,
+                friction_force,
                 slip_velocity: slip,
             };
         }
         Ok(())
-    }
-}
-
-/// The state that belongs to a solved pair (N, T) and a slip velocity v_r.
-pub(super) fn state_of([normal, tangential]: [f64; 2], friction: f64, slip: f64) -> ContactState {
-    if normal <= 0.0 {
-        ContactState::Detached
-    } else if tangential.abs() < friction * normal
-        || (slip == 0.0 && tangential.abs() <= friction * normal)
-    {
-        ContactState::Stick
-    } else if tangential > 0.0 || (tangential == 0.0 && slip > 0.0) {
-        ContactState::Slide
-    } else {
-        ContactState::ReverseSlide
     }
 }
 

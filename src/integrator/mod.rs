@@ -13,7 +13,7 @@ pub use event_driven::EventDriven;
 pub use forward_increment::{RingForwardIncrement, SparseForwardIncrement};
 
 use crate::Error;
-use crate::contact::{ContactForce, ContactState};
+use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Damping, LumpedModel};
 use crate::scene::Method;
 use serde::{Deserialize, Serialize};
@@ -61,26 +61,26 @@ pub struct Drive {
     pub slider_velocity: Vec<f64>,
     /// v̇, m/s²; one value a contact.
     pub slider_acceleration: Vec<f64>,
-    /// Friction coefficient µ; one value a contact.
-    pub friction_coefficient: Vec<f64>,
+    /// Friction coefficients; one pair a contact.
+    pub friction: Vec<Friction>,
 }
 
 impl Drive {
-    /// A drive with these forces (N, one a degree of freedom) and the same v (m/s) and µ for as many
-    /// contacts.
+    /// A drive with these forces (N, one a degree of freedom) and the same v (m/s) and friction for as
+    /// many contacts.
     #[must_use]
     pub fn uniform(
         force: Vec<f64>,
         contacts: usize,
         slider_velocity: f64,
-        friction_coefficient: f64,
+        friction: impl Into<Friction>,
     ) -> Self {
         Self {
             force_rate: vec![0.0; force.len()],
             force,
             slider_velocity: vec![slider_velocity; contacts],
             slider_acceleration: vec![0.0; contacts],
-            friction_coefficient: vec![friction_coefficient; contacts],
+            friction: vec![friction.into(); contacts],
         }
     }
 }

@@ -1,7 +1,7 @@
 //! Gauss–Seidel over the contacts (paper, eqs. 19–24).
 
 use super::delassus::Delassus;
-use crate::contact::LocalProblem;
+use crate::contact::{ContactState, FrictionRange, LocalProblem, LocalSolution};
 use crate::integrator::StepFailure;
 
 /// Convergence check (24): the largest change of a multiplier in a sweep against the largest one.
@@ -12,12 +12,17 @@ const MAX_SWEEPS: u64 = 10_000;
 /// What a contact may do in the problem at hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Freedom {
-    /// Anything that its law allows.
-    Any,
+    /// Anything that its law allows, with friction in this range where it holds.
+    Law(FrictionRange),
     /// Open for sure: it carries nothing.
     Open,
-    /// Slipping for sure, with friction in this direction (±1).
-    Slipping(f64),
+    /// Slipping for sure, with µ_k in this direction (±1).
+    Slipping {
+        /// Of the friction force on the mass.
+        direction: f64,
+        /// µ_k.
+        friction: f64,
+    },
 }
 
 /// The contact problem a = W λ + free under the Signorini–Coulomb law of every contact.
@@ -31,6 +36,8 @@ pub(super) struct Multipliers {
     pub(super) freedom: Vec<Freedom>,
     /// The solution λ.
     pub(super) forces: Vec<[f64; 2]>,
+    /// The states that belong to it.
+    pub(super) states: Vec<ContactState>,
 }
 
 impl Multipliers {
@@ -39,20 +46,22 @@ impl Multipliers {
         Self {
             delassus,
             free: vec![[0.0; 2]; contacts],
-            freedom: vec![Freedom::Any; contacts],
+            freedom: vec![Freedom::Open; contacts],
             forces: vec![[0.0; 2]; contacts],
+            states: vec![ContactState::Detached; contacts],
         }
     }
 
     /// Solves for λ from zero, so that a result depends on nothing but the present; returns the
-    /// number of sweeps. `friction` is µ of each contact. Redundant contacts (two that stick on one mass) have many solutions; the
+    /// number of sweeps. Redundant contacts (two that stick on one mass) have many solutions; the
     /// one reached from zero is taken, and the motion is the same for all.
-    pub(super) fn solve(&mut self, friction: &[f64]) -> Result<u64, StepFailure> {
+    pub(super) fn solve(&mut self) -> Result<u64, StepFailure> {
         self.forces.fill([0.0; 2]);
         for sweep in 1..=MAX_SWEEPS {
             let (mut change, mut largest) = (0.0_f64, f64::MIN_POSITIVE);
-            for (contact, &friction) in friction.iter().enumerate() {
-                let force = self.solve_one(contact, friction)?;
+            for contact in 0..self.freedom.len() {
+                let LocalSolution { force, state } = self.solve_one(contact)?;
+                self.states[contact] = state;
                 if !force.iter().all(|force| force.is_finite()) {
                     return Err(StepFailure::NoConvergence { sweeps: sweep });
                 }
@@ -70,7 +79,7 @@ impl Multipliers {
     }
 
     /// Eqs. (19)–(21) for one contact: its force, those of the others held.
-    fn solve_one(&self, contact: usize, friction: f64) -> Result<[f64; 2], StepFailure> {
+    fn solve_one(&self, contact: usize) -> Result<LocalSolution, StepFailure> {
         let own = self.delassus.own(contact);
         let local = LocalProblem { nn: own[0], nt: own[1], tt: own[3] };
         let [mut normal, mut tangential] = self.free[contact];
@@ -79,18 +88,26 @@ impl Multipliers {
             normal += w[0] * n + w[1] * t;
             tangential += w[2] * n + w[3] * t;
         }
-        let force = match self.freedom[contact] {
-            Freedom::Any => Some(local.solve([normal, tangential], friction)),
-            Freedom::Open => Some([0.0; 2]),
-            Freedom::Slipping(direction) => local.slide(normal, friction, direction),
+        let solution = match &self.freedom[contact] {
+            Freedom::Law(range) => Some(local.solve([normal, tangential], range)),
+            Freedom::Open => Some(LocalSolution::OPEN),
+            &Freedom::Slipping { direction, friction } => local.slide(normal, friction, direction),
         };
-        force.ok_or(StepFailure::Wedged { contact })
+        solution.ok_or(StepFailure::Wedged { contact })
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::Friction;
+
+    /// Two contacts with µ = 0.5.
+    fn with_law(delassus: &[f64]) -> Multipliers {
+        let mut problem = Multipliers::new(Delassus::from_rows(2, delassus));
+        problem.freedom.fill(Freedom::Law(Friction::from(0.5).range(ContactState::Stick)));
+        problem
+    }
 
     /// Two contacts whose normals are coupled: W_NN = [[2, 1], [1, 2]], tangents alone.
     fn coupled() -> Multipliers {
@@ -101,14 +118,14 @@ mod tests {
             1.0, 0.0, 2.0, 0.0,
             0.0, 0.0, 0.0, 1.0,
         ];
-        Multipliers::new(Delassus::from_rows(2, &delassus))
+        with_law(&delassus)
     }
 
     #[test]
     fn coupled_contacts_converge_to_the_direct_solution() {
         let mut problem = coupled();
         problem.free = vec![[-3.0, 0.1], [-3.6, -9.0]];
-        let sweeps = problem.solve(&[0.5; 2]).unwrap();
+        let sweeps = problem.solve().unwrap();
         // [[2, 1], [1, 2]] N = (3, 3.6): N = (0.8, 1.4); the first sticks, the second slips.
         let expected = [[0.8, -0.1], [1.4, 0.7]];
         for (found, expected) in problem.forces.iter().flatten().zip(expected.iter().flatten()) {
@@ -122,7 +139,7 @@ mod tests {
         let mut problem = coupled();
         // Alone the second would press with 0.5; the first's 2 N lift it.
         problem.free = vec![[-4.0, 0.0], [-1.0, 0.0]];
-        problem.solve(&[0.5; 2]).unwrap();
+        problem.solve().unwrap();
         assert!((problem.forces[0][0] - 2.0).abs() < 1e-12);
         assert_eq!(problem.forces[1], [0.0, 0.0]);
     }
@@ -137,9 +154,9 @@ mod tests {
             1.0, 0.0, 1.0, 0.0,
             0.0, 1.0, 0.0, 1.0,
         ];
-        let mut problem = Multipliers::new(Delassus::from_rows(2, &delassus));
+        let mut problem = with_law(&delassus);
         problem.free = vec![[-2.0, 0.3]; 2];
-        problem.solve(&[0.5; 2]).unwrap();
+        problem.solve().unwrap();
         let total: f64 = problem.forces.iter().map(|force| force[0]).sum();
         let friction: f64 = problem.forces.iter().map(|force| force[1]).sum();
         assert!((total - 2.0).abs() < 1e-12 && (friction + 0.3).abs() < 1e-12);
@@ -155,12 +172,9 @@ mod tests {
             0.0, 3.0, 1.0, 0.0,
             3.0, 0.0, 0.0, 9.0,
         ];
-        let mut problem = Multipliers::new(Delassus::from_rows(2, &delassus));
-        problem.freedom = vec![Freedom::Slipping(-1.0); 2];
+        let mut problem = with_law(&delassus);
+        problem.freedom = vec![Freedom::Slipping { direction: -1.0, friction: 0.5 }; 2];
         problem.free = vec![[-1.0, 0.0]; 2];
-        assert!(matches!(
-            problem.solve(&[0.5; 2]),
-            Err(StepFailure::NoConvergence { sweeps: 2.. })
-        ));
+        assert!(matches!(problem.solve(), Err(StepFailure::NoConvergence { sweeps: 2.. })));
     }
 }

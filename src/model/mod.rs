@@ -15,8 +15,9 @@ pub use network::Numbering;
 pub use reduced::ReducedMatrices;
 pub use sparse::{Entry, SparseMatrix};
 
+use crate::contact::Friction;
 pub use crate::scene::Damping;
-use crate::scene::{Scene, Structure};
+use crate::scene::{RubbingPlace, Scene, Structure};
 
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,10 +50,22 @@ pub struct Contact {
 /// Values that a contact has for itself; `None` where it has the common one.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct OwnValues {
-    /// µ.
+    /// µ, of a contact that slips.
     pub friction_coefficient: Option<f64>,
+    /// µ_s, of one that does not.
+    pub static_friction: Option<f64>,
     /// v, the velocity of the sliding surface along the tangent, m/s.
     pub slider_velocity: Option<f64>,
+}
+
+impl From<&RubbingPlace> for OwnValues {
+    fn from(place: &RubbingPlace) -> Self {
+        Self {
+            friction_coefficient: place.friction,
+            static_friction: place.static_friction,
+            slider_velocity: place.velocity,
+        }
+    }
 }
 
 impl Contact {
@@ -62,10 +75,22 @@ impl Contact {
         Self { normal, tangent, own: OwnValues::default() }
     }
 
-    /// µ of this contact, where the others have `common`.
+    /// µ of this contact where it slips, where the others have `common`.
     #[must_use]
     pub fn friction(&self, common: f64) -> f64 {
         self.own.friction_coefficient.unwrap_or(common)
+    }
+
+    /// Both coefficients of this contact, where the others have `common`. The common static one belongs
+    /// to the common kinetic one: a contact with a µ of its own has that for both unless it has its own
+    /// µ_s as well.
+    #[must_use]
+    pub fn coefficients(&self, common: Friction) -> Friction {
+        let own = &self.own;
+        Friction {
+            kinetic: self.friction(common.kinetic),
+            static_: own.static_friction.or(own.friction_coefficient).unwrap_or(common.static_),
+        }
     }
 
     /// v at this contact, m/s, where the others have `common`.

@@ -81,8 +81,7 @@ pub(super) fn model(scene: &Scene, network: &Network) -> LumpedModel {
         let [cos, sin] = direction(place.angle.unwrap_or(scene.slider.angle));
         let ends = [Some(place.mass), place.on];
         let row = |d| Direction(numbering.elongation(masses, ends, d));
-        let own =
-            OwnValues { friction_coefficient: place.friction, slider_velocity: place.velocity };
+        let own = OwnValues::from(place);
         Contact { normal: row([-sin, cos]), tangent: row([cos, sin]), own }
     });
     let mass: Vec<f64> = masses.iter().flat_map(|mass| mass.free([mass.mass; 2])).collect();

@@ -27,6 +27,7 @@ pub const BUILTIN: &[Builtin] = &[
     Builtin { name: "set2", text: include_str!("../../scenes/set2.toml") },
     Builtin { name: "ring12", text: include_str!("../../scenes/ring12.toml") },
     Builtin { name: "belt", text: include_str!("../../scenes/belt.toml") },
+    Builtin { name: "stick_slip", text: include_str!("../../scenes/stick_slip.toml") },
     Builtin { name: "den_hartog", text: include_str!("../../scenes/den_hartog.toml") },
     Builtin { name: "hoffmann", text: include_str!("../../scenes/hoffmann.toml") },
     Builtin { name: "corner", text: include_str!("../../scenes/corner.toml") },

@@ -2,7 +2,9 @@
 
 use super::nearest::nearest;
 use super::network_check::quoted;
-use super::{Experiment, Problem, Rule, Scene, Signal, Structure, network_check, problem, ring};
+use super::{
+    Experiment, Network, Problem, Rule, Scene, Signal, Structure, network_check, problem, ring,
+};
 use crate::Error;
 
 /// The most rows of results that a run may have.
@@ -82,10 +84,22 @@ impl Scene {
             Structure::Ring(modules) => ring::check(modules, &mut checks),
             Structure::Network(network) => {
                 network_check::check(network, self.slider, &mut checks);
+                self.check_static_friction(network, &mut checks);
             }
         }
         checks.problems.extend(self.unknown_inputs());
         checks.problems
+    }
+
+    /// Static friction of contacts that have their own.
+    fn check_static_friction(&self, network: &Network, checks: &mut Checks<'_>) {
+        for (i, place) in network.contacts.iter().enumerate() {
+            let Some(static_friction) = place.static_friction else { continue };
+            let kinetic = place.friction.unwrap_or(self.friction_coefficient);
+            let path = || checks.path(Part::Contact(i), "static_friction");
+            let problem = weak_static_friction(path, static_friction, kinetic);
+            checks.problems.extend(problem);
+        }
     }
 
     /// Signals of inputs that the scene does not have.
@@ -112,12 +126,20 @@ impl Scene {
         let all_own = |input: &str| match input {
             "slider.velocity" => network.contacts.iter().all(|place| place.velocity.is_some()),
             "friction.coefficient" => network.contacts.iter().all(|place| place.friction.is_some()),
+            "friction.static" => network
+                .contacts
+                .iter()
+                .all(|place| place.friction.or(place.static_friction).is_some()),
             _ => false,
         };
         let idle = self.signals.iter().enumerate().filter(|(_, signal)| all_own(&signal.input));
         let problem = |(i, signal): (usize, &Signal)| {
             let message = "drives nothing: every contact has one of its own";
-            let key = if signal.input == "slider.velocity" { "velocity" } else { "friction" };
+            let key = match &*signal.input {
+                "slider.velocity" => "velocity",
+                "friction.static" => "static_friction",
+                _ => "friction",
+            };
             Problem::new(format!("signal[{}].input", i + 1), message)
                 .of(quoted(&signal.input))
                 .help(format!("drive contact.{}.{key}", network.contacts[0].name))
@@ -142,6 +164,13 @@ impl Scene {
             if let Some(wish) = rule.broken_by(value) {
                 problems.push(Problem::new(name, wish).of(value));
             }
+        }
+        if let Some(static_friction) = self.static_friction {
+            problems.extend(weak_static_friction(
+                || "friction.static".to_owned(),
+                static_friction,
+                self.friction_coefficient,
+            ));
         }
         for (i, signal) in self.signals.iter().enumerate() {
             signal.shape.check(&format!("signal[{}]", i + 1), &mut problems);
@@ -178,6 +207,21 @@ impl Scene {
         };
         with_key(part, key)
     }
+}
+
+/// What is wrong with a static friction coefficient beside a kinetic one.
+pub(super) fn weak_static_friction(
+    path: impl FnOnce() -> String,
+    static_friction: f64,
+    kinetic: f64,
+) -> Option<Problem> {
+    let wish = Rule::FRICTION.broken_by(static_friction);
+    let wish = wish.or((static_friction < kinetic).then_some("is below the kinetic friction"))?;
+    let problem = Problem::new(path(), wish).of(static_friction);
+    Some(
+        problem
+            .help(format!("a contact that stands holds at least what it has slipping, {kinetic}")),
+    )
 }
 
 /// The path of a part's value, or of the part where there is no key.

@@ -74,6 +74,10 @@ struct Friction {
     /// Friction coefficient µ of every contact that has none of its own.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
     coefficient: f64,
+    /// Static friction coefficient µ_s ≥ µ, while a contact does not slip; µ unless given.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
+    #[serde(rename = "static")]
+    static_: Option<f64>,
 }
 
 /// How time goes on.
@@ -151,7 +155,8 @@ impl File {
         let scene = Scene {
             name: name.to_owned(),
             slider: self.slider.unwrap_or(Slider { velocity: 0.0, angle: 0.0 }),
-            friction_coefficient: self.friction.map_or(0.0, |friction| friction.coefficient),
+            friction_coefficient: self.friction.as_ref().map_or(0.0, |f| f.coefficient),
+            static_friction: self.friction.and_then(|f| f.static_),
             damping: self.damping,
             structure,
             signals: signals.into(),

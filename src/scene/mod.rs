@@ -66,6 +66,9 @@ pub struct Scene {
     pub slider: Slider,
     /// Friction coefficient µ of every contact that has no own, ≥ 0.
     pub friction_coefficient: f64,
+    /// Static friction coefficient µ_s ≥ µ, of every contact that does not slip and has neither
+    /// coefficient of its own; as µ where there is none.
+    pub static_friction: Option<f64>,
     /// Rayleigh damping, C = α M + β K.
     pub damping: Damping,
     /// Masses, springs and contacts.
@@ -206,11 +209,12 @@ impl Scene {
     /// Has another scene the same parts, and so the same variables?
     #[must_use]
     pub fn has_parts_of(&self, other: &Self) -> bool {
-        match (&self.structure, &other.structure) {
-            (Structure::Ring(a), Structure::Ring(b)) => a.len() == b.len(),
-            (Structure::Network(a), Structure::Network(b)) => a.has_parts_of(b),
-            _ => false,
-        }
+        self.static_friction.is_some() == other.static_friction.is_some()
+            && match (&self.structure, &other.structure) {
+                (Structure::Ring(a), Structure::Ring(b)) => a.len() == b.len(),
+                (Structure::Network(a), Structure::Network(b)) => a.has_parts_of(b),
+                _ => false,
+            }
     }
 
     /// The name of a contact (from 0): `contact[1]` in a ring, `contact.pad` in a network.
@@ -237,7 +241,8 @@ impl Scene {
     /// The FMU's names of the inputs, which signals may drive; in no order that means anything.
     #[must_use]
     pub fn input_names(&self) -> Vec<String> {
-        let common = ["slider.velocity", "friction.coefficient"].map(str::to_owned);
+        let static_friction = self.static_friction.map(|_| "friction.static");
+        let common = ["slider.velocity", "friction.coefficient"].into_iter().chain(static_friction);
         let modules = (1..=self.modules().len())
             .flat_map(|i| (1..=4).map(move |j| format!("module[{i}].f{j}")));
         let masses = self.masses().iter().flat_map(|mass| {
@@ -249,10 +254,11 @@ impl Scene {
             let own = [
                 place.velocity.map(|_| format!("contact.{}.velocity", place.name)),
                 place.friction.map(|_| format!("contact.{}.friction", place.name)),
+                place.static_friction.map(|_| format!("contact.{}.static_friction", place.name)),
             ];
             own.into_iter().flatten()
         });
-        common.into_iter().chain(modules).chain(masses).chain(contacts).collect()
+        common.map(str::to_owned).chain(modules).chain(masses).chain(contacts).collect()
     }
 
     /// External forces, N, one a degree of freedom, in their order.

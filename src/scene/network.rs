@@ -94,12 +94,16 @@ pub struct RubbingPlace {
     pub velocity: Option<f64>,
     /// Friction coefficient µ, if not the common one.
     pub friction: Option<f64>,
+    /// Static friction coefficient µ_s ≥ µ, if not the contact's own µ, or else the common one.
+    pub static_friction: Option<f64>,
 }
 
 impl Network {
     /// Do two networks have the same parts by name, with the same variables?
     pub(crate) fn has_parts_of(&self, other: &Self) -> bool {
-        let own = |place: &RubbingPlace| (place.velocity.is_some(), place.friction.is_some());
+        let own = |place: &RubbingPlace| {
+            [place.velocity, place.friction, place.static_friction].map(|value| value.is_some())
+        };
         all(&self.masses, &other.masses, |a, b| (&a.name, a.locked) == (&b.name, b.locked))
             && all(&self.springs, &other.springs, |a, b| a.name == b.name)
             && all(&self.dampers, &other.dampers, |a, b| a.name == b.name)

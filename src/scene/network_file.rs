@@ -116,6 +116,10 @@ pub(super) struct ContactTable {
     /// Friction coefficient µ; the common one unless given.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
     friction: Option<f64>,
+    /// Static friction coefficient µ_s ≥ µ, while the contact does not slip; the common one unless given,
+    /// or µ where that is given.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
+    static_friction: Option<f64>,
 }
 
 impl ContactTable {
@@ -195,6 +199,7 @@ impl Tables<'_> {
                 angle: contact.angle,
                 velocity: contact.velocity,
                 friction: contact.friction,
+                static_friction: contact.static_friction,
             }
         });
         Network { masses, springs, dampers, contacts: contacts.collect() }

@@ -138,11 +138,16 @@ impl Variable {
             || self.template.variability == Variability::Tunable
     }
 
-    /// Does the critical step depend on it, of what may change during the run?
+    /// Does it decide, of what may change during the run, whether a step is possible: by the critical
+    /// step, or by static friction below kinetic?
     pub(super) fn sets_limit(&self) -> bool {
         matches!(
             self.template.quantity,
-            Quantity::FrictionCoefficient | Quantity::OwnFriction | Quantity::DampingBeta
+            Quantity::FrictionCoefficient
+                | Quantity::StaticFriction
+                | Quantity::OwnFriction
+                | Quantity::OwnStaticFriction
+                | Quantity::DampingBeta
         )
     }
 }
@@ -191,17 +196,22 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
     format!(".{name}")
 }
 
-/// Locked degrees of freedom have no variables, and v and µ of a contact have one only where the
-/// contact has its own.
+/// Locked degrees of freedom have no variables, v and µ of a contact have one only where the contact
+/// has its own, and static friction where there is some.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
+    if template.quantity == Quantity::StaticFriction {
+        return scene.static_friction.is_some();
+    }
     let Some(network) = scene.network() else {
-        return !matches!(template.quantity, Quantity::OwnVelocity | Quantity::OwnFriction);
+        let own = [Quantity::OwnVelocity, Quantity::OwnFriction, Quantity::OwnStaticFriction];
+        return !own.contains(&template.quantity);
     };
     match (template.per, template.quantity) {
         (Per::Mass, Quantity::Mass) => true,
         (Per::Mass, _) => !network.masses[index].locked[template.component],
         (_, Quantity::OwnVelocity) => network.contacts[index].velocity.is_some(),
         (_, Quantity::OwnFriction) => network.contacts[index].friction.is_some(),
+        (_, Quantity::OwnStaticFriction) => network.contacts[index].static_friction.is_some(),
         _ => true,
     }
 }

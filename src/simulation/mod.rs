@@ -24,7 +24,7 @@ pub use values::{check_value, read_scene, write_scene};
 pub use warning::{step_warning, warnings};
 
 use crate::Error;
-use crate::contact::{ContactForce, ContactState};
+use crate::contact::{ContactForce, ContactState, Friction};
 use crate::integrator::{self, Drive, Integrator, Motion, Statistics, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering, OwnValues};
@@ -111,7 +111,9 @@ impl Simulation {
         motion: Motion,
         clock: Clock,
     ) -> Result<Self, Error> {
-        let friction = signals::acting(driven.as_ref(), &scene).friction_coefficient;
+        let acting = signals::acting(driven.as_ref(), &scene);
+        check_friction(&model, acting)?;
+        let friction = acting.friction_coefficient;
         let mut guard = (scene.method == Method::ForwardIncrement)
             .then(|| StepGuard::new(&model, friction, scene.step));
         if let Some(guard) = &mut guard {
@@ -270,9 +272,10 @@ impl Simulation {
             contact.tangent.add_to(&mut self.drive.force, -friction);
         }
         update_own_values(&mut self.model, acting);
+        let friction = friction_of(acting);
         for (i, contact) in self.model.contacts.iter().enumerate() {
             self.drive.slider_velocity[i] = contact.velocity(acting.slider.velocity);
-            self.drive.friction_coefficient[i] = contact.friction(acting.friction_coefficient);
+            self.drive.friction[i] = contact.coefficients(friction);
         }
         self.model.damping = acting.damping;
         self.integrator.set_damping(acting.damping);
@@ -291,10 +294,14 @@ impl Simulation {
         }
     }
 
+    /// Refuses a step that the values as they are now make impossible.
     fn check_limit(&mut self) -> Result<(), Error> {
-        if let (Some(guard), true) = (&mut self.guard, self.stale.limit) {
+        if self.stale.limit {
             let acting = signals::acting(self.driven.as_ref(), &self.scene);
-            guard.check(&self.model, acting.friction_coefficient)?;
+            check_friction(&self.model, acting)?;
+            if let Some(guard) = &mut self.guard {
+                guard.check(&self.model, acting.friction_coefficient)?;
+            }
         }
         self.stale.limit = false;
         Ok(())
@@ -345,12 +352,33 @@ fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
     }
 }
 
+/// The friction coefficients of every contact that has none of its own.
+fn friction_of(scene: &Scene) -> Friction {
+    let kinetic = scene.friction_coefficient;
+    Friction { kinetic, static_: scene.static_friction.unwrap_or(kinetic) }
+}
+
+/// Refuses static friction that inputs or signals have brought below the kinetic one.
+fn check_friction(model: &LumpedModel, scene: &Scene) -> Result<(), Error> {
+    let common = friction_of(scene);
+    for (i, contact) in model.contacts.iter().enumerate() {
+        let Friction { kinetic, static_ } = contact.coefficients(common);
+        if static_ < kinetic {
+            return Err(Error::step(format!(
+                "static friction of {} is {static_} now, below its kinetic friction of {kinetic}; \
+                 it must not be",
+                scene.contact_name(i)
+            )));
+        }
+    }
+    Ok(())
+}
+
 /// Gives the model's contacts the µ and v that are theirs alone.
 fn update_own_values(model: &mut LumpedModel, scene: &Scene) {
     let places = scene.network().map_or(&[][..], |network| &network.contacts);
     for (contact, place) in model.contacts.iter_mut().zip(places) {
-        contact.own =
-            OwnValues { friction_coefficient: place.friction, slider_velocity: place.velocity };
+        contact.own = OwnValues::from(place);
     }
 }
 

@@ -21,6 +21,10 @@ macro_rules! place {
             (Quantity::SliderVelocity, _) => &$($mut)? scene.slider.velocity,
             (Quantity::SliderAngle, _) => &$($mut)? scene.slider.angle,
             (Quantity::FrictionCoefficient, _) => &$($mut)? scene.friction_coefficient,
+            (Quantity::StaticFriction, _) => match &$($mut)? scene.static_friction {
+                Some(friction) => friction,
+                None => return None,
+            },
             (Quantity::DampingAlpha, _) => &$($mut)? scene.damping.alpha,
             (Quantity::DampingBeta, _) => &$($mut)? scene.damping.beta,
             (Quantity::IntegratorStep, _) => &$($mut)? scene.step,
@@ -49,6 +53,10 @@ macro_rules! place {
                     None => return None,
                 },
                 Quantity::OwnFriction => match &$($mut)? network.contacts[i].friction {
+                    Some(friction) => friction,
+                    None => return None,
+                },
+                Quantity::OwnStaticFriction => match &$($mut)? network.contacts[i].static_friction {
                     Some(friction) => friction,
                     None => return None,
                 },
@@ -206,7 +214,10 @@ fn rule(variable: &Variable) -> Rule {
     match variable.template.quantity {
         Quantity::Mass => Rule::MASS,
         Quantity::Stiffness => Rule::STIFFNESS,
-        Quantity::FrictionCoefficient | Quantity::OwnFriction => Rule::FRICTION,
+        Quantity::FrictionCoefficient
+        | Quantity::StaticFriction
+        | Quantity::OwnFriction
+        | Quantity::OwnStaticFriction => Rule::FRICTION,
         Quantity::DampingAlpha | Quantity::DampingBeta | Quantity::DamperDamping => Rule::DAMPING,
         Quantity::IntegratorStep => Rule::TIME,
         // x4 of a module.

@@ -7,8 +7,8 @@
 // Each test program uses a part of it.
 #![allow(dead_code)]
 
-use amontons::contact::residual::{Coefficients, Instant, Scales, Violation, residual};
-use amontons::contact::{ContactForce, ContactState};
+use amontons::contact::residual::{Instant, Scales, Violation, residual};
+use amontons::contact::{ContactForce, ContactState, Friction};
 use amontons::integrator::{Integrator, SparseForwardIncrement};
 use amontons::model::LumpedModel;
 use amontons::scene::{Scene, Signal, parse};
@@ -90,8 +90,8 @@ pub struct Acting {
     pub force: DVector<f64>,
     /// m/s, one a contact.
     pub slider_velocity: Vec<f64>,
-    /// µ, one a contact.
-    pub friction: Vec<f64>,
+    /// Friction coefficients, one pair a contact.
+    pub friction: Vec<Friction>,
 }
 
 impl Run {
@@ -245,12 +245,13 @@ impl Run {
         }
         let scene = &self.acting;
         let external = DVector::from_iterator(self.model.dofs(), scene.external_forces());
-        let (v, mu) = (scene.slider.velocity, scene.friction_coefficient);
+        let (v, kinetic) = (scene.slider.velocity, scene.friction_coefficient);
+        let friction = Friction { kinetic, static_: scene.static_friction.unwrap_or(kinetic) };
         let contacts = &self.model.contacts;
         Acting {
             force: DVector::from_column_slice(&self.model.load) + external,
             slider_velocity: contacts.iter().map(|contact| contact.velocity(v)).collect(),
-            friction: contacts.iter().map(|contact| contact.friction(mu)).collect(),
+            friction: contacts.iter().map(|contact| contact.coefficients(friction)).collect(),
         }
     }
 
@@ -293,8 +294,8 @@ impl Run {
         [normal.dot(x), normal.dot(v), slider_velocity - tangent.dot(v)]
     }
 
-    fn law(&self, instant: &Instant, friction: f64) -> Violation {
-        residual(instant, Coefficients::from(friction), &self.scales)
+    fn law(&self, instant: &Instant, friction: Friction) -> Violation {
+        residual(instant, friction, &self.scales)
     }
 
     /// What the tolerance of the multipliers leaves, a part of 1e-13 of the largest in the last sweep,

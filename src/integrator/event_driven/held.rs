@@ -1,6 +1,6 @@
 //! The forces of contacts that hold, for given contact states.
 
-use crate::contact::ContactState;
+use crate::contact::{ContactState, Friction};
 use crate::integrator::dynamics::Dynamics;
 
 /// An unknown multiplier.
@@ -76,9 +76,14 @@ impl HeldContacts {
         starts.zip(&self.ends).map(|(from, to)| to - from).max().unwrap_or(0)
     }
 
-    /// Takes over the contact states; `friction` is µ of each contact. Redundant rows (two contacts that
+    /// Takes over the contact states; `friction` holds the coefficients of each contact. Redundant rows (two contacts that
     /// hold one mass) carry nothing: the motion is the same whichever of them does.
-    pub(super) fn set(&mut self, dynamics: &Dynamics, states: &[ContactState], friction: &[f64]) {
+    pub(super) fn set(
+        &mut self,
+        dynamics: &Dynamics,
+        states: &[ContactState],
+        friction: &[Friction],
+    ) {
         self.unknowns.clear();
         self.unknown_ends.clear();
         self.inverses.clear();
@@ -86,7 +91,8 @@ impl HeldContacts {
         for group in 0..self.ends.len() {
             let first = self.unknowns.len();
             for &contact in &self.order[from..self.ends[group]] {
-                let slope = states[contact].sliding_direction().unwrap_or(0.0) * friction[contact];
+                let slope =
+                    states[contact].sliding_direction().unwrap_or(0.0) * friction[contact].kinetic;
                 if states[contact] != ContactState::Detached {
                     self.unknowns.push(Unknown { contact, row: 0, slope });
                 }

@@ -18,7 +18,7 @@ use super::dynamics::Dynamics;
 use super::multipliers::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
-use crate::contact::{ContactForce, ContactState};
+use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Damping, LumpedModel};
 use held::{HeldContacts, MAX_GROUP};
 use series::{ORDER, Series, index};
@@ -52,7 +52,7 @@ pub struct EventDriven {
     series: Series,
     /// The states that `held` is set to.
     held_states: Vec<ContactState>,
-    held_friction: Vec<f64>,
+    held_friction: Vec<Friction>,
     /// The polynomial at hand.
     polynomial: [f64; ORDER + 1],
     /// The outer forces, N, and the velocities of the sliders, m/s, at the instant that was reached.
@@ -176,9 +176,9 @@ impl EventDriven {
 
     fn expand(&mut self, motion: &Motion, drive: &Drive) {
         let Self { dynamics, held, series, held_states, held_friction, force, .. } = self;
-        if *held_states != motion.contacts || *held_friction != drive.friction_coefficient {
+        if *held_states != motion.contacts || *held_friction != drive.friction {
             held_states.clone_from(&motion.contacts);
-            held_friction.clone_from(&drive.friction_coefficient);
+            held_friction.clone_from(&drive.friction);
             held.set(dynamics, held_states, held_friction);
         }
         let state = (&*motion.displacement, &*motion.velocity);
@@ -221,7 +221,7 @@ impl EventDriven {
         let acceleration = self.series.largest_acceleration();
         let force = normal.abs().max(acceleration / own[0]);
         let speed = self.surface[contact].abs().max(acceleration * reach);
-        let friction = drive.friction_coefficient[contact];
+        let friction = drive.friction[contact].static_;
         let limit = |direction| (Event::Slip(direction), (1.0 + friction) * force);
         let events = match state {
             ContactState::Detached => {
@@ -241,7 +241,7 @@ impl EventDriven {
     fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
         let Self { series, dynamics, polynomial, surface, .. } = self;
         let rows = &dynamics.contacts[contact];
-        let friction = drive.friction_coefficient[contact];
+        let friction = drive.friction[contact].static_;
         match event {
             Event::Touch => {
                 for (k, value) in polynomial.iter_mut().enumerate() {
@@ -313,39 +313,26 @@ impl EventDriven {
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let slip = self.surface[i] - contact.tangent.dot(&motion.velocity);
             let multipliers = &mut self.dynamics.multipliers;
+            let friction = drive.friction[i];
+            let held = Freedom::Law(friction.range(ContactState::Stick));
+            let slipping = |direction| Freedom::Slipping { direction, friction: friction.kinetic };
+            let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
             multipliers.freedom[i] = match (self.events[i], motion.contacts[i]) {
                 (Some(Event::Lift), _) => Freedom::Open,
-                (Some(Event::Slip(direction)), _) => {
-                    Freedom::Slipping(direction.sliding_direction().unwrap_or(1.0))
-                }
-                (Some(Event::Stop), _) | (_, ContactState::Stick) => Freedom::Any,
+                (Some(Event::Slip(direction)), _) => sliding(direction),
+                (Some(Event::Stop), _) | (_, ContactState::Stick) => held,
                 (None, ContactState::Detached) => Freedom::Open,
-                (Some(Event::Touch), _) if slip == 0.0 => Freedom::Any,
-                (Some(Event::Touch), _) => Freedom::Slipping(slip.signum()),
-                (None, state) => Freedom::Slipping(state.sliding_direction().unwrap_or(1.0)),
+                (Some(Event::Touch), _) if slip == 0.0 => held,
+                (Some(Event::Touch), _) => slipping(slip.signum()),
+                (None, state) => sliding(state),
             };
             multipliers.free[i] = [
                 contact.normal.dot(&self.dynamics.acceleration),
                 contact.tangent.dot(&self.dynamics.acceleration) - drive.slider_acceleration[i],
             ];
         }
-        motion.statistics.sweeps += self.dynamics.multipliers.solve(&drive.friction_coefficient)?;
-        for i in 0..self.events.len() {
-            let multipliers = &self.dynamics.multipliers;
-            let [normal, tangential] = multipliers.forces[i];
-            let limit = drive.friction_coefficient[i] * normal;
-            motion.contacts[i] = match multipliers.freedom[i] {
-                Freedom::Open => ContactState::Detached,
-                _ if normal <= 0.0 => ContactState::Detached,
-                Freedom::Slipping(direction) if direction > 0.0 => ContactState::Slide,
-                Freedom::Slipping(_) => ContactState::ReverseSlide,
-                Freedom::Any if tangential.abs() < limit || limit == 0.0 && tangential == 0.0 => {
-                    ContactState::Stick
-                }
-                Freedom::Any if tangential > 0.0 => ContactState::Slide,
-                Freedom::Any => ContactState::ReverseSlide,
-            };
-        }
+        motion.statistics.sweeps += self.dynamics.multipliers.solve()?;
+        motion.contacts.copy_from_slice(&self.dynamics.multipliers.states);
         let statistics = &mut motion.statistics;
         for (old, new) in self.before.iter().zip(&motion.contacts) {
             statistics.state_changes += u64::from(old != new);
@@ -360,20 +347,20 @@ impl EventDriven {
         let Dynamics { contacts, multipliers, responses, .. } = &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
             let touches = self.events[i] == Some(Event::Touch);
-            let is_closed = motion.contacts[i] != ContactState::Detached;
+            let state = motion.contacts[i];
+            let is_open = state == ContactState::Detached && !touches;
             multipliers.freedom[i] =
-                if touches || is_closed { Freedom::Any } else { Freedom::Open };
+                if is_open { Freedom::Open } else { Freedom::Law(drive.friction[i].range(state)) };
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
-        motion.statistics.sweeps += multipliers.solve(&drive.friction_coefficient)?;
+        motion.statistics.sweeps += multipliers.solve()?;
         for (impulse, responses) in multipliers.forces.iter().zip(&*responses) {
             for (&impulse, response) in impulse.iter().zip(responses) {
                 response.add_to(&mut motion.velocity, impulse);
             }
         }
         for (i, contact) in contacts.iter().enumerate() {
-            let [normal, tangential] = multipliers.forces[i];
             if self.events[i] == Some(Event::Touch) {
                 motion.statistics.touch_downs += 1;
                 if let Some(dof) = contact.normal.as_unit() {
@@ -381,8 +368,9 @@ impl EventDriven {
                     motion.velocity[dof] = 0.0;
                 }
             }
-            let held = tangential.abs() < drive.friction_coefficient[i] * normal;
-            if let (Some(dof), true) = (contact.tangent.as_unit(), held) {
+            if let (Some(dof), ContactState::Stick) =
+                (contact.tangent.as_unit(), multipliers.states[i])
+            {
                 motion.velocity[dof] = self.surface[i];
             }
         }

@@ -1,6 +1,6 @@
 //! The scheme on a ring of modules: diagonal mass, one contact a module, links to the neighbours.
 
-use crate::contact::{ContactForce, ContactState, coulomb};
+use crate::contact::{ContactForce, ContactState, Coulomb, FrictionLaw};
 use crate::integrator::{Drive, Integrator, Motion, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Damping, LumpedModel};
@@ -41,11 +41,11 @@ struct StepConstants {
     retained: f64,
 }
 
-/// What a mass rubs on: v and µ of its contact.
+/// What a mass rubs on: v and the law of friction of its contact.
 #[derive(Clone, Copy, PartialEq)]
-struct Surface {
+struct Surface<L> {
     velocity: f64,
-    friction: f64,
+    law: L,
 }
 
 impl RingForwardIncrement {
@@ -100,15 +100,30 @@ impl RingForwardIncrement {
         }
     }
 
-    /// Takes the steps, each contact on its surface. Compiled once for a surface that is common to all
-    /// and stays in registers, once for surfaces that are looked up.
-    fn run(
+    /// Takes the steps under a law of friction, each contact on its surface.
+    fn run<L: FrictionLaw + PartialEq>(
         &mut self,
         motion: &mut Motion,
         drive: &Drive,
-        step: f64,
-        count: u64,
-        surface: impl Fn(usize) -> Surface,
+        (step, count): (f64, u64),
+        surface: impl Fn(usize) -> Surface<L>,
+    ) {
+        let first = surface(0);
+        if (0..self.blocks.len()).all(|i| surface(i) == first) {
+            self.run_on(motion, drive, (step, count), |_| first);
+        } else {
+            self.run_on(motion, drive, (step, count), surface);
+        }
+    }
+
+    /// Compiled once for a surface that is common to all and stays in registers, once for surfaces that
+    /// are looked up.
+    fn run_on<L: FrictionLaw>(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        (step, count): (f64, u64),
+        surface: impl Fn(usize) -> Surface<L>,
     ) {
         let constants =
             StepConstants { step, per_step: 1.0 / step, retained: 1.0 - step * self.damping.alpha };
@@ -130,8 +145,12 @@ impl RingForwardIncrement {
                 let own = w[i];
                 let after = if i + 1 < modules { w[i + 1] } else { first };
                 let force = blocks[i].force(&load[i], &own, &before, &after);
-                let (moved, moving, state) =
-                    constants.step_module(&blocks[i], &force, surface(i), x[i], v[i]);
+                let (moved, moving, state) = constants.step_module(
+                    &blocks[i],
+                    &force,
+                    surface(i),
+                    (x[i], v[i], contacts[i]),
+                );
                 (x[i], v[i], w[i]) = (moved, moving, strain(&moved, &moving, beta));
                 before = own;
                 if state != contacts[i] {
@@ -183,13 +202,14 @@ impl Integrator for RingForwardIncrement {
     ) -> Result<(), StepFailure> {
         let modules = self.blocks.len();
         let velocities = &drive.slider_velocity[..modules];
-        let frictions = &drive.friction_coefficient[..modules];
-        let surface = |i: usize| Surface { velocity: velocities[i], friction: frictions[i] };
-        let first = surface(0);
-        if (0..modules).all(|i| surface(i) == first) {
-            self.run(motion, drive, step, count, |_| first);
+        let frictions = &drive.friction[..modules];
+        if frictions.iter().all(|friction| friction.static_ == friction.kinetic) {
+            let law = |i: usize| Coulomb(frictions[i].kinetic);
+            let surface = |i: usize| Surface { velocity: velocities[i], law: law(i) };
+            self.run(motion, drive, (step, count), surface);
         } else {
-            self.run(motion, drive, step, count, surface);
+            let surface = |i: usize| Surface { velocity: velocities[i], law: frictions[i] };
+            self.run(motion, drive, (step, count), surface);
         }
         Ok(())
     }
@@ -221,7 +241,7 @@ impl Integrator for RingForwardIncrement {
             } else {
                 let carried = self.blocks[i].mass[TANGENT] * drive.slider_acceleration[i];
                 let holding = carried - damped(TANGENT, tangent);
-                ContactForce::closed(drive.friction_coefficient[i], pressing, slip, holding)
+                ContactForce::closed(drive.friction[i], pressing, slip, holding)
             };
         }
         Ok(())
@@ -235,13 +255,12 @@ impl Integrator for RingForwardIncrement {
 impl StepConstants {
     /// One step of one module: its new position and velocity, and the state of its contact.
     #[inline]
-    fn step_module(
+    fn step_module<L: FrictionLaw>(
         &self,
         block: &Block,
         force: &Vector,
-        surface: Surface,
-        mut x: Vector,
-        v: Vector,
+        surface: Surface<L>,
+        (mut x, v, before): (Vector, Vector, ContactState),
     ) -> (Vector, Vector, ContactState) {
         let h = self.step;
         // Predictor, eq. (13), in velocities.
@@ -252,7 +271,7 @@ impl StepConstants {
         let state = if let Some(normal_force) = self.normal_force(block, force, &x, &v) {
             let lag = surface.velocity - v[TANGENT] * self.retained;
             let holding = block.mass[TANGENT] * lag * self.per_step - force[TANGENT];
-            let (friction, state) = coulomb(holding, surface.friction * normal_force);
+            let (friction, state) = surface.law.friction(holding, normal_force, before);
             new[TANGENT] = if state == ContactState::Stick {
                 surface.velocity
             } else {

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
-use crate::integrator::dynamics::{Dynamics, state_of};
+use crate::integrator::dynamics::Dynamics;
 use crate::integrator::multipliers::Freedom;
 use crate::integrator::{Drive, Integrator, Motion, StepFailure};
 use crate::model::{Damping, LumpedModel};
@@ -34,13 +34,13 @@ impl SparseForwardIncrement {
                 ContactState::Detached => contact.normal.dot(&motion.displacement).max(0.0),
                 _ => 0.0,
             };
-            multipliers.freedom[i] = Freedom::Any;
+            multipliers.freedom[i] = Freedom::Law(drive.friction[i].range(motion.contacts[i]));
             multipliers.free[i] = [
                 contact.normal.dot(&*acceleration) + (normal + gap / h) / h,
                 contact.tangent.dot(&*acceleration) + slip / h,
             ];
         }
-        let sweeps = multipliers.solve(&drive.friction_coefficient)?;
+        let sweeps = multipliers.solve()?;
         let statistics = &mut motion.statistics;
         statistics.steps += 1;
         statistics.sweeps += sweeps;
@@ -64,9 +64,7 @@ impl SparseForwardIncrement {
         for (i, (contact, old)) in
             self.dynamics.contacts.iter().zip(&mut motion.contacts).enumerate()
         {
-            let force = self.dynamics.multipliers.forces[i];
-            let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
-            let state = state_of(force, drive.friction_coefficient[i], slip);
+            let state = self.dynamics.multipliers.states[i];
             if state != *old {
                 motion.statistics.state_changes += 1;
                 motion.statistics.touch_downs += u64::from(*old == ContactState::Detached);
