@@ -111,6 +111,17 @@ fn a_mass_on_a_belt_slips_and_swings_as_its_closed_form_to_the_last_digits() {
     }
 }
 
+/// Set 2 comes to an instant, at 1.13935 s, at which a contact lets go with its reserve of friction zero
+/// up to rounding. What is nothing in the reserve has to be nothing in the slip that follows: otherwise the
+/// contact sticks and slips in turn without an end.
+#[test]
+fn a_contact_that_lets_go_by_no_more_than_rounding_moves_on() {
+    let whole = run(&scene("set2"), 1e-3, 1.15);
+    let half = run(&scene("set2"), 5e-4, 1.15);
+    assert_eq!(whole.1, half.1);
+    assert!(difference(&whole.0, &half.0) < 1e-10);
+}
+
 #[test]
 fn a_run_is_the_same_however_it_is_split_and_after_a_restore() {
     for scene in [set1(1.5, 0.15), scene("disc_brake"), scene("corner")] {

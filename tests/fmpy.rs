@@ -1,5 +1,5 @@
-//! FMPy as an importer: exports the built-in scenes and runs the Python tests in `tests/fmpy/` on
-//! them, one test here for each file there.
+//! FMPy as an importer: exports the built-in scenes with each integrator and runs the Python tests in
+//! `tests/fmpy/` on them, one test here for each file there.
 #![cfg(feature = "tools")]
 
 mod python;
@@ -12,13 +12,19 @@ use tempfile::TempDir;
 
 const AMONTONS: &str = env!("CARGO_BIN_EXE_amontons");
 
-/// Runs the tests of one Python file; pytest's report is the message of a failure.
+/// Runs the tests of one Python file with each integrator; pytest's report is the message of a failure.
 fn pytest(file: &str) {
+    for integrator in ["forward-increment", "event-driven"] {
+        pytest_with(integrator, file);
+    }
+}
+
+fn pytest_with(integrator: &str, file: &str) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("fmpy");
     // One for each test, so that nothing but the interpreter is shared.
     let scratch = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder can be made there");
     let fmus = scratch.path().join("fmus");
-    export(&fmus);
+    export(integrator, &fmus);
     let mut pytest = Command::new(python::interpreter());
     pytest
         // No bytecode and no cache: the tests leave nothing among the sources.
@@ -28,6 +34,7 @@ fn pytest(file: &str) {
         .arg(folder.join(file))
         .env("AMONTONS", AMONTONS)
         .env("AMONTONS_FMUS", fmus)
+        .env("AMONTONS_INTEGRATOR", integrator)
         // Packages may bring plugins of their own.
         .env("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
         .env_remove("PYTEST_ADDOPTS")
@@ -36,12 +43,16 @@ fn pytest(file: &str) {
 }
 
 /// Writes `set1.fmu` and so on, of all built-in scenes.
-fn export(folder: &Path) {
+fn export(integrator: &str, folder: &Path) {
     std::fs::create_dir(folder).expect("a folder can be made there");
     for scene in BUILTIN.iter().map(|scene| scene.name) {
         let file = folder.join(scene).with_extension("fmu");
         let mut export = Command::new(AMONTONS);
-        export.args(["export", scene, "-o"]).arg(file);
+        export.args(["export", scene, "--integrator", integrator, "-o"]).arg(file);
+        if integrator == "event-driven" {
+            // Long ones do as well; the tests want many.
+            export.args(["--step", "1e-5"]);
+        }
         // The FMUs carry no date, whatever builds them.
         succeed(export.env_remove("SOURCE_DATE_EPOCH"));
     }

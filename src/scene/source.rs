@@ -1,7 +1,13 @@
 //! What a scene is made from.
 
+#[cfg(feature = "tools")]
+use super::Method;
 use super::time_table::CSV_FILE;
 use super::{TimeTable, text};
+#[cfg(feature = "tools")]
+use crate::Error;
+#[cfg(feature = "tools")]
+use serde::Serialize;
 use std::path::Path;
 
 /// A scene's files, word for word: all that an FMU needs to read it again.
@@ -17,6 +23,36 @@ impl From<&str> for Source {
     /// A scene that names no other files.
     fn from(text: &str) -> Self {
         Self { text: text.to_owned(), tables: Vec::new() }
+    }
+}
+
+#[cfg(feature = "tools")]
+impl Source {
+    /// Writes another method and step (s) into the scene file; all else stays as it is, comments included.
+    ///
+    /// # Errors
+    /// The file is not TOML, or has no table `[integrator]`.
+    pub fn set_integrator(&mut self, method: Method, step: f64) -> Result<(), Error> {
+        let mut document: toml_edit::DocumentMut =
+            self.text.parse().map_err(|error| Error::scene(format!("{error}")))?;
+        let table = document
+            .get_mut("integrator")
+            .and_then(toml_edit::Item::as_table_like_mut)
+            .ok_or_else(|| Error::scene("[integrator] is missing"))?;
+        let method = Serialize::serialize(&method, toml_edit::ser::ValueSerializer::new())
+            .map_err(|error| Error::scene(error.to_string()))?;
+        for (key, value) in [("method", method), ("step", step.into())] {
+            // What stands behind the old value goes on to stand behind the new one.
+            let old = table.get(key).and_then(toml_edit::Item::as_value);
+            let decor = old.map(|old| old.decor().clone());
+            let mut value: toml_edit::Value = value;
+            if let Some(decor) = decor {
+                *value.decor_mut() = decor;
+            }
+            table.insert(key, value.into());
+        }
+        self.text = document.to_string();
+        Ok(())
     }
 }
 
@@ -75,6 +111,34 @@ fn is_plain(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
+    #[cfg(feature = "tools")]
+    use crate::scene::{Scene, builtin, parse};
+
+    #[cfg(feature = "tools")]
+    #[test]
+    fn another_integrator_is_written_into_the_file_and_nothing_else_is_touched() {
+        let set1 = builtin("set1").unwrap();
+        let mut source = Source::from(set1.text);
+        source.set_integrator(Method::EventDriven, 2e-3).unwrap();
+        let scene = parse("set1", &source.text).unwrap();
+        let expected = Scene { method: Method::EventDriven, step: 2e-3, ..set1.scene() };
+        assert_eq!(scene, expected);
+        let lines = |text: &str| -> Vec<String> {
+            let kept = |line: &&str| !line.starts_with("step") && !line.starts_with("method");
+            text.lines().filter(kept).map(str::to_owned).collect()
+        };
+        assert_eq!(lines(&source.text), lines(set1.text));
+        // Comments of the lines that changed stay as well.
+        assert_eq!(source.text.matches('#').count(), set1.text.matches('#').count());
+
+        // However the table is written.
+        for text in ["integrator = { step = 1e-6 }", "integrator.step = 1e-6"] {
+            let mut source = Source::from(text);
+            source.set_integrator(Method::ForwardIncrement, 1e-4).unwrap();
+            assert!(source.text.contains("1e-4") || source.text.contains("0.0001"), "{source:?}");
+            assert!(source.text.contains("forward-increment"), "{source:?}");
+        }
+    }
 
     #[test]
     fn only_files_beside_the_scene_are_read() {

@@ -1,8 +1,9 @@
 """What the tests share: the FMUs, runs of the program without an importer, and instances through
 FMPy's low-level calls.
 
-`cargo test --test fmpy` runs these tests. To run one by hand, set AMONTONS to the program and
-AMONTONS_FMUS to a folder with the FMUs of all built-in scenes, and call pytest.
+`cargo test --test fmpy` runs these tests. To run one by hand, set AMONTONS to the program,
+AMONTONS_INTEGRATOR to one that it has, AMONTONS_FMUS to a folder with the FMUs of all built-in scenes
+exported with that integrator, and call pytest.
 """
 
 import itertools
@@ -33,11 +34,18 @@ from fmpy.logging import addLoggerProxy
 def environment(name):
     if name not in os.environ:
         pytest.exit(f"{name} is not set; run `cargo test --test fmpy`, or see conftest.py", 2)
-    return Path(os.environ[name])
+    return os.environ[name]
 
 
 # The names of all built-in scenes.
-SCENES = sorted(file.stem for file in environment("AMONTONS_FMUS").glob("*.fmu"))
+SCENES = sorted(file.stem for file in Path(environment("AMONTONS_FMUS")).glob("*.fmu"))
+# With which all runs and FMUs are made, and the internal step of the rings, s.
+INTEGRATOR = environment("AMONTONS_INTEGRATOR")
+STEP = {"forward-increment": 1e-6, "event-driven": 1e-5}[INTEGRATOR]
+
+first_order = pytest.mark.skipif(
+    INTEGRATOR != "forward-increment", reason="of the paper's scheme, which is of first order"
+)
 
 
 # ---- Tables and their comparison ----
@@ -106,6 +114,10 @@ def amontons():
 
     def run(*arguments, **variables):
         command = [program, *map(str, arguments)]
+        if arguments[0] in ("simulate", "export"):
+            command += ["--integrator", INTEGRATOR]
+            if INTEGRATOR == "event-driven" and not any("integrator.step" in a for a in command):
+                command += ["--step", repr(STEP)]
         settings = {**os.environ, **variables}
         done = subprocess.run(command, env=settings, capture_output=True, text=True)
         assert done.returncode == 0, done.stderr
@@ -333,7 +345,7 @@ class Instance:
 @pytest.fixture(scope="session")
 def fmus():
     """The FMU files by the names of their scenes."""
-    folder = environment("AMONTONS_FMUS")
+    folder = Path(environment("AMONTONS_FMUS"))
     return {scene: folder / f"{scene}.fmu" for scene in SCENES}
 
 

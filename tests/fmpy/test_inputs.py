@@ -112,29 +112,6 @@ def test_inputs_and_signals_are_added(imported, native, assert_same, driven, tmp
     assert_same(native(plain, 0.04, INTERVAL), imported(fmu, 0.04, INTERVAL, inputs=constant))
 
 
-def test_the_event_driven_integrator_gives_the_same_doubles_in_the_fmu(
-    amontons, imported, native, differences, assert_same, driven, fmu_in, tmp_path
-):
-    scene, _ = driven
-    exact = scene.with_name("exact.toml")
-    text = scene.read_text()
-    assert text.count("step = 1.0e-6") == 1
-    step = 'method = "event-driven"\nstep = 1.0e-4'
-    exact.write_text(text.replace("step = 1.0e-6", step))
-    amontons("export", exact, "-o", tmp_path / "exact.fmu")
-    folder = tmp_path / "exact"
-    with zipfile.ZipFile(tmp_path / "exact.fmu") as archive:
-        archive.extractall(folder)
-    expected = native(exact, 0.04, INTERVAL, KICK)
-    assert expected["statistics.state_changes"][-1] > 4
-    assert_same(expected, imported(fmu_in(folder), 0.04, INTERVAL, KICK))
-    # The paper's scheme is near it, and another.
-    scheme = native(scene, 0.04, INTERVAL, KICK)
-    assert differences(expected, scheme)
-    x, y = expected["module[1].x2"], scheme["module[1].x2"]
-    assert np.abs(x - y).max() < 1e-2 * np.abs(x).max()
-
-
 def test_an_input_reads_as_the_importer_gave_it(instance, driven):
     _, fmu = driven
     running = instance(fmu).initialize({"module[1].f2": 3.0})

@@ -6,6 +6,7 @@ exp(2π · growth · t).
 
 import numpy as np
 import pytest
+from conftest import INTEGRATOR
 
 INTERVAL = 2e-4
 # Table 2, both contacts sliding: the one mode that grows.
@@ -20,6 +21,10 @@ def run(instance):
         names = [f"module[{i}].x{j}" for i in (1, 2) for j in (1, 2)]
         names += ["contact[1].state", "contact[2].state", "statistics.state_changes"]
         times = [INTERVAL * i for i in range(1, round(stop / INTERVAL) + 1)]
+        values = dict(values or {})
+        if INTEGRATOR == "event-driven":
+            # Its step does not decide how accurate it is.
+            values["integrator.step"] = INTERVAL
         return instance(scene).initialize(values).advance(times, names)
 
     return run

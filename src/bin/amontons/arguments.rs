@@ -1,6 +1,7 @@
 //! What the command line understands.
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
+use amontons::scene::{Method, Scene};
+use clap::{Args, Parser, Subcommand};
 use std::path::PathBuf;
 
 /// Friction contact dynamics as FMUs: will it squeal?
@@ -36,6 +37,8 @@ pub struct Export {
     /// Where to write the FMU [default: the scene's name with .fmu, here]
     #[arg(short, long, value_name = "FILE.fmu")]
     pub output: Option<PathBuf>,
+    #[command(flatten)]
+    pub integrator: Integrator,
 }
 
 #[derive(Args)]
@@ -48,12 +51,8 @@ pub struct Simulate {
     /// Time between two rows, s [default: the scene's]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub output_interval: Option<f64>,
-    /// Internal time step, s [default: the scene's]
-    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
-    pub step: Option<f64>,
-    /// How time goes on [default: the scene's]
-    #[arg(long, value_enum)]
-    pub integrator: Option<Integrator>,
+    #[command(flatten)]
+    pub integrator: Integrator,
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
@@ -66,12 +65,23 @@ pub struct Simulate {
     pub output: Option<PathBuf>,
 }
 
-#[derive(Clone, Copy, ValueEnum)]
-pub enum Integrator {
-    /// The paper's scheme, of first order
-    ForwardIncrement,
-    /// Exact motion from one change of contact state to the next
-    EventDriven,
+/// In place of the scene's `[integrator]`.
+#[derive(Args)]
+pub struct Integrator {
+    /// Internal time step, s [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub step: Option<f64>,
+    /// How time goes on [default: the scene's]
+    #[arg(long, value_enum)]
+    pub integrator: Option<Method>,
+}
+
+impl Integrator {
+    /// Gives the scene what the command line asks for.
+    pub fn apply(&self, scene: &mut Scene) {
+        scene.method = self.integrator.unwrap_or(scene.method);
+        scene.step = self.step.unwrap_or(scene.step);
+    }
 }
 
 #[derive(Subcommand)]

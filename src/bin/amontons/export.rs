@@ -6,7 +6,7 @@ use amontons::Error;
 use amontons::model::{Equilibrium, LumpedModel};
 use amontons::output::Pending;
 use amontons::package;
-use amontons::scene::{self, Scene, Structure};
+use amontons::scene::{self, Method, Scene, Structure};
 use amontons::simulation::catalogue::Causality;
 use amontons::simulation::variables;
 use amontons::stability::critical_step;
@@ -14,7 +14,12 @@ use std::io::Write;
 use std::path::PathBuf;
 
 pub fn run(arguments: &Export) -> Result<(), Error> {
-    let (scene, source) = scene::find(&arguments.scene)?;
+    let (mut scene, mut source) = scene::find(&arguments.scene)?;
+    let (method, step) = (scene.method, scene.step);
+    arguments.integrator.apply(&mut scene);
+    if (scene.method, scene.step) != (method, step) {
+        source.set_integrator(scene.method, scene.step)?;
+    }
     let simulation = scenes::start(&scene)?;
     let fmu = package::fmu(&scene, &source)?;
     let path =
@@ -50,7 +55,12 @@ fn print_contents(scene: &Scene, acting: &Scene) -> Result<(), Error> {
         count(Causality::Parameter)
     );
     println!("  step           {:e} s", scene.step);
-    println!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
+    match scene.method {
+        Method::ForwardIncrement => {
+            println!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
+        }
+        Method::EventDriven => println!("  integrator     event-driven: exact at any step"),
+    }
     if !scene.signals.is_empty() {
         println!("  signals        {}", scene.signals.len());
     }

@@ -1,9 +1,9 @@
 //! `amontons simulate`.
 
-use crate::arguments::{Integrator, Simulate};
+use crate::arguments::Simulate;
 use crate::scenes;
 use amontons::output::Pending;
-use amontons::scene::{self, Method, Scene};
+use amontons::scene::{self, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Inputs, Simulation, Variable, assign, is_close, variables};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -61,12 +61,7 @@ fn configured(arguments: &Simulate) -> Result<Scene, Box<dyn Error>> {
     scene.experiment.stop_time = arguments.stop_time.unwrap_or(scene.experiment.stop_time);
     scene.experiment.output_interval =
         arguments.output_interval.unwrap_or(scene.experiment.output_interval);
-    scene.method = match arguments.integrator {
-        None => scene.method,
-        Some(Integrator::ForwardIncrement) => Method::ForwardIncrement,
-        Some(Integrator::EventDriven) => Method::EventDriven,
-    };
-    scene.step = arguments.step.unwrap_or(scene.step);
+    arguments.integrator.apply(&mut scene);
     Ok(scene)
 }
 

@@ -220,8 +220,10 @@ impl EventDriven {
         let own = self.dynamics.multipliers.delassus.own(contact);
         let acceleration = self.series.largest_acceleration();
         let force = normal.abs().max(acceleration / own[0]);
-        let speed = self.surface[contact].abs().max(acceleration * reach);
         let friction = drive.friction[contact].static_;
+        // What is nothing in the reserve of friction that held so far is nothing in the slip that follows.
+        let reserve = 2.0 * own[3] * (1.0 + friction) * force;
+        let speed = self.surface[contact].abs().max(acceleration.max(reserve) * reach);
         let limit = |direction| (Event::Slip(direction), (1.0 + friction) * force);
         let events = match state {
             ContactState::Detached => {
@@ -332,7 +334,13 @@ impl EventDriven {
             ];
         }
         motion.statistics.sweeps += self.dynamics.multipliers.solve()?;
-        motion.contacts.copy_from_slice(&self.dynamics.multipliers.states);
+        for (i, (state, new)) in
+            motion.contacts.iter_mut().zip(&self.dynamics.multipliers.states).enumerate()
+        {
+            // Where rounding hides which way it goes, a slip that would turn back does not go on.
+            let slides_on = self.events[i] == Some(Event::Stop) && new == state;
+            *state = if slides_on { ContactState::Stick } else { *new };
+        }
         let statistics = &mut motion.statistics;
         for (old, new) in self.before.iter().zip(&motion.contacts) {
             statistics.state_changes += u64::from(old != new);
