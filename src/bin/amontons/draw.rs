@@ -51,7 +51,7 @@ fn ring(scene: &Scene, modules: &[Module]) -> Structure {
         }
         structure.sliders.push(SliderMark {
             name: format!("c[{number}]"),
-            label: rubbing(scene.friction_coefficient, slider.velocity),
+            label: rubbing(scene.friction_coefficient, scene.static_friction, slider.velocity),
             mass: 2 * i + 1,
             on: None,
             angle: slider.angle,
@@ -84,9 +84,10 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
     let sliders = parts.contacts.iter().map(|place| {
         let velocity = place.velocity.unwrap_or(scene.slider.velocity);
         let friction = place.friction.unwrap_or(scene.friction_coefficient);
+        let common = scene.static_friction.filter(|_| place.friction.is_none());
         SliderMark {
             name: place.name.clone(),
-            label: rubbing(friction, velocity),
+            label: rubbing(friction, place.static_friction.or(common), velocity),
             mass: place.mass,
             on: place.on,
             angle: place.angle.unwrap_or(scene.slider.angle),
@@ -98,8 +99,9 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
     Structure { title: String::new(), masses, links, sliders }
 }
 
-fn rubbing(friction: f64, velocity: f64) -> String {
-    format!("µ = {friction}, v = {velocity} m/s").replace('-', "−")
+fn rubbing(friction: f64, static_friction: Option<f64>, velocity: f64) -> String {
+    let sticking = static_friction.map_or_else(String::new, |value| format!(" (µs = {value})"));
+    format!("µ = {friction}{sticking}, v = {velocity} m/s").replace('-', "−")
 }
 
 /// A mass, kg: in g where it is small, in t where it is large.
