@@ -7,45 +7,31 @@
 // Each test program uses a part of it.
 #![allow(dead_code)]
 
+pub mod blocks;
+mod exact;
+mod scheme;
+
+pub use exact::Change;
+
 use amontons::contact::residual::{Instant, Scales, Violation, residual};
 use amontons::contact::{ContactForce, ContactState, Friction};
-use amontons::integrator::{Integrator, SparseForwardIncrement};
 use amontons::model::LumpedModel;
-use amontons::scene::{Scene, Signal, parse};
+use amontons::scene::{Method, Scene, Signal, parse};
 use amontons::simulation::catalogue::Quantity;
-use amontons::simulation::{Simulation, Variable, assign, variables, write_scene};
+use amontons::simulation::{
+    Simulation, Snapshot, Variable, assign, read_scene, variables, write_scene,
+};
 use nalgebra::{DMatrix, DVector};
 
 /// The integrators; every case is run with each of them.
-pub const METHODS: [Method; 1] = [Method::ForwardIncrement];
+pub const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Method {
-    ForwardIncrement,
-}
-
-impl Method {
-    /// The scene, to be run with this integrator.
-    pub fn scene(self, text: &str) -> Scene {
-        let scene = parse("case", text).unwrap();
-        match self {
-            Self::ForwardIncrement => scene,
-        }
-    }
-
-    /// The integrator alone, for a model that no scene makes.
-    pub fn integrator(self, model: &LumpedModel) -> Box<dyn Integrator> {
-        match self {
-            Self::ForwardIncrement => Box::new(SparseForwardIncrement::new(model).unwrap()),
-        }
-    }
-
-    /// What a result may be off: an integrator of first order by `first`, which is proportional to
-    /// its step and derived beside each case.
-    pub fn off(self, first: f64) -> f64 {
-        match self {
-            Self::ForwardIncrement => first,
-        }
+/// What a result may be off: the paper's scheme, of first order, by `first`, which is proportional to
+/// its step and derived beside each case; the event-driven integrator by `rounding`.
+pub fn off(method: Method, first: f64, rounding: f64) -> f64 {
+    match method {
+        Method::ForwardIncrement => first,
+        Method::EventDriven => rounding,
     }
 }
 
@@ -64,6 +50,7 @@ pub struct Run {
     pub before: [DVector<f64>; 2],
     variables: [Vec<Variable>; 2],
     mass: DMatrix<f64>,
+    inverse_mass: DMatrix<f64>,
     pub stiffness: DMatrix<f64>,
     damping: DMatrix<f64>,
     /// Gᵀ: normal and tangent of each contact, by columns.
@@ -82,6 +69,17 @@ pub struct Run {
     gap_drift: f64,
     /// The step that was judged last.
     judged: u64,
+    /// Where the last step began, of an integrator whose motion is exact.
+    start: Option<(Snapshot, Vec<ContactState>, exact::Count)>,
+    /// The instant at hand, against the end of the step, s, and whether a contact state ends there.
+    at: (f64, bool),
+    /// The highest frequency of the masses on their own springs, 1/s.
+    fastest: f64,
+    memory: exact::Memory,
+    /// The changes of state in the last step that was judged, and the spans of time between them, s from
+    /// the beginning of the step; known for exact motion.
+    pub changes: Vec<Change>,
+    segments: Vec<[f64; 2]>,
 }
 
 /// What acts at one time.
@@ -96,12 +94,12 @@ pub struct Acting {
 
 impl Run {
     pub fn new(scene: Scene, method: Method) -> Self {
-        let simulation = Simulation::new(scene, 0.0).unwrap();
-        Self::of(simulation, method)
+        Self::of(Simulation::new(Scene { method, ..scene }, 0.0).unwrap())
     }
 
-    pub fn of(simulation: Simulation, method: Method) -> Self {
+    pub fn of(simulation: Simulation) -> Self {
         let scene = simulation.scene().clone();
+        let method = scene.method;
         let model = LumpedModel::from(&scene);
         let (n, contacts) = (model.dofs(), model.contacts.len());
         let all = variables(&scene);
@@ -153,12 +151,19 @@ impl Run {
         let zero = || [DVector::zeros(n), DVector::zeros(n)];
         let mut run = Self {
             simulation,
+            fastest: exact::fastest(&model),
+            start: None,
+            at: (0.0, false),
+            memory: exact::Memory::default(),
+            changes: Vec::new(),
+            segments: Vec::new(),
             model,
             method,
             steps: 0,
             now: zero(),
             before: zero(),
             variables,
+            inverse_mass: mass.clone().try_inverse().unwrap(),
             mass,
             stiffness,
             damping,
@@ -173,7 +178,7 @@ impl Run {
             gap_drift: 0.0,
             judged: 0,
         };
-        run.look();
+        run.read();
         run.before = run.now.clone();
         run
     }
@@ -193,7 +198,7 @@ impl Run {
     }
 
     /// Reads positions and velocities. The fastest so far, or the slider, is the scale of velocities.
-    fn look(&mut self) {
+    fn read(&mut self) {
         for (values, variables) in self.now.iter_mut().zip(&self.variables) {
             for (value, variable) in values.iter_mut().zip(variables) {
                 *value = self.simulation.read(variable).unwrap();
@@ -213,12 +218,17 @@ impl Run {
             self.reported = None;
             self.steps += count - 1;
             self.simulation.advance_to(self.time()).unwrap();
-            self.look();
+            self.read();
         }
+        self.start = (self.method == Method::EventDriven).then(|| {
+            let states = self.simulation.contact_forces().unwrap().iter().map(|force| force.state);
+            let states = states.collect();
+            (self.simulation.save(), states, exact::Count::of(&self.simulation))
+        });
         std::mem::swap(&mut self.now, &mut self.before);
         self.steps += 1;
         self.simulation.advance_to(self.time()).unwrap();
-        self.look();
+        self.read();
     }
 
     /// The states that the integrator reports.
@@ -231,18 +241,16 @@ impl Run {
         self.simulation.contact_forces().unwrap().to_vec()
     }
 
-    /// What acts in the step that begins at `time`.
+    /// What acts in the step that begins at `time`, as the paper's scheme takes it: the velocity of a
+    /// slider is that of the step's end.
     pub fn acting(&mut self, time: f64) -> Acting {
-        if !self.signals.is_empty() {
-            self.acting = self.simulation.scene().clone();
-            for (input, signal) in &self.signals {
-                let given = amontons::simulation::read_scene(&self.acting, input).unwrap();
-                // A slider's velocity is that of the step's end.
-                let at = if input.name.ends_with("velocity") { time + self.h() } else { time };
-                let added = signal.shape.at(at, 1e-6 * self.h());
-                write_scene(&mut self.acting, input, given + added).unwrap();
-            }
-        }
+        self.acting_at([time, time + self.h()])
+    }
+
+    /// What acts: the velocities of sliders at the second time, all else at the first.
+    fn acting_at(&mut self, times: [f64; 2]) -> Acting {
+        let slack = 1e-6 * self.h();
+        self.drive(|signal, is_velocity| signal.shape.at(times[usize::from(is_velocity)], slack));
         let scene = &self.acting;
         let external = DVector::from_iterator(self.model.dofs(), scene.external_forces());
         let (v, kinetic) = (scene.slider.velocity, scene.friction_coefficient);
@@ -255,35 +263,33 @@ impl Run {
         }
     }
 
+    /// How fast the external forces change from `time` on, N/s.
+    fn force_rate(&mut self, time: f64) -> DVector<f64> {
+        let n = self.model.dofs();
+        let slack = 1e-6 * self.h();
+        let [with, without] = [1.0, 0.0].map(|part| {
+            self.drive(|signal, _| part * signal.shape.rate(time, slack));
+            DVector::from_iterator(n, self.acting.external_forces())
+        });
+        with - without
+    }
+
+    /// Adds to the inputs that have signals.
+    fn drive(&mut self, added: impl Fn(&Signal, bool) -> f64) {
+        if self.signals.is_empty() {
+            return;
+        }
+        self.acting = self.simulation.scene().clone();
+        for (input, signal) in &self.signals {
+            let given = read_scene(&self.acting, input).unwrap();
+            let sum = given + added(signal, input.name.ends_with("velocity"));
+            write_scene(&mut self.acting, input, sum).unwrap();
+        }
+    }
+
     /// Displacements from the unloaded position.
     pub fn total(&self, displacement: &DVector<f64>) -> DVector<f64> {
         displacement + DVector::from_column_slice(&self.simulation.reference().displacement)
-    }
-
-    /// Newton's law over the last step: the forces that the contacts must have given to the masses,
-    /// M Δẋ/h − F + C ẋ + K x, N, and the rounding errors of that sum.
-    ///
-    /// The scheme of the paper has the forces of springs and dampers at the beginning of the step.
-    fn needed(&mut self) -> (DVector<f64>, f64) {
-        let Method::ForwardIncrement = self.method;
-        let acting = self.acting(self.time() - self.h());
-        let [x, v] = &self.before;
-        let terms = [
-            &self.mass * (&self.now[1] - v) / self.h(),
-            -acting.force,
-            &self.damping * v,
-            &self.stiffness * self.total(x),
-        ];
-        // The sums lose digits of what they cancel.
-        let speed = v.amax().max(self.now[1].amax());
-        let lost = [
-            terms[1].amax(),
-            self.mass.amax() * speed / self.h(),
-            self.damping.amax() * speed,
-            self.stiffness.amax() * self.total(x).amax(),
-        ];
-        let lost = lost.into_iter().fold(0.0, f64::max);
-        (terms.into_iter().sum(), ROUNDING * lost)
     }
 
     /// Gap, opening velocity and slip velocity of a contact.
@@ -296,18 +302,6 @@ impl Run {
 
     fn law(&self, instant: &Instant, friction: Friction) -> Violation {
         residual(instant, friction, &self.scales)
-    }
-
-    /// What the tolerance of the multipliers leaves, a part of 1e-13 of the largest in the last sweep,
-    /// where contacts between masses share one: a velocity each step, and the gaps that add up.
-    fn add_drift(&mut self, forces: &DVector<f64>) {
-        if !self.is_exact {
-            let lightest = self.mass.diagonal().iter().copied().fold(f64::MAX, f64::min);
-            let velocity = 2e-12 * forces.amax() * self.h() / lightest;
-            let steps = self.steps - std::mem::replace(&mut self.judged, self.steps);
-            self.gap_drift += velocity * self.h() * steps as f64;
-            self.drift = velocity / self.scales.velocity + self.gap_drift / self.scales.length;
-        }
     }
 
     /// Was a contact open, by more than rounding, when the last step began?
@@ -325,92 +319,26 @@ impl Run {
         (0..self.model.contacts.len()).any(|i| self.was_open(i) && !is_open(i))
     }
 
-    /// Judges the last step: forces by Newton's law, on the motion at its end. Returns the forces
-    /// (N, T) of the contacts, none where they do not follow from the motion.
-    ///
-    /// A contact that was open when the step began is judged by its gap alone, not by its opening
-    /// velocity: that of the paper's scheme is the mean over the way to the slider, and vanishes a
-    /// step later.
+    /// Judges the last step. Returns the forces (N, T) of the contacts over it, where they follow from
+    /// the motion.
     #[track_caller]
     pub fn judge_step(&mut self) -> Option<Vec<[f64; 2]>> {
-        let (needed, rounding) = self.needed();
-        self.compare_with_report(&needed, rounding);
-        let fit = self.fit.as_ref()?;
-        let forces = fit * &needed;
-        let time = self.time();
-        // What no contact can have given.
-        let rest = (&needed - &self.directions * &forces).amax();
-        assert!(rest <= 10.0 * rounding, "at {time} s the masses miss Newton's law by {rest} N");
-        self.add_drift(&forces);
-        let acting = self.acting(time - self.h());
-        let pairs = forces.as_slice().chunks_exact(2).map(|pair| [pair[0], pair[1]]);
-        let pairs: Vec<[f64; 2]> = pairs.collect();
-        for (i, &[normal_force, friction_force]) in pairs.iter().enumerate() {
-            let [gap, mut gap_velocity, slip_velocity] =
-                self.kinematics(i, acting.slider_velocity[i]);
-            if self.was_open(i) {
-                gap_velocity = 0.0;
+        match self.method {
+            Method::ForwardIncrement => self.judge_scheme_step(),
+            Method::EventDriven => {
+                self.judge_exact_step();
+                None
             }
-            let instant =
-                Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force };
-            let found = self.law(&instant, acting.friction[i]);
-            let allowed = 1e-12 + 10.0 * rounding / self.scales.force + self.drift;
-            assert!(
-                found.size <= allowed,
-                "contact {i} after {time} s: {found}, allowed {allowed:.1e}; {instant:?}"
-            );
         }
-        Some(pairs)
-    }
-
-    /// Where nothing happened in the last step, what the integrator reported at its beginning is what
-    /// Newton's law needs.
-    #[track_caller]
-    fn compare_with_report(&mut self, needed: &DVector<f64>, rounding: f64) {
-        let Some(reported) = self.reported.take() else { return };
-        let now = self.forces();
-        // Caught in this step and to slip on in the next one the contact slides, but did stick.
-        let caught = |force: &ContactForce| {
-            force.state.sliding_direction().is_some() && force.slip_velocity == 0.0
-        };
-        let same_state = reported
-            .iter()
-            .zip(&now)
-            .all(|(old, new)| old.state == new.state && !caught(old) && !caught(new));
-        let time = self.time();
-        // A contact that sticks to a slider that speeds up needs a force that no instant knows.
-        let times = [time - 2.0 * self.h(), time - self.h(), time];
-        let velocities = times.map(|t| self.acting(t).slider_velocity);
-        let steady = velocities.iter().all(|velocity| *velocity == velocities[0]);
-        // Just landed: what is left of the impact comes in this step.
-        let landing = (0..reported.len()).any(|i| {
-            let normal = self.directions.column(2 * i);
-            let rounding = 1e-12 * normal.abs().dot(&self.before[1].abs());
-            !self.was_open(i) && normal.dot(&self.before[1]).abs() > rounding
-        });
-        if !same_state || !steady || landing || self.has_landed() {
-            return;
-        }
-        let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);
-        let forces = DVector::from_iterator(2 * reported.len(), pairs);
-        let rest = (needed - &self.directions * &forces).amax();
-        // Where masses share contacts the multipliers stop at 1e-13 of the largest in a step, and what
-        // that leaves, up to a hundred times as much where they converge slowly, comes in the next.
-        let allowed = if self.is_exact {
-            10.0 * rounding + 1e-12 * forces.amax()
-        } else {
-            1000.0 * rounding + 1e-9 * forces.amax()
-        };
-        assert!(
-            rest <= allowed,
-            "at {time} s Newton's law misses what is reported by {rest} N: {reported:?}"
-        );
     }
 
     /// Judges what the integrator reports now by the same law, with the motion of now. Where the
     /// slider's velocity has changed since the last step, the motion is not that of the law yet.
     #[track_caller]
     pub fn judge_report(&mut self) {
+        if self.method == Method::EventDriven {
+            return self.judge_exact_report();
+        }
         let time = self.time();
         let old = self.acting(time - self.h());
         let acting = self.acting(time);
@@ -455,8 +383,17 @@ impl Run {
     }
 
     pub fn damping_power(&self) -> f64 {
-        self.now[1].dot(&(&self.damping * &self.now[1]))
+        self.power_of_damping(&self.now[1])
     }
+
+    pub fn power_of_damping(&self, velocity: &DVector<f64>) -> f64 {
+        velocity.dot(&(&self.damping * velocity))
+    }
+}
+
+/// The scene of a text.
+pub fn scene(text: &str) -> Scene {
+    parse("case", text).unwrap()
 }
 
 /// A scene's input or parameter with another value.

@@ -301,7 +301,9 @@ impl EventDriven {
     fn change(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
         self.before.clone_from(&motion.contacts);
         let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
-        if self.events.iter().any(touched) {
+        let landed = self.events.iter().any(touched);
+        let speed = motion.velocity.iter().fold(0.0, |most, v| f64::max(most, v.abs()));
+        if landed {
             self.impact(motion, drive)?;
         }
         for (i, event) in self.events.iter().enumerate() {
@@ -320,13 +322,15 @@ impl EventDriven {
             let slipping = |direction| Freedom::Slipping { direction, friction: friction.kinetic };
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
             multipliers.freedom[i] = match (self.events[i], motion.contacts[i]) {
-                (Some(Event::Lift), _) => Freedom::Open,
+                (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
+                // An impact changes the slip of every contact of the masses that it stops.
+                _ if landed && slip.abs() > NOISE * speed.max(self.surface[i].abs()) => {
+                    slipping(slip.signum())
+                }
+                _ if landed => held,
                 (Some(Event::Slip(direction)), _) => sliding(direction),
                 (Some(Event::Stop), _) | (_, ContactState::Stick) => held,
-                (None, ContactState::Detached) => Freedom::Open,
-                (Some(Event::Touch), _) if slip == 0.0 => held,
-                (Some(Event::Touch), _) => slipping(slip.signum()),
-                (None, state) => sliding(state),
+                (_, state) => sliding(state),
             };
             multipliers.free[i] = [
                 contact.normal.dot(&self.dynamics.acceleration),

@@ -1,0 +1,159 @@
+//! Scenes drawn at random, and those that are shipped: the law of contact is judged after every step.
+#![cfg(feature = "tools")]
+
+mod judge;
+
+use amontons::model::LumpedModel;
+use amontons::scene::{BUILTIN, Module, Pulse, Scene, Shape, Signal, Structure, builtin};
+use amontons::simulation::Simulation;
+use amontons::stability::critical_step;
+use judge::{METHODS, Run, off};
+use proptest::prelude::*;
+use std::sync::Arc;
+
+#[test]
+fn every_shipped_scene_obeys_the_law_after_every_step() {
+    for builtin in BUILTIN {
+        for method in METHODS {
+            let mut scene = builtin.scene();
+            // Exact motion has no need of small steps.
+            let longer = off(method, 1.0, 20.0);
+            scene.step *= longer;
+            let late = 0.6 * scene.experiment.stop_time / scene.step;
+            let clock = std::time::Instant::now();
+            let mut run = Run::new(scene, method);
+            // As it starts, and when it does what it is there to show.
+            run.judged_until(5_000.0 / longer * run.h());
+            run.jump(late as u64);
+            run.judged_until(run.time() + 15_000.0 / longer * run.h());
+            println!(
+                "{} {method:?} {:?} {:?}",
+                builtin.name,
+                clock.elapsed(),
+                run.simulation.statistics()
+            );
+        }
+    }
+}
+
+/// Values over some orders of magnitude, each order as often.
+fn wide(from: f64, to: f64) -> impl Strategy<Value = f64> + Clone {
+    (from.ln()..to.ln()).prop_map(f64::exp)
+}
+
+/// 0, or a value of either sign.
+fn signed(from: f64, to: f64) -> impl Strategy<Value = f64> + Clone {
+    (-3_i32..=3, wide(from, to)).prop_map(|(sign, value)| f64::from(sign.signum()) * value)
+}
+
+fn any_module() -> impl Strategy<Value = Module> {
+    (
+        prop::array::uniform2(wide(1e-2, 10.0)),
+        prop::array::uniform6(wide(1e3, 1e7)),
+        wide(1e-4, 1e-2),
+        prop::array::uniform4(signed(1e-4, 3.0)),
+        wide(1e-6, 1e-3),
+        any::<bool>(),
+    )
+        .prop_map(|(mass, stiffness, preload, velocity, gap, open)| Module {
+            mass,
+            stiffness,
+            preload,
+            force: [0.0; 4],
+            displacement: [0.0, 0.0, 0.0, if open { gap } else { 0.0 }],
+            velocity,
+        })
+}
+
+/// Runs a scene from rest under a slider that starts at once, which needs no equilibrium in sliding,
+/// and judges every step.
+fn judged_from_rest(scene: &Scene, part: f64) -> Result<(), TestCaseError> {
+    let mut scene = scene.clone();
+    let model = LumpedModel::from(&scene);
+    let Ok(critical) = critical_step(&model, scene.friction_coefficient) else {
+        return Err(TestCaseError::reject("no critical step"));
+    };
+    scene.step = part * critical.step;
+    let pulse = Pulse { value: -scene.slider.velocity, start: 0.0, end: Some(1.5 * scene.step) };
+    let input = "slider.velocity".to_owned();
+    scene.signals = Arc::new([Signal { input, shape: Shape::Pulse(pulse) }]);
+    let Ok(simulation) = Simulation::new(scene, 0.0) else {
+        return Err(TestCaseError::reject("it does not lie on the slider"));
+    };
+    let mut run = Run::of(simulation);
+    for _ in 0..200 {
+        run.step();
+        run.judge_step();
+        run.judge_report();
+    }
+    Ok(())
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 4000,
+        max_global_rejects: 1_000_000,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn any_ring_obeys_the_law_at_any_friction(
+        modules in prop::collection::vec(any_module(), 1..=2),
+        mu in 0.0..10.0,
+        velocity in signed(1e-4, 3.0),
+        angle in -1.4..1.4,
+        (alpha, beta) in (0.0..50.0, signed(1e-7, 1e-3)),
+        part in wide(1e-3, 0.95),
+    ) {
+        let mut scene = builtin("set1").unwrap().scene();
+        *scene.modules_mut() = modules;
+        scene.friction_coefficient = mu;
+        (scene.slider.velocity, scene.slider.angle) = (velocity, angle);
+        (scene.damping.alpha, scene.damping.beta) = (alpha, f64::max(beta, 0.0));
+        judged_from_rest(&scene, part)?;
+    }
+
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 2000,
+        max_global_rejects: 20,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    // Up to a hundred times heavier than the disc that they share: see below for more.
+    #[test]
+    fn any_pads_on_a_disc_obey_the_law_at_any_friction(
+        mass in prop::array::uniform3(wide(0.1, 10.0)),
+        stiffness in prop::array::uniform6(wide(1e3, 1e7)),
+        load in prop::array::uniform2(wide(1.0, 1e3)),
+        start in prop::array::uniform4(signed(1e-4, 3.0)),
+        oblique in -1.5..1.5,
+        mu in 0.0..10.0,
+        velocity in signed(1e-4, 3.0),
+        part in wide(1e-3, 0.95),
+    ) {
+        let mut scene = builtin("disc_brake").unwrap().scene();
+        let Structure::Network(network) = &mut scene.structure else { unreachable!() };
+        for (i, spring) in network.springs.iter_mut().enumerate() {
+            spring.stiffness = stiffness[i % 6];
+            if spring.name.ends_with("strut") {
+                spring.direction = oblique;
+            }
+        }
+        for (i, part) in network.masses.iter_mut().enumerate() {
+            part.mass = mass[i];
+            if part.name != "disc" {
+                part.load[1] = load[i].copysign(part.load[1]);
+                part.velocity = [start[2 * i], start[2 * i + 1]];
+            }
+        }
+        network.contacts.iter_mut().for_each(|contact| contact.velocity = None);
+        scene.friction_coefficient = mu;
+        scene.slider.velocity = velocity;
+        judged_from_rest(&scene, part)?;
+    }
+}

@@ -1,0 +1,127 @@
+//! The judge of the paper's scheme: Newton's law over one step.
+
+use super::{ROUNDING, Run};
+use amontons::contact::ContactForce;
+use amontons::contact::residual::Instant;
+use nalgebra::DVector;
+
+impl Run {
+    /// Newton's law over the last step: the forces that the contacts must have given to the masses,
+    /// M Δẋ/h − F + C ẋ + K x, N, and the rounding errors of that sum.
+    ///
+    /// The scheme of the paper has the forces of springs and dampers at the beginning of the step.
+    fn needed(&mut self) -> (DVector<f64>, f64) {
+        let acting = self.acting(self.time() - self.h());
+        let [x, v] = &self.before;
+        let terms = [
+            &self.mass * (&self.now[1] - v) / self.h(),
+            -acting.force,
+            &self.damping * v,
+            &self.stiffness * self.total(x),
+        ];
+        // The sums lose digits of what they cancel.
+        let speed = v.amax().max(self.now[1].amax());
+        let lost = [
+            terms[1].amax(),
+            self.mass.amax() * speed / self.h(),
+            self.damping.amax() * speed,
+            self.stiffness.amax() * self.total(x).amax(),
+        ];
+        let lost = lost.into_iter().fold(0.0, f64::max);
+        (terms.into_iter().sum(), ROUNDING * lost)
+    }
+
+    /// What the tolerance of the multipliers leaves, a part of 1e-13 of the largest in the last sweep,
+    /// where contacts between masses share one: a velocity each step, and the gaps that add up.
+    fn add_drift(&mut self, forces: &DVector<f64>) {
+        if !self.is_exact {
+            let lightest = self.mass.diagonal().iter().copied().fold(f64::MAX, f64::min);
+            let velocity = 2e-12 * forces.amax() * self.h() / lightest;
+            let steps = self.steps - std::mem::replace(&mut self.judged, self.steps);
+            self.gap_drift += velocity * self.h() * steps as f64;
+            self.drift = velocity / self.scales.velocity + self.gap_drift / self.scales.length;
+        }
+    }
+
+    /// Judges the last step: forces by Newton's law, on the motion at its end. Returns the forces
+    /// (N, T) of the contacts, none where they do not follow from the motion.
+    ///
+    /// A contact that was open when the step began is judged by its gap alone, not by its opening
+    /// velocity: that of the paper's scheme is the mean over the way to the slider, and vanishes a
+    /// step later.
+    #[track_caller]
+    pub(super) fn judge_scheme_step(&mut self) -> Option<Vec<[f64; 2]>> {
+        let (needed, rounding) = self.needed();
+        self.compare_with_report(&needed, rounding);
+        let fit = self.fit.as_ref()?;
+        let forces = fit * &needed;
+        let time = self.time();
+        // What no contact can have given.
+        let rest = (&needed - &self.directions * &forces).amax();
+        assert!(rest <= 10.0 * rounding, "at {time} s the masses miss Newton's law by {rest} N");
+        self.add_drift(&forces);
+        let acting = self.acting(time - self.h());
+        let pairs = forces.as_slice().chunks_exact(2).map(|pair| [pair[0], pair[1]]);
+        let pairs: Vec<[f64; 2]> = pairs.collect();
+        for (i, &[normal_force, friction_force]) in pairs.iter().enumerate() {
+            let [gap, mut gap_velocity, slip_velocity] =
+                self.kinematics(i, acting.slider_velocity[i]);
+            if self.was_open(i) {
+                gap_velocity = 0.0;
+            }
+            let instant =
+                Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force };
+            let found = self.law(&instant, acting.friction[i]);
+            let allowed = 1e-12 + 10.0 * rounding / self.scales.force + self.drift;
+            assert!(
+                found.size <= allowed,
+                "contact {i} after {time} s: {found}, allowed {allowed:.1e}; {instant:?}"
+            );
+        }
+        Some(pairs)
+    }
+
+    /// Where nothing happened in the last step, what the integrator reported at its beginning is what
+    /// Newton's law needs.
+    #[track_caller]
+    fn compare_with_report(&mut self, needed: &DVector<f64>, rounding: f64) {
+        let Some(reported) = self.reported.take() else { return };
+        let now = self.forces();
+        // Caught in this step and to slip on in the next one the contact slides, but did stick.
+        let caught = |force: &ContactForce| {
+            force.state.sliding_direction().is_some() && force.slip_velocity == 0.0
+        };
+        let same_state = reported
+            .iter()
+            .zip(&now)
+            .all(|(old, new)| old.state == new.state && !caught(old) && !caught(new));
+        let time = self.time();
+        // A contact that sticks to a slider that speeds up needs a force that no instant knows.
+        let times = [time - 2.0 * self.h(), time - self.h(), time];
+        let velocities = times.map(|t| self.acting(t).slider_velocity);
+        let steady = velocities.iter().all(|velocity| *velocity == velocities[0]);
+        // Just landed: what is left of the impact comes in this step.
+        let landing = (0..reported.len()).any(|i| {
+            let normal = self.directions.column(2 * i);
+            let rounding = 1e-12 * normal.abs().dot(&self.before[1].abs());
+            !self.was_open(i) && normal.dot(&self.before[1]).abs() > rounding
+        });
+        if !same_state || !steady || landing || self.has_landed() {
+            return;
+        }
+        let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);
+        let forces = DVector::from_iterator(2 * reported.len(), pairs);
+        let rest = (needed - &self.directions * &forces).amax();
+        // Where masses share contacts the multipliers stop at 1e-13 of the largest in a step, and what
+        // that leaves, up to a hundred times as much where they converge slowly, comes in the next.
+        let allowed = if self.is_exact {
+            10.0 * rounding + 1e-12 * forces.amax()
+        } else {
+            1000.0 * rounding + 1e-9 * forces.amax()
+        };
+        assert!(
+            rest <= allowed,
+            "at {time} s Newton's law misses what is reported by {rest} N: {reported:?}"
+        );
+    }
+}
