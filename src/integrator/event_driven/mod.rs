@@ -221,9 +221,10 @@ impl EventDriven {
         let acceleration = self.series.largest_acceleration();
         let force = normal.abs().max(acceleration / own[0]);
         let friction = drive.friction[contact].static_;
-        // What is nothing in the reserve of friction that held so far is nothing in the slip that follows.
-        let reserve = 2.0 * own[3] * (1.0 + friction) * force;
-        let speed = self.surface[contact].abs().max(acceleration.max(reserve) * reach);
+        // What is nothing to friction is nothing to the slip that it makes: else a contact at its limit
+        // slips and stops without an end.
+        let bits = (1.0 + friction) * force * (own[3] + friction * own[1].abs());
+        let speed = self.surface[contact].abs().max((acceleration + bits) * reach);
         let limit = |direction| (Event::Slip(direction), (1.0 + friction) * force);
         let events = match state {
             ContactState::Detached => {
