@@ -11,6 +11,8 @@
 //! the motion is.
 
 mod held;
+mod law;
+mod reduced;
 mod roots;
 mod series;
 mod watch;
@@ -21,8 +23,8 @@ use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::model::{Damping, LumpedModel};
-use held::{HeldContacts, MAX_GROUP};
-use series::{ORDER, Series};
+use held::MAX_GROUP;
+use series::{ORDER, Polynomial, Series};
 use watch::Event;
 
 /// More events than this for each contact in one internal step are a loop that leads nowhere.
@@ -35,15 +37,17 @@ const SHORTEST: f64 = 1e-12;
 const NOISE: f64 = 1e-13;
 
 /// Exact motion, event by event.
+///
+/// Structures with up to 16 degrees of freedom (two more for each contact between two masses or at an
+/// angle to them) get a full matrix for each contact state that they meet, of which up to 64 are kept, in
+/// at most 300 kB. That room is taken when the integrator is made. Larger structures use sparse matrices.
 pub struct EventDriven {
     dynamics: Dynamics,
-    held: HeldContacts,
     series: Series,
-    /// The states that `held` is set to.
-    held_states: Vec<ContactState>,
-    held_friction: Vec<f64>,
+    /// Does any contact hold more than one degree of freedom at a time?
+    is_inclined: bool,
     /// The polynomial at hand.
-    polynomial: [f64; ORDER + 1],
+    polynomial: Polynomial,
     /// The outer forces, N, and the velocities of the sliders, m/s, at the instant that was reached.
     force: Vec<f64>,
     surface: Vec<f64>,
@@ -60,18 +64,18 @@ impl EventDriven {
     pub fn new(model: &LumpedModel) -> Result<Self, Error> {
         let dynamics = Dynamics::new(model)?;
         let contacts = model.contacts.len();
-        let held = HeldContacts::new(&dynamics);
-        if held.largest_group() > MAX_GROUP {
+        let series = Series::new(&dynamics);
+        let together = series.law.largest_group();
+        if together > MAX_GROUP {
             return Err(Error::scene(format!(
-                "{} contacts share masses; the event-driven integrator takes up to {MAX_GROUP}",
-                held.largest_group()
+                "{together} contacts share masses; the event-driven integrator takes up to {MAX_GROUP}"
             )));
         }
         Ok(Self {
-            series: Series::new(&dynamics),
-            held,
-            held_states: Vec::with_capacity(contacts),
-            held_friction: Vec::with_capacity(contacts),
+            series,
+            is_inclined: model.contacts.iter().any(|contact| {
+                contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
+            }),
             polynomial: [0.0; ORDER + 1],
             force: vec![0.0; model.dofs()],
             surface: vec![0.0; contacts],
@@ -87,22 +91,25 @@ impl EventDriven {
         self.reach(drive, h, left);
         self.follow_slider(motion, h);
         while left > 0.0 {
-            self.expand(motion, drive);
-            let reach = self.series.reach(left);
+            let Self { series, dynamics, force, .. } = self;
+            let start = (&*motion.displacement, &*motion.velocity);
+            series.expand(dynamics, &motion.contacts, drive, force, start, left);
+            let reach = series.span();
             if reach <= SHORTEST * left {
                 // No series covers numbers that have left their range: whoever looks at the motion is to
                 // see that.
                 motion.displacement.fill(f64::NAN);
                 return Ok(());
             }
-            let event = self.next_event(motion, drive, reach);
-            let passed = event.unwrap_or(reach);
+            let event = self.next_event(motion, drive);
+            let part = event.unwrap_or(1.0);
+            let passed = part * reach;
             if passed > 0.0 {
-                self.series.evaluate(passed, &mut motion.displacement, &mut motion.velocity);
+                self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
                 self.reach(drive, h, left);
-                self.settle(motion);
+                self.settle(motion, drive);
             }
             if event.is_some() {
                 self.change(motion, drive)?;
@@ -163,19 +170,14 @@ impl EventDriven {
         }
     }
 
-    fn expand(&mut self, motion: &Motion, drive: &Drive) {
-        let Self { dynamics, held, series, held_states, held_friction, force, .. } = self;
-        if *held_states != motion.contacts || *held_friction != drive.friction_coefficient {
-            held_states.clone_from(&motion.contacts);
-            held_friction.clone_from(&drive.friction_coefficient);
-            held.set(dynamics, held_states, held_friction);
-        }
-        let state = (&*motion.displacement, &*motion.velocity);
-        series.expand(dynamics, held, held_states, drive, force, state);
-    }
-
     /// Puts what is held exactly where it is held.
-    fn settle(&self, motion: &mut Motion) {
+    fn settle(&mut self, motion: &mut Motion, drive: &Drive) {
+        if self.is_inclined {
+            let law = &mut self.series.law;
+            law.set(&self.dynamics, &motion.contacts, &drive.friction_coefficient);
+            let Motion { displacement, velocity, .. } = motion;
+            law.mend(&self.dynamics, &self.surface, displacement, velocity);
+        }
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let state = motion.contacts[i];
             if state == ContactState::Detached {
@@ -246,7 +248,7 @@ impl EventDriven {
         for (old, new) in self.before.iter().zip(&motion.contacts) {
             statistics.state_changes += u64::from(old != new);
         }
-        self.settle(motion);
+        self.settle(motion, drive);
         Ok(())
     }
 
@@ -310,6 +312,9 @@ impl Integrator for EventDriven {
     }
 
     fn set_damping(&mut self, damping: Damping) {
-        self.dynamics.damping = damping;
+        if self.dynamics.damping != damping {
+            self.dynamics.damping = damping;
+            self.series.forget();
+        }
     }
 }

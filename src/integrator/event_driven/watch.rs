@@ -1,6 +1,5 @@
 //! What must not become negative while the contact states stay, and when it does.
 
-use super::series::{ORDER, index};
 use super::{EventDriven, NOISE, roots};
 use crate::contact::ContactState;
 use crate::integrator::{Drive, Motion};
@@ -19,17 +18,19 @@ pub(super) enum Event {
 }
 
 impl EventDriven {
-    /// The time of the next event up to `reach` (s), and in `events` what happens then.
-    pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive, reach: f64) -> Option<f64> {
+    /// The next event, in parts of the series' span, and in `events` what happens then.
+    pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive) -> Option<f64> {
         self.events.fill(None);
         let mut first = None;
+        let bend = self.series.largest_bend();
         for i in 0..self.events.len() {
-            for (event, size) in self.watched(i, motion.contacts[i], drive, reach) {
+            let watched = self.watched(i, motion.contacts[i], drive, bend);
+            for (event, size) in watched.into_iter().flatten() {
                 let terms = self.fill(i, event, drive);
                 let p = &self.polynomial[..terms];
-                let Some(time) = roots::first_negative(p, reach, NOISE * size) else { continue };
+                let Some(time) = roots::first_negative(p, NOISE * size) else { continue };
                 // Those that are apart by rounding alone are one.
-                let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON * reach;
+                let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON;
                 match first {
                     Some(first) if is_same(first) => {}
                     Some(first) if time > first => continue,
@@ -42,73 +43,65 @@ impl EventDriven {
         first
     }
 
-    /// What must not become negative at a contact, with the size that its rounding is measured by.
+    /// What might become negative at a contact, with the size that its rounding is measured by.
     fn watched(
         &self,
         contact: usize,
         state: ContactState,
         drive: &Drive,
-        reach: f64,
-    ) -> impl Iterator<Item = (Event, f64)> + use<> {
-        let [normal, _] = self.series.force(0, contact);
-        let own = self.dynamics.multipliers.delassus.own(contact);
-        let acceleration = self.series.largest_acceleration();
-        let force = normal.abs().max(acceleration / own[0]);
-        let speed = self.surface[contact].abs().max(acceleration * reach);
-        let friction = drive.friction_coefficient[contact];
-        let limit = |direction| (Event::Slip(direction), (1.0 + friction) * force);
-        let events = match state {
-            ContactState::Detached => {
-                [Some((Event::Touch, acceleration * reach * reach)), None, None]
-            }
-            ContactState::Stick => [
-                Some((Event::Lift, force)),
-                Some(limit(ContactState::Slide)),
-                Some(limit(ContactState::ReverseSlide)),
-            ],
-            _ => [Some((Event::Lift, force)), Some((Event::Stop, speed)), None],
+        bend: f64,
+    ) -> [Option<(Event, f64)>; 3] {
+        let span = self.series.span();
+        let acceleration = 2.0 * bend / (span * span);
+        let force = || {
+            let own = self.dynamics.multipliers.delassus.own(contact);
+            self.series.first_normal_force(contact).abs().max(acceleration / own[0])
         };
-        events.into_iter().flatten()
+        let friction = drive.friction_coefficient[contact];
+        match state {
+            ContactState::Detached => [Some((Event::Touch, 2.0 * bend)), None, None],
+            ContactState::Stick => {
+                let least = friction * self.series.least_normal_force(contact);
+                if least > self.series.most_stuck_force(contact) {
+                    return [None; 3];
+                }
+                let force = force();
+                let limit = |direction| Some((Event::Slip(direction), (1.0 + friction) * force));
+                [
+                    Some((Event::Lift, force)),
+                    limit(ContactState::Slide),
+                    limit(ContactState::ReverseSlide),
+                ]
+            }
+            _ => {
+                let distance = (span * self.surface[contact].abs()).max(2.0 * bend);
+                let may_lift = self.series.least_normal_force(contact) <= 0.0;
+                [may_lift.then(|| (Event::Lift, force())), Some((Event::Stop, distance)), None]
+            }
+        }
     }
 
     /// Writes what must not become negative as a polynomial; its number of terms.
     fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
         let Self { series, dynamics, polynomial, surface, .. } = self;
         let rows = &dynamics.contacts[contact];
-        let friction = drive.friction_coefficient[contact];
         match event {
-            Event::Touch => {
-                for (k, value) in polynomial.iter_mut().enumerate() {
-                    *value = rows.normal.dot(series.displacement(k));
-                }
-                return ORDER + 1;
-            }
+            Event::Touch => series.along(&rows.normal, polynomial),
             Event::Stop => {
-                let direction = self.held_states[contact].sliding_direction().unwrap_or(1.0);
-                for (k, value) in polynomial[..ORDER].iter_mut().enumerate() {
-                    let along = index(k + 1) * rows.tangent.dot(series.displacement(k + 1));
-                    let slider = match k {
-                        0 => surface[contact],
-                        1 => drive.slider_acceleration[contact],
-                        _ => 0.0,
-                    };
-                    *value = direction * (slider - along);
+                let terms = series.moved(&rows.tangent, polynomial);
+                let span = series.span();
+                polynomial[0] -= span * surface[contact];
+                polynomial[1] -= span * span * drive.slider_acceleration[contact];
+                if series.state(contact) == ContactState::Slide {
+                    polynomial[..terms].iter_mut().for_each(|value| *value = -*value);
                 }
-                return ORDER;
+                terms
             }
-            Event::Lift => {
-                for (k, value) in polynomial[..=ORDER - 2].iter_mut().enumerate() {
-                    *value = series.force(k, contact)[0];
-                }
-            }
+            Event::Lift => series.normal_force(contact, polynomial),
             Event::Slip(direction) => {
                 let sign = direction.sliding_direction().unwrap_or(1.0);
-                for (k, value) in polynomial[..=ORDER - 2].iter_mut().enumerate() {
-                    let [normal, tangential] = series.force(k, contact);
-                    *value = friction * normal - sign * tangential;
-                }
+                series.reserve(contact, drive.friction_coefficient[contact], sign, polynomial)
             }
         }
-        ORDER - 1
     }
 }
