@@ -9,13 +9,22 @@ use crate::integrator::dynamics::Dynamics;
 use crate::model::{Damping, Direction};
 
 /// The highest power of the displacements.
-pub(super) const ORDER: usize = 32;
+pub(super) const ORDER: usize = 28;
 /// The highest power of the forces.
 const FORCE_ORDER: usize = ORDER - 2;
 /// What the last two terms may be against the first ones; those that are left out are much smaller.
 const TRUNCATION: f64 = 0.5 * f64::EPSILON;
 /// By how much a step that the series does not cover is shortened, again and again.
 const SHORTER: f64 = 0.9;
+/// What is left then of the last power but one.
+const LEFT_OF_LAST: f64 = {
+    let (mut left, mut power) = (1.0, 1);
+    while power < ORDER {
+        left *= SHORTER;
+        power += 1;
+    }
+    left
+};
 /// How often at the most: to 1e-18 of it.
 const MOST_SHORTENINGS: usize = 400;
 /// By how much one whose terms leave the range of numbers is shortened, and how many are tried.
@@ -302,14 +311,14 @@ impl Series {
         let size = |k: usize| size(&self.displacement[k * self.places..][..self.places]);
         let last = [ORDER - 1, ORDER].map(size);
         let first = [0, 1, 2].map(size);
-        let mut part = 1.0;
+        let (mut part, mut power) = (1.0, 1.0);
         for _ in 0..MOST_SHORTENINGS {
             let size = first[0] + first[1] * part + first[2] * part * part;
-            let power = (0..ORDER - 1).fold(1.0, |power, _| power * part);
             if power * (last[0] + last[1] * part) <= TRUNCATION * size {
                 break;
             }
             part *= SHORTER;
+            power *= LEFT_OF_LAST;
         }
         if part == 1.0 {
             return;
