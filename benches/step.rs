@@ -1,9 +1,11 @@
-//! What a step costs: `cargo bench --bench step` prints three small tables, all from one run.
+//! What a step costs: `cargo bench --bench step` prints four small tables, all from one run.
 //!
 //! * Set 1 at µ = 1.96 and h = 1 µs, on its limit cycle, against the same scheme written down
 //!   plainly in C with full matrices (`dense_loop.c`, compiled here with `cc -O3`). Both take model
 //!   and motion from the same place and must arrive at the same motion, or the run fails.
 //! * Longer rings: the time a module and step should hardly grow with the ring.
+//! * Event by event, with steps of 1 ms: a second of motion against the paper's scheme at the scene's
+//!   own step.
 //! * What is paid once: a simulation (what initializing an FMU costs) and an FMU.
 //!
 //! Other work on the machine makes a time longer, never shorter. So each run is cut into many short
@@ -16,7 +18,7 @@ use amontons::contact::ContactState;
 use amontons::integrator::{self, Drive, Integrator, Motion, Statistics};
 use amontons::model::{self, LumpedModel};
 use amontons::package;
-use amontons::scene::{Builtin, Scene, builtin};
+use amontons::scene::{Builtin, Method, Scene, builtin};
 use amontons::simulation::Simulation;
 use libloading::Library;
 use std::array::from_fn;
@@ -37,6 +39,7 @@ const SHORT_RUN: u32 = 20_000;
 fn main() {
     against_c();
     rings();
+    event_by_event();
     paid_once();
 }
 
@@ -116,6 +119,43 @@ fn rings() {
         let modules = ring.modules();
         let time = nanoseconds(time, MODULE_STEPS / modules * modules);
         println!("{modules:4} {time:24.2} {:15}", ring.motion.statistics.state_changes);
+    }
+    println!();
+}
+
+fn event_by_event() {
+    println!("Event by event    ms a second   state changes   the scheme / it");
+    let pushed = |friction, velocity| {
+        let mut scene = set("set1").scene();
+        (scene.friction_coefficient, scene.slider.velocity) = (friction, velocity);
+        scene.modules_mut()[0].velocity = [0.01, 0.0, 0.0, 0.0];
+        scene
+    };
+    let mut waves = set("ring12").scene();
+    for (i, module) in waves.modules_mut().iter_mut().enumerate() {
+        module.velocity[1] = 0.1 * (i as f64).sin();
+    }
+    for (name, scheme, milliseconds) in [
+        ("set1", pushed(1.96, 0.025), 1000_u32),
+        ("set1, touching", pushed(1.5, 0.15), 1000),
+        ("set2", set("set2").scene(), 1000),
+        ("ring12", waves, 100),
+        ("disc_brake", set("disc_brake").scene(), 100),
+    ] {
+        let exact = Scene { method: Method::EventDriven, step: 1e-3, ..scheme.clone() };
+        let seconds = 1e-3 * f64::from(milliseconds);
+        let run = |scene: &Scene| {
+            let mut simulation = Simulation::new(scene.clone(), 0.0).expect("it is possible");
+            simulation.advance_to(seconds).expect("it has a solution");
+            simulation.statistics().state_changes
+        };
+        let mut changes = 0;
+        let mut slow = || {
+            black_box(run(&scheme));
+        };
+        let times = shortest(10, &mut [&mut slow, &mut || changes = run(&exact)]);
+        let [slow, fast] = [times[0], times[1]].map(|time| time.as_secs_f64());
+        println!("{name:14} {:14.2} {changes:15} {:17.1}", 1e3 * fast / seconds, slow / fast);
     }
     println!();
 }

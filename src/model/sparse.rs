@@ -65,6 +65,7 @@ impl SparseMatrix {
     }
 
     /// Columns and values of a row, columns ascending.
+    #[inline]
     pub fn row(&self, row: usize) -> impl Iterator<Item = (usize, f64)> + '_ {
         let range = self.offsets[row]..self.offsets[row + 1];
         self.columns[range.clone()].iter().copied().zip(self.values[range].iter().copied())
@@ -84,6 +85,7 @@ impl SparseMatrix {
 
     /// The product of a row with a vector, summed from the left.
     #[must_use]
+    #[inline]
     pub fn row_times(&self, row: usize, vector: &[f64]) -> f64 {
         self.row(row).fold(0.0, |sum, (column, value)| sum + value * vector[column])
     }

@@ -11,17 +11,21 @@
 //! the motion is.
 
 mod held;
+mod law;
+mod reduced;
 mod roots;
 mod series;
+mod watch;
 
 use super::dynamics::Dynamics;
 use super::multipliers::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
-use crate::contact::{ContactForce, ContactState, Friction};
+use crate::contact::{ContactForce, ContactState};
 use crate::model::{Damping, LumpedModel};
-use held::{HeldContacts, MAX_GROUP};
-use series::{ORDER, Series, index};
+use held::MAX_GROUP;
+use series::{ORDER, Polynomial, Series};
+use watch::Event;
 
 /// More events than this for each contact in one internal step are a loop that leads nowhere.
 const MAX_EVENTS: u64 = 10_000;
@@ -32,29 +36,18 @@ const SHORTEST: f64 = 1e-12;
 /// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
 const NOISE: f64 = 1e-13;
 
-/// Why a contact may not stay as it is.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Event {
-    /// The gap closes.
-    Touch,
-    /// The normal force falls to zero.
-    Lift,
-    /// The slip velocity falls to zero.
-    Stop,
-    /// The friction force reaches its limit; in this direction.
-    Slip(ContactState),
-}
-
 /// Exact motion, event by event.
+///
+/// Structures with up to 16 degrees of freedom (two more for each contact between two masses or at an
+/// angle to them) get a full matrix for each contact state that they meet, of which up to 64 are kept, in
+/// at most 300 kB. That room is taken when the integrator is made. Larger structures use sparse matrices.
 pub struct EventDriven {
     dynamics: Dynamics,
-    held: HeldContacts,
     series: Series,
-    /// The states that `held` is set to.
-    held_states: Vec<ContactState>,
-    held_friction: Vec<Friction>,
+    /// Does any contact hold more than one degree of freedom at a time?
+    is_inclined: bool,
     /// The polynomial at hand.
-    polynomial: [f64; ORDER + 1],
+    polynomial: Polynomial,
     /// The outer forces, N, and the velocities of the sliders, m/s, at the instant that was reached.
     force: Vec<f64>,
     surface: Vec<f64>,
@@ -71,18 +64,18 @@ impl EventDriven {
     pub fn new(model: &LumpedModel) -> Result<Self, Error> {
         let dynamics = Dynamics::new(model)?;
         let contacts = model.contacts.len();
-        let held = HeldContacts::new(&dynamics);
-        if held.largest_group() > MAX_GROUP {
+        let series = Series::new(&dynamics);
+        let together = series.law.largest_group();
+        if together > MAX_GROUP {
             return Err(Error::scene(format!(
-                "{} contacts share masses; the event-driven integrator takes up to {MAX_GROUP}",
-                held.largest_group()
+                "{together} contacts share masses; the event-driven integrator takes up to {MAX_GROUP}"
             )));
         }
         Ok(Self {
-            series: Series::new(&dynamics),
-            held,
-            held_states: Vec::with_capacity(contacts),
-            held_friction: Vec::with_capacity(contacts),
+            series,
+            is_inclined: model.contacts.iter().any(|contact| {
+                contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
+            }),
             polynomial: [0.0; ORDER + 1],
             force: vec![0.0; model.dofs()],
             surface: vec![0.0; contacts],
@@ -98,22 +91,25 @@ impl EventDriven {
         self.reach(drive, h, left);
         self.follow_slider(motion, h);
         while left > 0.0 {
-            self.expand(motion, drive);
-            let reach = self.series.reach(left);
+            let Self { series, dynamics, force, .. } = self;
+            let start = (&*motion.displacement, &*motion.velocity);
+            series.expand(dynamics, &motion.contacts, drive, force, start, left);
+            let reach = series.span();
             if reach <= SHORTEST * left {
                 // No series covers numbers that have left their range: whoever looks at the motion is to
                 // see that.
                 motion.displacement.fill(f64::NAN);
                 return Ok(());
             }
-            let event = self.next_event(motion, drive, reach);
-            let passed = event.unwrap_or(reach);
+            let event = self.next_event(motion, drive);
+            let part = event.unwrap_or(1.0);
+            let passed = part * reach;
             if passed > 0.0 {
-                self.series.evaluate(passed, &mut motion.displacement, &mut motion.velocity);
+                self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
                 self.reach(drive, h, left);
-                self.settle(motion);
+                self.settle(motion, drive);
             }
             if event.is_some() {
                 self.change(motion, drive)?;
@@ -174,115 +170,14 @@ impl EventDriven {
         }
     }
 
-    fn expand(&mut self, motion: &Motion, drive: &Drive) {
-        let Self { dynamics, held, series, held_states, held_friction, force, .. } = self;
-        if *held_states != motion.contacts || *held_friction != drive.friction {
-            held_states.clone_from(&motion.contacts);
-            held_friction.clone_from(&drive.friction);
-            held.set(dynamics, held_states, held_friction);
-        }
-        let state = (&*motion.displacement, &*motion.velocity);
-        series.expand(dynamics, held, held_states, drive, force, state);
-    }
-
-    /// The time of the next event up to `reach` (s), and in `events` what happens then.
-    fn next_event(&mut self, motion: &Motion, drive: &Drive, reach: f64) -> Option<f64> {
-        self.events.fill(None);
-        let mut first = None;
-        for i in 0..self.events.len() {
-            for (event, size) in self.watched(i, motion.contacts[i], drive, reach) {
-                let terms = self.fill(i, event, drive);
-                let p = &self.polynomial[..terms];
-                let Some(time) = roots::first_negative(p, reach, NOISE * size) else { continue };
-                // Those that are apart by rounding alone are one.
-                let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON * reach;
-                match first {
-                    Some(first) if is_same(first) => {}
-                    Some(first) if time > first => continue,
-                    _ => self.events.fill(None),
-                }
-                self.events[i] = Some(event);
-                first = Some(first.map_or(time, |first: f64| first.min(time)));
-            }
-        }
-        first
-    }
-
-    /// What must not become negative at a contact, with the size that its rounding is measured by.
-    fn watched(
-        &self,
-        contact: usize,
-        state: ContactState,
-        drive: &Drive,
-        reach: f64,
-    ) -> impl Iterator<Item = (Event, f64)> + use<> {
-        let [normal, _] = self.series.force(0, contact);
-        let own = self.dynamics.multipliers.delassus.own(contact);
-        let acceleration = self.series.largest_acceleration();
-        let force = normal.abs().max(acceleration / own[0]);
-        let friction = drive.friction[contact].static_;
-        // What is nothing to friction is nothing to the slip that it makes: else a contact at its limit
-        // slips and stops without an end.
-        let bits = (1.0 + friction) * force * (own[3] + friction * own[1].abs());
-        let speed = self.surface[contact].abs().max((acceleration + bits) * reach);
-        let limit = |direction| (Event::Slip(direction), (1.0 + friction) * force);
-        let events = match state {
-            ContactState::Detached => {
-                [Some((Event::Touch, acceleration * reach * reach)), None, None]
-            }
-            ContactState::Stick => [
-                Some((Event::Lift, force)),
-                Some(limit(ContactState::Slide)),
-                Some(limit(ContactState::ReverseSlide)),
-            ],
-            _ => [Some((Event::Lift, force)), Some((Event::Stop, speed)), None],
-        };
-        events.into_iter().flatten()
-    }
-
-    /// Writes what must not become negative as a polynomial; its number of terms.
-    fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
-        let Self { series, dynamics, polynomial, surface, .. } = self;
-        let rows = &dynamics.contacts[contact];
-        let friction = drive.friction[contact].static_;
-        match event {
-            Event::Touch => {
-                for (k, value) in polynomial.iter_mut().enumerate() {
-                    *value = rows.normal.dot(series.displacement(k));
-                }
-                return ORDER + 1;
-            }
-            Event::Stop => {
-                let direction = self.held_states[contact].sliding_direction().unwrap_or(1.0);
-                for (k, value) in polynomial[..ORDER].iter_mut().enumerate() {
-                    let along = index(k + 1) * rows.tangent.dot(series.displacement(k + 1));
-                    let slider = match k {
-                        0 => surface[contact],
-                        1 => drive.slider_acceleration[contact],
-                        _ => 0.0,
-                    };
-                    *value = direction * (slider - along);
-                }
-                return ORDER;
-            }
-            Event::Lift => {
-                for (k, value) in polynomial[..=ORDER - 2].iter_mut().enumerate() {
-                    *value = series.force(k, contact)[0];
-                }
-            }
-            Event::Slip(direction) => {
-                let sign = direction.sliding_direction().unwrap_or(1.0);
-                for (k, value) in polynomial[..=ORDER - 2].iter_mut().enumerate() {
-                    let [normal, tangential] = series.force(k, contact);
-                    *value = friction * normal - sign * tangential;
-                }
-            }
-        }
-        ORDER - 1
-    }
-
     /// Puts what is held exactly where it is held.
-    fn settle(&self, motion: &mut Motion) {
+    fn settle(&mut self, motion: &mut Motion, drive: &Drive) {
+        if self.is_inclined {
+            let law = &mut self.series.law;
+            law.set(&self.dynamics, &motion.contacts, &drive.friction);
+            let Motion { displacement, velocity, .. } = motion;
+            law.mend(&self.dynamics, &self.surface, displacement, velocity);
+        }
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let state = motion.contacts[i];
             if state == ContactState::Detached {
@@ -350,7 +245,7 @@ impl EventDriven {
         for (old, new) in self.before.iter().zip(&motion.contacts) {
             statistics.state_changes += u64::from(old != new);
         }
-        self.settle(motion);
+        self.settle(motion, drive);
         Ok(())
     }
 
@@ -415,6 +310,9 @@ impl Integrator for EventDriven {
     }
 
     fn set_damping(&mut self, damping: Damping) {
-        self.dynamics.damping = damping;
+        if self.dynamics.damping != damping {
+            self.dynamics.damping = damping;
+            self.series.forget();
+        }
     }
 }

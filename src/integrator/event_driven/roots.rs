@@ -2,108 +2,103 @@
 
 use super::series::index;
 
-/// Halvings after which an interval holds no more doubles.
-const MOST_HALVINGS: u32 = 60;
-/// Newton steps before bisection alone goes on.
-const MOST_NEWTON: u32 = 50;
+/// More steps than this towards a root that is not reached are taken as an event: the law of contact then
+/// says what is the case.
+const MOST_STEPS: usize = 10_000;
+/// Coefficients that are bounded one by one; the others by the sum of their sizes.
+const BOUNDED: usize = 4;
 
-/// The first τ in [0, h] from which on p(τ) = Σ c_k τ^k is negative; `None` if it is not.
+/// The first s in [0, 1] from which on p(s) = Σ c_k s^k is negative; `None` if it is not.
 ///
-/// A value up to `noise` counts as zero: the polynomial then goes where its next coefficient
-/// leads. No root is missed, two in one interval included: an interval is passed over only if bounds of
-/// the polynomial or of its derivative say that it may be, and halved until one of them does.
-pub(super) fn first_negative(coefficients: &[f64], h: f64, noise: f64) -> Option<f64> {
-    let mut powers = 1.0;
-    let mut leading = 0;
-    for &c in coefficients {
-        if (c * powers).abs() > noise {
-            break;
-        }
-        leading += 1;
-        powers *= h;
-    }
-    // Without what is nothing, and divided by τ as often: the sign stays.
+/// A value up to `noise` counts as zero: the polynomial then goes where its next coefficient leads.
+/// No root is missed, two close ones included.
+pub(super) fn first_negative(coefficients: &[f64], noise: f64) -> Option<f64> {
+    let leading = coefficients.iter().take_while(|c| c.abs() <= noise).count();
+    // Without what is nothing, and divided by s as often: the sign stays.
     let p = &coefficients[leading..];
     let &first = p.first()?;
     if first < 0.0 {
         return Some(0.0);
     }
-    // |p(τ) − p(0)| on the whole interval.
-    let swing = p[1..].iter().rev().fold(0.0, |sum, c| (sum + c.abs()) * h);
-    if swing < first {
+    if lower_bound(p) > 0.0 {
         return None;
     }
-    let curvature = bend(p, h);
-    let mut search = Search { p, curvature };
-    search.first(0.0, h, 0)
+    first_root(p)
 }
 
-/// Σ k (k − 1) |c_k| h^(k−2) ≥ |p''| on [0, h].
-fn bend(p: &[f64], h: f64) -> f64 {
-    let terms = p.iter().enumerate().skip(2).rev();
-    terms.fold(0.0, |sum, (k, c)| {
-        let k = index(k);
-        sum * h + k * (k - 1.0) * c.abs()
-    })
+/// What p is not below on [0, 1]: s g(s) is not below zero or the least g.
+fn lower_bound(p: &[f64]) -> f64 {
+    let (first, rest) = p.split_at(p.len().min(BOUNDED));
+    first.iter().rev().fold(-sum_of_sizes(rest), |bound, c| c + bound.min(0.0))
 }
 
-struct Search<'a> {
-    p: &'a [f64],
-    curvature: f64,
+/// Σ |c_k|, in four sums that do not wait for each other.
+pub(super) fn sum_of_sizes(p: &[f64]) -> f64 {
+    let (fours, rest) = p.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for four in fours {
+        for (sum, c) in sums.iter_mut().zip(four) {
+            *sum += c.abs();
+        }
+    }
+    let rest = rest.iter().fold(0.0, |sum, c| sum + c.abs());
+    (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-impl Search<'_> {
-    /// The first root with a change of sign from above in [from, to], where p(from) ≥ 0.
-    fn first(&mut self, from: f64, to: f64, halvings: u32) -> Option<f64> {
-        let middle = from + 0.5 * (to - from);
-        let radius = to - middle;
-        let [value, slope] = value_and_slope(self.p, middle);
-        let bend = self.curvature * radius;
-        if value > (slope.abs() + 0.5 * bend) * radius {
+/// What p'' is not below on [0, 1].
+fn least_curvature(p: &[f64]) -> f64 {
+    let mut bound = 0.0;
+    let mut k = index(p.len());
+    for c in p[p.len().min(2)..].iter().rev() {
+        k -= 1.0;
+        bound = k * (k - 1.0) * c + f64::min(bound, 0.0);
+    }
+    bound
+}
+
+/// The first root of p in [0, 1], where p(0) > 0.
+///
+/// With p'' ≥ −b, p is not below the parabola p(a) + p'(a) (s − a) − b (s − a)² / 2 beyond a: up to the
+/// parabola's root there is none of p. From root to root this goes to the first root of p and never past
+/// it, in the end as fast as Newton's method, which it is where p is convex.
+fn first_root(p: &[f64]) -> Option<f64> {
+    let b = (-least_curvature(p)).max(0.0);
+    let mut at = 0.0;
+    let [mut value, mut slope] = [p[0], p.get(1).copied().unwrap_or(0.0)];
+    for _ in 0..MOST_STEPS {
+        let root = (slope * slope + 2.0 * b * value).sqrt();
+        let step = if slope > 0.0 { (slope + root) / b } else { 2.0 * value / (root - slope) };
+        let next = at + step;
+        // Not a number where value, slope and b are zero: p is zero from here on.
+        if next.is_nan() || next > 1.0 {
             return None;
         }
-        if slope > bend {
-            // It rises throughout, and does not begin below zero.
-            return None;
+        if step <= f64::EPSILON * next {
+            return Some(next);
         }
-        if -slope > bend || halvings >= MOST_HALVINGS {
-            return (value_and_slope(self.p, to)[0] < 0.0).then(|| self.crossing(from, to));
+        at = next;
+        [value, slope] = value_and_slope(p, at);
+        if value <= 0.0 {
+            return Some(at);
         }
-        self.first(from, middle, halvings + 1).or_else(|| {
-            if value < 0.0 { Some(middle) } else { self.first(middle, to, halvings + 1) }
-        })
     }
-
-    /// Where the polynomial, falling from `from` to `to`, crosses zero: Newton's method, kept between
-    /// bounds that close in. The result is the last double that is known not to be below zero, or a
-    /// neighbour of it.
-    fn crossing(&self, mut from: f64, mut to: f64) -> f64 {
-        let mut at = from + 0.5 * (to - from);
-        for step in 0..MOST_NEWTON + MOST_HALVINGS {
-            let [value, slope] = value_and_slope(self.p, at);
-            if value >= 0.0 {
-                from = at;
-            } else {
-                to = at;
-            }
-            if value == 0.0 {
-                return at;
-            }
-            let newton = at - value / slope;
-            let is_inside = newton >= from && newton <= to && step < MOST_NEWTON;
-            let next = if is_inside { newton } else { from + 0.5 * (to - from) };
-            if (next - at).abs() <= f64::EPSILON * at {
-                return next;
-            }
-            at = next;
-        }
-        at
-    }
+    Some(at)
 }
 
-/// p and p' by Horner's scheme.
+/// p and p' from Horner's scheme for even and odd powers at once.
 fn value_and_slope(p: &[f64], t: f64) -> [f64; 2] {
-    p.iter().rev().fold([0.0, 0.0], |[value, slope], c| [value * t + c, slope * t + value])
+    let square = t * t;
+    let (pairs, last) = p.as_chunks::<2>();
+    let (mut value, mut slope) = ([last.first().copied().unwrap_or(0.0), 0.0], [0.0; 2]);
+    for pair in pairs.iter().rev() {
+        for i in 0..2 {
+            slope[i] = slope[i] * square + value[i];
+            value[i] = value[i] * square + pair[i];
+        }
+    }
+    // p = e(t²) + t o(t²).
+    let [even, odd] = value;
+    [even + t * odd, odd + 2.0 * t * (slope[0] + t * slope[1])]
 }
 
 #[cfg(test)]
@@ -129,7 +124,7 @@ mod tests {
     fn two_roots_in_one_interval_are_both_seen() {
         for gap in [1e-3, 1e-6] {
             let p = with_roots(1.0, &[0.5, 0.5 + gap]);
-            let found = first_negative(&p, 1.0, 0.0).unwrap();
+            let found = first_negative(&p, 0.0).unwrap();
             assert!((found - 0.5).abs() < 1e-9 / gap * 1e-6, "{found}");
         }
     }
@@ -138,17 +133,17 @@ mod tests {
     fn what_just_does_not_reach_zero_is_not_an_event() {
         let mut p = with_roots(1.0, &[0.5, 0.5]);
         p[0] += 1e-12;
-        assert_eq!(first_negative(&p, 1.0, 0.0), None);
+        assert_eq!(first_negative(&p, 0.0), None);
     }
 
     #[test]
     fn a_start_at_zero_goes_where_the_next_coefficient_leads() {
-        assert_eq!(first_negative(&[0.0, 1.0], 1.0, 0.0), None);
-        assert_eq!(first_negative(&[0.0, -1.0], 1.0, 0.0), Some(0.0));
-        assert_eq!(first_negative(&[1e-15, -1e-15, 1.0], 1.0, 1e-14), None);
-        assert_eq!(first_negative(&[0.0; 5], 1.0, 0.0), None);
+        assert_eq!(first_negative(&[0.0, 1.0], 0.0), None);
+        assert_eq!(first_negative(&[0.0, -1.0], 0.0), Some(0.0));
+        assert_eq!(first_negative(&[1e-15, -1e-15, 1.0], 1e-14), None);
+        assert_eq!(first_negative(&[0.0; 5], 0.0), None);
         // Up and back again.
-        let found = first_negative(&[0.0, 1.0, -4.0], 1.0, 0.0).unwrap();
+        let found = first_negative(&[0.0, 1.0, -4.0], 0.0).unwrap();
         assert!((found - 0.25).abs() < 1e-15);
     }
 
@@ -164,7 +159,7 @@ mod tests {
             prop_assume!(apart);
             let sign = if roots.len().is_multiple_of(2) { 1.0 } else { -1.0 };
             let p = with_roots(sign, &roots);
-            let found = first_negative(&p, 1.0, 0.0);
+            let found = first_negative(&p, 0.0);
             if roots[0] > 1.0 {
                 prop_assert_eq!(found, None);
             } else {

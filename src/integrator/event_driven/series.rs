@@ -1,36 +1,88 @@
 //! The motion in one contact state as a power series in time.
 
-use super::held::HeldContacts;
+use super::law::{Acting, StateLaw, held_dofs};
+use super::reduced::{MOST_PLACES, MOST_STATES, ReducedLaws};
+use super::roots;
 use crate::contact::ContactState;
 use crate::integrator::Drive;
 use crate::integrator::dynamics::Dynamics;
+use crate::model::{Damping, Direction};
 
 /// The highest power of the displacements.
-pub(super) const ORDER: usize = 22;
-/// What the last terms may be against the largest.
-const TRUNCATION: f64 = 1e-17;
+pub(super) const ORDER: usize = 28;
+/// The highest power of the forces.
+const FORCE_ORDER: usize = ORDER - 2;
+/// What the last two terms may be against the first ones; those that are left out are much smaller.
+const TRUNCATION: f64 = 0.5 * f64::EPSILON;
 /// By how much a step that the series does not cover is shortened, again and again.
-const SHORTER: f64 = 0.8;
-/// How often at the most: to 1e-19 of it.
-const MOST_SHORTENINGS: u32 = 200;
+const SHORTER: f64 = 0.9;
+/// What is left then of the last power but one.
+const LEFT_OF_LAST: f64 = {
+    let (mut left, mut power) = (1.0, 1);
+    while power < ORDER {
+        left *= SHORTER;
+        power += 1;
+    }
+    left
+};
+/// How often at the most: to 1e-18 of it.
+const MOST_SHORTENINGS: usize = 400;
+/// By how much one whose terms leave the range of numbers is shortened, and how many are tried.
+const MUCH_SHORTER: f64 = 1e-4;
+const MOST_TRIALS: usize = 4;
 
-/// Coefficients of x(τ) = Σ c_k τ^k and of the contact forces; the forces have two powers less.
+/// Factors of the power k.
+struct Power {
+    /// k + 1.
+    ahead: f64,
+    /// 1 / ((k + 1) (k + 2)).
+    integrated_twice: f64,
+}
+const POWERS: [Power; FORCE_ORDER + 1] = {
+    let mut powers = [const { Power { ahead: 1.0, integrated_twice: 0.5 } }; FORCE_ORDER + 1];
+    let (mut k, mut ahead) = (0, 1.0);
+    while k < powers.len() {
+        powers[k] = Power { ahead, integrated_twice: 1.0 / (ahead * (ahead + 1.0)) };
+        (k, ahead) = (k + 1, ahead + 1.0);
+    }
+    powers
+};
+
+/// x(s) = Σ c_k s^k and the contact forces over a span of time, in which s goes from 0 to 1.
 ///
 /// With ẍ = M⁻¹ (F − C ẋ − K x + Gᵀ λ) each coefficient follows from the two before it, so that one
-/// product with K gives a further power: (k + 2)(k + 1) c_{k+2} is the k-th coefficient of ẍ.
+/// product with K gives a further power: (k + 2)(k + 1) c_{k+2} is the k-th coefficient of ẍ times the
+/// square of the span. There are as many powers as the span needs. Coefficients stand in rows as
+/// [`StateLaw`] has them.
 pub(super) struct Series {
     dofs: usize,
-    contacts: usize,
-    /// c_k, power by power.
+    /// Places of a row: those of the law, for small structures rounded up to a multiple of 4.
+    places: usize,
+    pub(super) law: StateLaw,
+    /// The full matrices that small structures have.
+    reduced: Option<ReducedLaws>,
+    /// The states of the contacts, and the accelerations of their sliders.
+    states: Vec<ContactState>,
+    slider: Vec<f64>,
+    /// For each place 1 where the states leave a degree of freedom free, or else 0, and the acceleration
+    /// (m/s²) with which a slider carries it.
+    is_free: Vec<f64>,
+    carried: Vec<f64>,
+    /// c_k, m, row by row; zero beyond the degrees of freedom.
     displacement: Vec<f64>,
-    /// λ_k, power by power, (N, T) of each contact.
-    forces: Vec<[f64; 2]>,
-    /// x + β ẋ and ẋ of one power.
+    /// λ_k, N, row by row in the places of multipliers.
+    forces: Vec<f64>,
+    /// At least Σ |λ_k| from k = 1 on, N: how far forces go from where they begin.
+    swing: Vec<f64>,
+    /// The highest power in use.
+    order: usize,
+    /// The time that is covered, s.
+    span: f64,
+    /// x + β ẋ and ẋ of one power, or at the end of the span; rates of outer forces times the span, N.
     stretch: Vec<f64>,
     velocity: Vec<f64>,
-    force: Vec<f64>,
-    acceleration: Vec<f64>,
-    free: Vec<[f64; 2]>,
+    outer_rate: Vec<f64>,
+    zeros: Vec<f64>,
 }
 
 /// A small number as a double.
@@ -40,143 +92,395 @@ pub(super) fn index(k: usize) -> f64 {
 
 impl Series {
     pub(super) fn new(dynamics: &Dynamics) -> Self {
+        Self::with_slots(dynamics, MOST_STATES)
+    }
+
+    /// A series with room for the matrices of up to `slots` states; without any, small structures are treated as
+    /// large ones are.
+    fn with_slots(dynamics: &Dynamics, slots: usize) -> Self {
         let (dofs, contacts) = (dynamics.acceleration.len(), dynamics.contacts.len());
+        let law = StateLaw::new(dynamics);
+        let is_small = law.width() <= MOST_PLACES && slots > 0;
+        let places = if is_small { law.width().next_multiple_of(4).max(4) } else { law.width() };
+        let states =
+            u32::try_from(contacts).ok().and_then(|contacts| 4_usize.checked_pow(contacts));
+        let slots = slots.min(states.unwrap_or(usize::MAX));
         Self {
             dofs,
-            contacts,
-            displacement: vec![0.0; (ORDER + 1) * dofs],
-            forces: vec![[0.0; 2]; (ORDER - 1) * contacts],
-            stretch: vec![0.0; dofs],
-            velocity: vec![0.0; dofs],
-            force: vec![0.0; dofs],
-            acceleration: vec![0.0; dofs],
-            free: vec![[0.0; 2]; contacts],
+            places,
+            law,
+            reduced: is_small.then(|| ReducedLaws::new(dynamics, places, slots)),
+            states: Vec::with_capacity(contacts),
+            slider: Vec::with_capacity(contacts),
+            is_free: vec![0.0; places],
+            carried: vec![0.0; places],
+            displacement: vec![0.0; (ORDER + 1) * places],
+            forces: vec![0.0; (FORCE_ORDER + 1) * places],
+            swing: vec![0.0; places],
+            order: 0,
+            span: 0.0,
+            stretch: vec![0.0; places],
+            velocity: vec![0.0; places],
+            outer_rate: vec![0.0; dofs],
+            zeros: vec![0.0; dofs.max(contacts)],
         }
     }
 
-    /// The series from (x, ẋ) under the outer forces (N) and their rates in the drive, for contact states
-    /// that `held` has been set to.
+    /// To be called after a change of damping.
+    pub(super) fn forget(&mut self) {
+        if let Some(reduced) = &mut self.reduced {
+            reduced.clear();
+        }
+    }
+
+    /// The series from (x, ẋ) under the outer forces (N) and their rates in the drive. It covers up to
+    /// `most` (s), and next to nothing where its numbers have left their range.
     pub(super) fn expand(
         &mut self,
         dynamics: &Dynamics,
-        held: &mut HeldContacts,
         states: &[ContactState],
         drive: &Drive,
         outer: &[f64],
         (x, v): (&[f64], &[f64]),
+        most: f64,
     ) {
-        let n = self.dofs;
-        self.displacement[..n].copy_from_slice(x);
-        self.displacement[n..2 * n].copy_from_slice(v);
-        for k in 0..=ORDER - 2 {
-            let ahead = index(k + 1);
-            let (known, next) = self.displacement.split_at_mut((k + 2) * n);
-            let (c, above) = known[k * n..].split_at(n);
-            for ((stretch, velocity), (c, above)) in
-                self.stretch.iter_mut().zip(&mut self.velocity).zip(c.iter().zip(above))
-            {
-                *velocity = ahead * above;
-                *stretch = c + dynamics.damping.beta * *velocity;
+        self.hold(dynamics, states, &drive.slider_acceleration);
+        self.span = most;
+        for _ in 0..MOST_TRIALS {
+            let (first, others) = self.displacement.split_at_mut(self.places);
+            first[..self.dofs].copy_from_slice(x);
+            for (c, v) in others.iter_mut().zip(v) {
+                *c = v * self.span;
             }
-            for (row, force) in self.force.iter_mut().enumerate() {
-                let outer = match k {
-                    0 => outer[row],
-                    1 => drive.force_rate[row],
-                    _ => 0.0,
-                };
-                *force = outer - dynamics.stiffness.row_times(row, &self.stretch);
+            match self.places {
+                4 if self.reduced.is_some() => self.small::<4, 2>(dynamics, drive, outer),
+                8 if self.reduced.is_some() => self.small::<8, 4>(dynamics, drive, outer),
+                12 if self.reduced.is_some() => self.small::<12, 6>(dynamics, drive, outer),
+                16 if self.reduced.is_some() => self.small::<16, 8>(dynamics, drive, outer),
+                _ => self.large(dynamics, drive, outer),
             }
-            if !dynamics.dampers.is_empty() {
-                for (row, force) in self.force.iter_mut().enumerate() {
-                    *force -= dynamics.dampers.row_times(row, &self.velocity);
-                }
-            }
-            for (row, a) in self.acceleration.iter_mut().enumerate() {
-                *a = dynamics.inverse_mass.row_times(row, &self.force)
-                    - dynamics.damping.alpha * self.velocity[row];
-            }
-            // A stuck contact has the acceleration of its slider.
-            let surface = |i: usize| if k == 0 { drive.slider_acceleration[i] } else { 0.0 };
-            for (i, (free, contact)) in self.free.iter_mut().zip(&dynamics.contacts).enumerate() {
-                *free = [
-                    contact.normal.dot(&self.acceleration),
-                    contact.tangent.dot(&self.acceleration) - surface(i),
-                ];
-            }
-            let forces = &mut self.forces[k * self.contacts..(k + 1) * self.contacts];
-            held.forces(|contact, row| self.free[contact][row], forces);
-            for (i, (force, responses)) in forces.iter().zip(&dynamics.responses).enumerate() {
-                let (contact, state) = (&dynamics.contacts[i], &states[i]);
-                if *state == ContactState::Detached {
-                    continue;
-                }
-                for (&force, response) in force.iter().zip(responses) {
-                    response.add_to(&mut self.acceleration, force);
-                }
-                // What is held lies still to the last bit.
-                if let Some(dof) = contact.normal.as_unit() {
-                    self.acceleration[dof] = 0.0;
-                }
-                if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
-                    self.acceleration[dof] = surface(i);
-                }
-            }
-            let factor = 1.0 / (index(k + 2) * ahead);
-            for (next, a) in next[..n].iter_mut().zip(&self.acceleration) {
-                *next = a * factor;
-            }
-        }
-    }
-
-    /// The longest step up to `h` (s) that the series covers to the last digits; next to nothing where its
-    /// numbers have left their range.
-    pub(super) fn reach(&self, h: f64) -> f64 {
-        let largest = |k: usize| {
-            let c = &self.displacement[k * self.dofs..(k + 1) * self.dofs];
-            c.iter().fold(0.0, |largest, c| f64::max(largest, c.abs()))
-        };
-        let last = [ORDER - 1, ORDER].map(largest);
-        let first = [0, 1, 2].map(largest);
-        let mut reach = h;
-        for _ in 0..MOST_SHORTENINGS {
-            let size = first[0].max(first[1] * reach).max(first[2] * reach * reach);
-            let mut power = 1.0;
-            for _ in 0..ORDER - 1 {
-                power *= reach;
-            }
-            if power * last[0].max(last[1] * reach) <= TRUNCATION * size {
+            let last = &self.displacement[(self.order - 1) * self.places..][..2 * self.places];
+            if last.iter().all(|c| c.is_finite()) {
                 break;
             }
-            reach *= SHORTER;
+            self.span *= MUCH_SHORTER;
         }
-        reach
+        if self.order == ORDER {
+            self.shorten();
+        }
     }
 
-    /// x and ẋ at time τ (s).
-    pub(super) fn evaluate(&self, t: f64, x: &mut [f64], v: &mut [f64]) {
-        x.fill(0.0);
-        v.fill(0.0);
-        for c in self.displacement.chunks_exact(self.dofs).rev() {
-            for ((x, v), c) in x.iter_mut().zip(v.iter_mut()).zip(c) {
-                *v = *v * t + *x;
-                *x = *x * t + c;
+    /// Takes note of what the contacts hold.
+    fn hold(&mut self, dynamics: &Dynamics, states: &[ContactState], slider: &[f64]) {
+        if self.states == states && self.slider == slider {
+            return;
+        }
+        self.states.clear();
+        self.states.extend_from_slice(states);
+        self.slider.clear();
+        self.slider.extend_from_slice(slider);
+        self.is_free[..self.dofs].fill(1.0);
+        self.carried.fill(0.0);
+        held_dofs(dynamics, states, |dof, by| {
+            self.is_free[dof] = 0.0;
+            self.carried[dof] = by.map_or(0.0, |contact| slider[contact]);
+        });
+    }
+
+    /// The recursion with matrices of N rows, P pairs of rows.
+    fn small<const N: usize, const P: usize>(
+        &mut self,
+        dynamics: &Dynamics,
+        drive: &Drive,
+        outer: &[f64],
+    ) {
+        self.order = 0;
+        let rate = self.small_rate::<N>(dynamics, drive);
+        let Some(reduced) = &mut self.reduced else { return };
+        let matrices = reduced.of(dynamics, &mut self.law, &self.states, drive, outer);
+        let Damping { alpha, beta } = dynamics.damping;
+        let is_damped = alpha != 0.0 || !dynamics.dampers.is_empty();
+        let displacement = self.displacement.as_chunks_mut::<N>().0;
+        let forces = self.forces.as_chunks_mut::<N>().0;
+        let (is_free, carried) = (first::<N>(&self.is_free), first::<N>(&self.carried));
+        let (per_span, square) = (1.0 / self.span, self.span * self.span);
+        let (mut negligible, mut swing) = (0.0, [0.0; N]);
+        for (k, (row, power)) in forces.iter_mut().zip(&POWERS).enumerate() {
+            let (known, new) = displacement.split_at_mut(k + 2);
+            let ([.., c, next], [new, ..]) = (known, new) else { return };
+            self.order = k + 2;
+            let start = match k {
+                0 => matrices.load(),
+                1 => rate,
+                _ => [0.0; N],
+            };
+            // What a slider carries along has no powers beyond the second.
+            let all = k <= 2;
+            let factor = power.ahead * per_span;
+            let damped = beta * factor;
+            let stretch = std::array::from_fn(|i| c[i] + damped * next[i]);
+            let mut sum = matrices.add_springs::<N, P>(&stretch, all, start);
+            if is_damped {
+                sum = matrices.add_dampers::<N, P>(&next.map(|c| factor * c), all, sum);
+            }
+            *row = sum;
+            let factor = square * power.integrated_twice;
+            *new = std::array::from_fn(|i| factor * sum[i] * is_free[i]);
+            if k == 0 {
+                *new = std::array::from_fn(|i| new[i] + factor * carried[i]);
+                negligible = TRUNCATION * (size(c) + size(next) + size(new));
+                continue;
+            }
+            for (swing, force) in swing.iter_mut().zip(sum) {
+                *swing += force.abs();
+            }
+            if k % 2 == 1 && size(next) + size(new) <= negligible {
+                break;
+            }
+        }
+        self.swing.copy_from_slice(&swing);
+    }
+
+    /// What rates of the outer forces, times the span, give.
+    fn small_rate<const N: usize>(&mut self, dynamics: &Dynamics, drive: &Drive) -> [f64; N] {
+        let mut row = [0.0; N];
+        if drive.force_rate.iter().any(|rate| *rate != 0.0) {
+            let zeros = &self.zeros;
+            self.law.set(dynamics, &self.states, &drive.friction);
+            let acting = Acting {
+                stretch: &zeros[..self.dofs],
+                velocity: &zeros[..self.dofs],
+                outer: &drive.force_rate,
+                slider: &zeros[..self.states.len()],
+            };
+            self.law.apply(dynamics, acting, &mut row);
+        }
+        row.map(|value| self.span * value)
+    }
+
+    /// The recursion with sparse matrices.
+    fn large(&mut self, dynamics: &Dynamics, drive: &Drive, outer: &[f64]) {
+        let Self { law, stretch, velocity, zeros, outer_rate, dofs, span, .. } = self;
+        law.set(dynamics, &self.states, &drive.friction);
+        for (scaled, rate) in outer_rate.iter_mut().zip(&drive.force_rate) {
+            *scaled = *span * rate;
+        }
+        let places = self.places;
+        let (per_span, square) = (1.0 / *span, *span * *span);
+        let mut negligible = 0.0;
+        self.swing.fill(0.0);
+        for (k, (row, power)) in self.forces.chunks_exact_mut(places).zip(&POWERS).enumerate() {
+            let (known, new) = self.displacement.split_at_mut((k + 2) * places);
+            let (c, next) = known[k * places..].split_at(places);
+            let new = &mut new[..places];
+            self.order = k + 2;
+            for dof in 0..*dofs {
+                velocity[dof] = power.ahead * per_span * next[dof];
+                stretch[dof] = c[dof] + dynamics.damping.beta * velocity[dof];
+            }
+            let outer = match k {
+                0 => outer,
+                1 => &*outer_rate,
+                _ => &zeros[..*dofs],
+            };
+            let slider =
+                if k == 0 { &*drive.slider_acceleration } else { &zeros[..self.slider.len()] };
+            law.apply(dynamics, Acting { stretch, velocity, outer, slider }, row);
+            let factor = square * power.integrated_twice;
+            for ((new, row), is_free) in new.iter_mut().zip(&*row).zip(&self.is_free) {
+                *new = factor * row * is_free;
+            }
+            if k == 0 {
+                for (new, carried) in new.iter_mut().zip(&self.carried) {
+                    *new += factor * carried;
+                }
+                negligible = TRUNCATION * (size(c) + size(next) + size(new));
+                continue;
+            }
+            for (swing, force) in self.swing.iter_mut().zip(&*row) {
+                *swing += force.abs();
+            }
+            if k % 2 == 1 && size(next) + size(new) <= negligible {
+                break;
             }
         }
     }
 
-    /// The largest acceleration at the beginning, m/s².
-    pub(super) fn largest_acceleration(&self) -> f64 {
-        let c = &self.displacement[2 * self.dofs..3 * self.dofs];
-        2.0 * c.iter().fold(0.0, |largest, c| f64::max(largest, c.abs()))
+    /// Shortens the span to what the powers cover to the last digits.
+    fn shorten(&mut self) {
+        let size = |k: usize| size(&self.displacement[k * self.places..][..self.places]);
+        let last = [ORDER - 1, ORDER].map(size);
+        let first = [0, 1, 2].map(size);
+        let (mut part, mut power) = (1.0, 1.0);
+        for _ in 0..MOST_SHORTENINGS {
+            let size = first[0] + first[1] * part + first[2] * part * part;
+            if power * (last[0] + last[1] * part) <= TRUNCATION * size {
+                break;
+            }
+            part *= SHORTER;
+            power *= LEFT_OF_LAST;
+        }
+        if part == 1.0 {
+            return;
+        }
+        self.span *= part;
+        let scale = |rows: &mut [f64]| {
+            let mut power = 1.0;
+            for row in rows.chunks_exact_mut(self.places) {
+                row.iter_mut().for_each(|c| *c *= power);
+                power *= part;
+            }
+        };
+        scale(&mut self.displacement);
+        scale(&mut self.forces);
     }
 
-    /// c_k of the degrees of freedom.
-    pub(super) fn displacement(&self, k: usize) -> &[f64] {
-        &self.displacement[k * self.dofs..(k + 1) * self.dofs]
+    /// The time that is covered, s.
+    pub(super) fn span(&self) -> f64 {
+        self.span
     }
 
-    /// λ_k (N, T) of a contact.
-    pub(super) fn force(&self, k: usize, contact: usize) -> [f64; 2] {
-        self.forces[k * self.contacts + contact]
+    /// The state of a contact.
+    pub(super) fn state(&self, contact: usize) -> ContactState {
+        self.states[contact]
+    }
+
+    /// x and ẋ at `s` of the span.
+    pub(super) fn evaluate(&mut self, s: f64, x: &mut [f64], v: &mut [f64]) {
+        match self.places {
+            4 => self.evaluate_rows::<4>(s),
+            8 => self.evaluate_rows::<8>(s),
+            12 => self.evaluate_rows::<12>(s),
+            16 => self.evaluate_rows::<16>(s),
+            _ => {
+                self.stretch.fill(0.0);
+                self.velocity.fill(0.0);
+                for c in self.displacement.chunks_exact(self.places).take(self.order + 1).rev() {
+                    for ((x, v), c) in self.stretch.iter_mut().zip(&mut self.velocity).zip(c) {
+                        *v = *v * s + *x;
+                        *x = *x * s + c;
+                    }
+                }
+            }
+        }
+        x.copy_from_slice(&self.stretch[..self.dofs]);
+        for (v, by_span) in v.iter_mut().zip(&self.velocity) {
+            *v = by_span / self.span;
+        }
+    }
+
+    fn evaluate_rows<const N: usize>(&mut self, s: f64) {
+        let (mut x, mut v) = ([0.0; N], [0.0; N]);
+        for c in self.displacement.as_chunks::<N>().0[..=self.order].iter().rev() {
+            for i in 0..N {
+                v[i] = v[i] * s + x[i];
+                x[i] = x[i] * s + c[i];
+            }
+        }
+        self.stretch[..N].copy_from_slice(&x);
+        self.velocity[..N].copy_from_slice(&v);
+    }
+
+    /// The largest acceleration at the beginning times half the square of the span, m.
+    pub(super) fn largest_bend(&self) -> f64 {
+        let row = &self.displacement[2 * self.places..][..self.places];
+        row.iter().fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest })
+    }
+
+    /// Writes the powers of the displacement along a direction, m; the number of powers.
+    pub(super) fn along(&self, direction: &Direction, polynomial: &mut Polynomial) -> usize {
+        let terms = self.order + 1;
+        self.gather_along(&self.displacement, direction, &mut polynomial[..terms]);
+        terms
+    }
+
+    /// The same of the velocity times the span, m.
+    pub(super) fn moved(&self, direction: &Direction, polynomial: &mut Polynomial) -> usize {
+        let terms = self.order;
+        let polynomial = &mut polynomial[..terms];
+        self.gather_along(&self.displacement[self.places..], direction, polynomial);
+        for (value, power) in polynomial.iter_mut().zip(&POWERS) {
+            *value *= power.ahead;
+        }
+        terms
+    }
+
+    /// The powers of N of a contact, N.
+    pub(super) fn normal_force(&self, contact: usize, polynomial: &mut Polynomial) -> usize {
+        let [normal, _] = self.law.places(contact);
+        let terms = self.order - 1;
+        self.gather(&self.forces, normal, &mut polynomial[..terms]);
+        terms
+    }
+
+    /// The powers of µN − s T of a contact that sticks, N.
+    pub(super) fn reserve(
+        &self,
+        contact: usize,
+        friction: f64,
+        sign: f64,
+        polynomial: &mut Polynomial,
+    ) -> usize {
+        let [normal, tangent] = self.law.places(contact);
+        let terms = self.order - 1;
+        let (forces, places) = (&*self.forces, self.places);
+        let mut row = 0;
+        for value in &mut polynomial[..terms] {
+            *value = friction * forces[row + normal] - sign * forces[row + tangent];
+            row += places;
+        }
+        terms
+    }
+
+    /// N of a contact at the beginning.
+    pub(super) fn first_normal_force(&self, contact: usize) -> f64 {
+        self.forces[self.law.places(contact)[0]]
+    }
+
+    /// What N of a contact is not below, N.
+    pub(super) fn least_normal_force(&self, contact: usize) -> f64 {
+        let [normal, _] = self.law.places(contact);
+        self.forces[normal] - self.swing[normal]
+    }
+
+    /// What |T| of a contact that sticks is not above, N.
+    pub(super) fn most_stuck_force(&self, contact: usize) -> f64 {
+        let [_, tangent] = self.law.places(contact);
+        self.forces[tangent].abs() + self.swing[tangent]
+    }
+
+    /// The values of one place, power by power.
+    fn gather(&self, rows: &[f64], mut place: usize, values: &mut [f64]) {
+        let places = self.places;
+        for value in values {
+            *value = rows[place];
+            place += places;
+        }
+    }
+
+    /// The values along a direction, power by power.
+    fn gather_along(&self, rows: &[f64], direction: &Direction, values: &mut [f64]) {
+        if let Some(dof) = direction.as_unit() {
+            return self.gather(rows, dof, values);
+        }
+        for (value, row) in values.iter_mut().zip(rows.chunks_exact(self.places)) {
+            *value = direction.dot(row);
+        }
     }
 }
+
+/// Room for a polynomial of the series.
+pub(super) type Polynomial = [f64; ORDER + 1];
+
+/// A row as an array.
+fn first<const N: usize>(row: &[f64]) -> &[f64; N] {
+    row.first_chunk().expect("rows have N places")
+}
+
+/// Σ |c|.
+fn size(row: &[f64]) -> f64 {
+    roots::sum_of_sizes(row)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,196 @@
+//! The equation of motion of given contact states: accelerations and multipliers in one row.
+
+use super::held::HeldContacts;
+use crate::contact::{ContactState, Friction};
+use crate::integrator::dynamics::Dynamics;
+use crate::model::Direction;
+
+/// What acts on the masses, or one power of it in time.
+#[derive(Clone, Copy)]
+pub(super) struct Acting<'a> {
+    /// x + β ẋ, m; one value a degree of freedom, as the next two.
+    pub(super) stretch: &'a [f64],
+    /// ẋ, m/s: what single dampers and α see.
+    pub(super) velocity: &'a [f64],
+    /// Outer forces, N.
+    pub(super) outer: &'a [f64],
+    /// The accelerations of the sliders, m/s²; one value a contact.
+    pub(super) slider: &'a [f64],
+}
+
+/// The accelerations and multipliers of given contact states, on sparse matrices.
+///
+/// Both stand in one row. What a contact holds has no acceleration of its own, so the place of a degree
+/// of freedom that is held carries the multiplier that holds it; multipliers that find no such place
+/// (of inclined contacts, and of a second one on the same degree of freedom) stand behind. So the row
+/// has the same places in all contact states.
+pub(super) struct StateLaw {
+    held: HeldContacts,
+    /// What `held` is set to.
+    states: Vec<ContactState>,
+    friction: Vec<Friction>,
+    /// The place of (N, T) of each contact in a row.
+    places: Vec<[usize; 2]>,
+    /// Places of a row.
+    width: usize,
+    force: Vec<f64>,
+    acceleration: Vec<f64>,
+    free: Vec<[f64; 2]>,
+    multipliers: Vec<[f64; 2]>,
+}
+
+impl StateLaw {
+    pub(super) fn new(dynamics: &Dynamics) -> Self {
+        let (dofs, contacts) = (dynamics.acceleration.len(), dynamics.contacts.len());
+        let mut is_taken = vec![false; dofs];
+        let mut width = dofs;
+        let mut place = |direction: &Direction| match direction.as_unit() {
+            Some(dof) if !is_taken[dof] => {
+                is_taken[dof] = true;
+                dof
+            }
+            _ => {
+                width += 1;
+                width - 1
+            }
+        };
+        let places = dynamics
+            .contacts
+            .iter()
+            .map(|contact| [place(&contact.normal), place(&contact.tangent)])
+            .collect();
+        Self {
+            held: HeldContacts::new(dynamics),
+            states: Vec::with_capacity(contacts),
+            friction: Vec::with_capacity(contacts),
+            places,
+            width,
+            force: vec![0.0; dofs],
+            acceleration: vec![0.0; dofs],
+            free: vec![[0.0; 2]; contacts],
+            multipliers: vec![[0.0; 2]; contacts],
+        }
+    }
+
+    /// The number of contacts in the largest group that shares masses.
+    pub(super) fn largest_group(&self) -> usize {
+        self.held.largest_group()
+    }
+
+    /// The number of places of a row.
+    pub(super) fn width(&self) -> usize {
+        self.width
+    }
+
+    /// Where N and T of a contact stand in a row; T of one that sticks alone.
+    pub(super) fn places(&self, contact: usize) -> [usize; 2] {
+        self.places[contact]
+    }
+
+    /// Takes over contact states and µ of each contact.
+    pub(super) fn set(
+        &mut self,
+        dynamics: &Dynamics,
+        states: &[ContactState],
+        friction: &[Friction],
+    ) {
+        if self.states != states || self.friction != friction {
+            self.states.clear();
+            self.states.extend_from_slice(states);
+            self.friction.clear();
+            self.friction.extend_from_slice(friction);
+            self.held.set(dynamics, states, friction);
+        }
+    }
+
+    /// Takes away what rounding has let contacts that hold drift: gaps (m), and velocities (m/s) against
+    /// those of the sliders, `surface`. Only inclined contacts drift.
+    pub(super) fn mend(
+        &mut self,
+        dynamics: &Dynamics,
+        surface: &[f64],
+        x: &mut [f64],
+        v: &mut [f64],
+    ) {
+        let contacts = &dynamics.contacts;
+        let gap = |i: usize, part| if part == 0 { contacts[i].normal.dot(x) } else { 0.0 };
+        self.held.forces(gap, &mut self.multipliers);
+        respond(dynamics, &self.multipliers, x);
+        let drift = |i: usize, part| match part {
+            0 => contacts[i].normal.dot(v),
+            _ => contacts[i].tangent.dot(v) - surface[i],
+        };
+        self.held.forces(drift, &mut self.multipliers);
+        respond(dynamics, &self.multipliers, v);
+    }
+
+    /// Writes accelerations (m/s²) and multipliers (N) into `row`; places without either are zero.
+    pub(super) fn apply(&mut self, dynamics: &Dynamics, acting: Acting, row: &mut [f64]) {
+        let Acting { stretch, velocity, outer, slider } = acting;
+        for (dof, force) in self.force.iter_mut().enumerate() {
+            *force = outer[dof] - dynamics.stiffness.row_times(dof, stretch);
+        }
+        if !dynamics.dampers.is_empty() {
+            for (dof, force) in self.force.iter_mut().enumerate() {
+                *force -= dynamics.dampers.row_times(dof, velocity);
+            }
+        }
+        for (dof, a) in self.acceleration.iter_mut().enumerate() {
+            *a = dynamics.inverse_mass.row_times(dof, &self.force)
+                - dynamics.damping.alpha * velocity[dof];
+        }
+        // A stuck contact has the acceleration of its slider.
+        for (i, (free, contact)) in self.free.iter_mut().zip(&dynamics.contacts).enumerate() {
+            *free = [
+                contact.normal.dot(&self.acceleration),
+                contact.tangent.dot(&self.acceleration) - slider[i],
+            ];
+        }
+        self.held.forces(|contact, part| self.free[contact][part], &mut self.multipliers);
+        respond(dynamics, &self.multipliers, &mut self.acceleration);
+        let dofs = self.acceleration.len();
+        row[..dofs].copy_from_slice(&self.acceleration);
+        row[dofs..].fill(0.0);
+        held_dofs(dynamics, &self.states, |dof, _| row[dof] = 0.0);
+        for (i, &state) in self.states.iter().enumerate() {
+            if state == ContactState::Detached {
+                continue;
+            }
+            let ([normal, tangent], force) = (self.places[i], self.multipliers[i]);
+            row[normal] = force[0];
+            if state == ContactState::Stick {
+                row[tangent] = force[1];
+            }
+        }
+    }
+}
+
+/// Adds M⁻¹ Gᵀ λ to what is given; multipliers that are zero are passed over.
+fn respond(dynamics: &Dynamics, multipliers: &[[f64; 2]], vector: &mut [f64]) {
+    for (forces, responses) in multipliers.iter().zip(&dynamics.responses) {
+        for (&force, response) in forces.iter().zip(responses) {
+            if force != 0.0 {
+                response.add_to(vector, force);
+            }
+        }
+    }
+}
+
+/// The degrees of freedom that contacts hold, each with the contact whose slider carries it along.
+pub(super) fn held_dofs(
+    dynamics: &Dynamics,
+    states: &[ContactState],
+    mut found: impl FnMut(usize, Option<usize>),
+) {
+    for (i, (contact, state)) in dynamics.contacts.iter().zip(states).enumerate() {
+        if *state == ContactState::Detached {
+            continue;
+        }
+        if let Some(dof) = contact.normal.as_unit() {
+            found(dof, None);
+        }
+        if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), state) {
+            found(dof, Some(i));
+        }
+    }
+}

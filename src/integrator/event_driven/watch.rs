@@ -1,0 +1,109 @@
+//! What must not become negative while the contact states stay, and when it does.
+
+use super::{EventDriven, NOISE, roots};
+use crate::contact::ContactState;
+use crate::integrator::{Drive, Motion};
+
+/// Why a contact may not stay as it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Event {
+    /// The gap closes.
+    Touch,
+    /// The normal force falls to zero.
+    Lift,
+    /// The slip velocity falls to zero.
+    Stop,
+    /// The friction force reaches its limit; in this direction.
+    Slip(ContactState),
+}
+
+impl EventDriven {
+    /// The next event, in parts of the series' span, and in `events` what happens then.
+    pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive) -> Option<f64> {
+        self.events.fill(None);
+        let mut first = None;
+        let bend = self.series.largest_bend();
+        for i in 0..self.events.len() {
+            let watched = self.watched(i, motion.contacts[i], drive, bend);
+            for (event, size) in watched.into_iter().flatten() {
+                let terms = self.fill(i, event, drive);
+                let p = &self.polynomial[..terms];
+                let Some(time) = roots::first_negative(p, NOISE * size) else { continue };
+                // Those that are apart by rounding alone are one.
+                let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON;
+                match first {
+                    Some(first) if is_same(first) => {}
+                    Some(first) if time > first => continue,
+                    _ => self.events.fill(None),
+                }
+                self.events[i] = Some(event);
+                first = Some(first.map_or(time, |first: f64| first.min(time)));
+            }
+        }
+        first
+    }
+
+    /// What might become negative at a contact, with the size that its rounding is measured by.
+    fn watched(
+        &self,
+        contact: usize,
+        state: ContactState,
+        drive: &Drive,
+        bend: f64,
+    ) -> [Option<(Event, f64)>; 3] {
+        let span = self.series.span();
+        let acceleration = 2.0 * bend / (span * span);
+        let own = self.dynamics.multipliers.delassus.own(contact);
+        let force = || self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
+        let friction = drive.friction[contact].static_;
+        match state {
+            ContactState::Detached => [Some((Event::Touch, 2.0 * bend)), None, None],
+            ContactState::Stick => {
+                let least = friction * self.series.least_normal_force(contact);
+                if least > self.series.most_stuck_force(contact) {
+                    return [None; 3];
+                }
+                let force = force();
+                let limit = |direction| Some((Event::Slip(direction), (1.0 + friction) * force));
+                [
+                    Some((Event::Lift, force)),
+                    limit(ContactState::Slide),
+                    limit(ContactState::ReverseSlide),
+                ]
+            }
+            _ => {
+                // What is nothing to friction is nothing to the slip that it makes: else a contact at its
+                // limit slips and stops without an end.
+                let bits = (1.0 + friction) * force() * (own[3] + friction * own[1].abs());
+                let bend = 2.0 * bend + bits * span * span;
+                let distance = (span * self.surface[contact].abs()).max(bend);
+                let may_lift = self.series.least_normal_force(contact) <= 0.0;
+                [may_lift.then(|| (Event::Lift, force())), Some((Event::Stop, distance)), None]
+            }
+        }
+    }
+
+    /// Writes what must not become negative as a polynomial; its number of terms.
+    fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
+        let Self { series, dynamics, polynomial, surface, .. } = self;
+        let rows = &dynamics.contacts[contact];
+        match event {
+            Event::Touch => series.along(&rows.normal, polynomial),
+            Event::Stop => {
+                let terms = series.moved(&rows.tangent, polynomial);
+                let span = series.span();
+                polynomial[0] -= span * surface[contact];
+                polynomial[1] -= span * span * drive.slider_acceleration[contact];
+                if series.state(contact) == ContactState::Slide {
+                    polynomial[..terms].iter_mut().for_each(|value| *value = -*value);
+                }
+                terms
+            }
+            Event::Lift => series.normal_force(contact, polynomial),
+            Event::Slip(direction) => {
+                let sign = direction.sliding_direction().unwrap_or(1.0);
+                series.reserve(contact, drive.friction[contact].static_, sign, polynomial)
+            }
+        }
+    }
+}
