@@ -12,6 +12,7 @@ use amontons::simulation::Simulation;
 use amontons::stability::critical_step;
 use judge::blocks::{STIFFNESS, block, pads, start};
 use judge::{METHODS, Run, assert_near, off, scene, with};
+use proptest::prelude::*;
 use std::f64::consts::TAU;
 
 #[test]
@@ -191,4 +192,141 @@ fn pads_on_a_disc_ten_thousand_times_lighter_are_solved_or_it_is_said_that_they_
     assert!((500..1700).contains(&sweeps), "{sweeps}");
     let error = run(0.3e-4).unwrap_err();
     assert!(error.is_step() && error.to_string().contains("did not converge in 10000 sweeps"));
+}
+
+/// Two blocks in space, the upper on the lower along an oblique line, far from anything that stops them.
+fn oblique_pair(angle: f64, rest: f64, step: f64) -> String {
+    format!(
+        "[slider]\nvelocity = 0.2\nangle = {angle:?}\n[friction]\ncoefficient = 0.4\n\
+         [integrator]\nstep = {step:?}\n{}[[mass]]\nname = \"upper\"\nmass = 1.0\n\
+         force = [{:?}, {:?}]\n[[mass]]\nname = \"lower\"\nmass = 4.0\n\
+         [[contact]]\nname = \"c\"\nmass = \"upper\"\non = \"lower\"\n\
+         [[signal]]\ninput = \"mass.upper.fx\"\nconstant = {{ value = {:?} }}\n\
+         [[signal]]\ninput = \"mass.upper.fy\"\nconstant = {{ value = {:?} }}\n\
+         [[initial]]\nmass = \"upper\"\nx = {:?}\ny = {:?}\n",
+        ["upper", "lower"]
+            .map(|mass| ["x", "y"]
+                .map(|way| {
+                    let stiffness = if mass == "upper" { 400.0 } else { 1600.0 };
+                    format!(
+                        "[[spring]]\nname = \"{mass}_{way}\"\nbetween = [\"{mass}\", \"ground\"]\n\
+                     direction = \"{way}\"\nstiffness = {stiffness:?}\n"
+                    )
+                })
+                .concat())
+            .concat(),
+        10.0 * angle.sin(),
+        -10.0 * angle.cos(),
+        -18.0 * angle.sin(),
+        18.0 * angle.cos(),
+        -rest * angle.sin(),
+        rest * angle.cos(),
+    )
+}
+
+#[test]
+fn two_masses_that_just_touch_each_other_along_an_oblique_line_touch_and_those_that_just_miss_do_not()
+ {
+    // At rest the contact carries 8 N, which leave 2 N to each of the springs' 400 and 1600 N/m. Both swing
+    // on ω = 20 rad/s, so their distance does, about (18 − 8)/400 m less the 8/1600 m by which the lower one
+    // rises.
+    let (omega, h) = (20.0_f64, 5e-5);
+    let middle = 10.0 / 400.0 - 8.0 / 1600.0;
+    for method in METHODS {
+        for angle in [0.3, -1.1, 2.5] {
+            for (part, touches) in [(1.0 + 1e-6, true), (1.0 - 1e-6, false)] {
+                let text = oblique_pair(angle, 2.0 * middle * part, h);
+                let mut run = Run::new(scene(&text), method);
+                let normal = [-angle.sin(), angle.cos()];
+                let mut least = f64::MAX;
+                while run.time() < 0.9 * TAU / omega {
+                    run.step();
+                    run.judge_step();
+                    run.judge_report();
+                    let gap: f64 = ["x", "y"]
+                        .iter()
+                        .zip(normal)
+                        .map(|(way, n)| {
+                            let at = |mass| run.of_dof(&format!("mass.{mass}.{way}"))[0];
+                            n * (at("upper") - at("lower"))
+                        })
+                        .sum();
+                    least = least.min(gap);
+                    if method == Method::EventDriven && run.simulation.statistics().touch_downs == 0
+                    {
+                        let swing = (2.0 * part - 1.0) * (omega * run.time()).cos();
+                        assert_near(gap, middle * (1.0 + swing), 1e-14);
+                    }
+                }
+                let touch_downs = run.simulation.statistics().touch_downs;
+                assert_eq!(touch_downs, u64::from(touches), "{method:?} {angle} {part} {least:e}");
+                let low = off(method, 0.13, 0.125) * (omega * h).powi(2) * middle;
+                assert_near(least, (2.0 * middle * (1.0 - part)).max(0.0), 2.0 * low);
+            }
+        }
+    }
+}
+
+/// Masses of which each rests on the slider by several contacts, all in one place or in two directions.
+fn many_holds(copies: [usize; 2], wedged: bool) -> LumpedModel {
+    let mut model = LumpedModel::from(&parse("pads", &pads(2, 2.0, 1e-5)).unwrap());
+    let places = model.contacts.clone();
+    model.contacts.clear();
+    for (place, copies) in places.iter().zip(copies) {
+        model.contacts.extend(std::iter::repeat_n(place.clone(), copies));
+    }
+    if wedged {
+        // And in an order in which those of one mass do not stand together.
+        model.contacts.reverse();
+        let last = model.contacts.len() - 1;
+        model.contacts.swap(0, last);
+    }
+    model
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig {
+        cases: 150,
+        failure_persistence: None,
+        ..ProptestConfig::default()
+    })]
+
+    #[test]
+    fn however_many_contacts_hold_a_mass_in_one_place_it_moves_the_same(
+        copies in prop::array::uniform2(1_usize..=4),
+        wedged in any::<bool>(),
+        mu in 0.0..2.0,
+        slider in -0.5..0.5,
+        velocity in prop::array::uniform8(-0.5..0.5),
+    ) {
+        for method in METHODS {
+            // Impacts of the scheme come a step late.
+            let step = off(method, 1e-5, 1e-3);
+            let [one, many] = [([1, 1], false), (copies, wedged)].map(|(copies, wedged)| {
+                let model = many_holds(copies, wedged);
+                let contacts = model.contacts.len();
+                let drive = Drive::uniform(model.load.clone(), contacts, slider, mu);
+                let mut motion = Motion {
+                    displacement: vec![0.0; model.dofs()],
+                    velocity: velocity.to_vec(),
+                    contacts: vec![Detached; contacts],
+                    statistics: Statistics::default(),
+                };
+                for contact in &model.contacts {
+                    motion.displacement[contact.normal.as_unit().unwrap()] = 1e-4;
+                }
+                let mut integrator = choose(&model, method).unwrap();
+                for _ in 0..(0.03 / step).round() as u32 {
+                    integrator.advance(&mut motion, &drive, step, 1).unwrap();
+                }
+                motion
+            });
+            for (a, b) in one.displacement.iter().zip(&many.displacement) {
+                prop_assert!((a - b).abs() <= 1e-11, "{:?} {:?}", one, many);
+            }
+            for (a, b) in one.velocity.iter().zip(&many.velocity) {
+                prop_assert!((a - b).abs() <= 1e-8, "{:?} {:?}", one, many);
+            }
+        }
+    }
 }

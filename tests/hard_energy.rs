@@ -297,8 +297,7 @@ fn the_work_balance_closes_when_all_contacts_are_thrown_off_and_land_again() {
                 // Of all energy E the scheme's own differs by up to ½ ωh E, with ωh = 2 h/h_c of its
                 // fastest mode; each quadrature and each event adds up to as much of what it counts.
                 let turned = given + work.slider.abs() + work.friction + work.damping;
-                let allowed = off(method, 2.0 * h / limit * turned, 1e-10 * turned);
-                println!("{method:?} {h}: {worst:e} {turned:e} {work:?}");
+                let allowed = off(method, 2.0 * h / limit * turned, 1e-12 * turned);
                 assert!(worst <= allowed, "{worst} J of {work:?}, allowed {allowed} J");
             }
         }

@@ -8,6 +8,9 @@ use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 
+/// A slip velocity below this part of the slider's is rounding.
+const ROUNDING: f64 = 1e-14;
+
 /// M ẍ = F − C ẋ − K x + Gᵀ λ, with the contact problem that gives λ.
 pub(super) struct Dynamics {
     mass: SparseMatrix,
@@ -97,12 +100,20 @@ impl Dynamics {
             let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
             let friction = drive.friction[i];
             let held = Freedom::Law(friction.range(ContactState::Stick));
-            self.multipliers.freedom[i] = match motion.contacts[i] {
-                ContactState::Detached => Freedom::Open,
-                ContactState::Stick => held,
-                _ if slip == 0.0 => held,
-                _ => Freedom::Slipping { direction: slip.signum(), friction: friction.kinetic },
-            };
+            let slipping = |direction| Freedom::Slipping { direction, friction: friction.kinetic };
+            self.multipliers.freedom[i] =
+                match (motion.contacts[i], motion.contacts[i].sliding_direction()) {
+                    (ContactState::Detached, _) => Freedom::Open,
+                    (ContactState::Stick, _) => held,
+                    _ if slip == 0.0 => held,
+                    // What is nothing does not turn it round; a slider whose velocity was changed does.
+                    (_, Some(direction))
+                        if slip.abs() <= ROUNDING * drive.slider_velocity[i].abs() =>
+                    {
+                        slipping(direction)
+                    }
+                    _ => slipping(slip.signum()),
+                };
             self.multipliers.free[i] = [
                 contact.normal.dot(&self.acceleration),
                 contact.tangent.dot(&self.acceleration) - drive.slider_acceleration[i],

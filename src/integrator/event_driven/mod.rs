@@ -35,6 +35,8 @@ const MAX_STANDSTILL: u64 = 16;
 const SHORTEST: f64 = 1e-12;
 /// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
 const NOISE: f64 = 1e-13;
+/// A contact is thrown off by an impact that gives it this part of the fastest velocity; less is rounding.
+const THROWN: f64 = 1e-9;
 
 /// Exact motion, event by event.
 ///
@@ -90,6 +92,9 @@ impl EventDriven {
         let (mut left, mut events, mut standstill) = (h, 0, 0);
         self.reach(drive, h, left);
         self.follow_slider(motion, h);
+        if motion.statistics.steps == 1 {
+            self.stop_approach(motion, drive)?;
+        }
         while left > 0.0 {
             let Self { series, dynamics, force, .. } = self;
             let start = (&*motion.displacement, &*motion.velocity);
@@ -105,6 +110,7 @@ impl EventDriven {
             let part = event.unwrap_or(1.0);
             let passed = part * reach;
             if passed > 0.0 {
+                standstill = 0;
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
@@ -112,9 +118,9 @@ impl EventDriven {
                 self.settle(motion, drive);
             }
             if event.is_some() {
-                self.change(motion, drive)?;
+                self.change(motion, drive, standstill > 0)?;
                 events += 1;
-                standstill = if passed > 0.0 { 0 } else { standstill + 1 };
+                standstill += 1;
                 let contacts = self.events.len() as u64;
                 if events > MAX_EVENTS * contacts || standstill > MAX_STANDSTILL * contacts {
                     let contact = self.events.iter().position(Option::is_some).unwrap_or(0);
@@ -170,6 +176,21 @@ impl EventDriven {
         }
     }
 
+    /// A motion may be started with closed contacts that approach: an impact too.
+    fn stop_approach(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+        let speed = fastest(&motion.velocity);
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            let approaches = motion.contacts[i] != ContactState::Detached
+                && contact.normal.dot(&motion.velocity) < -NOISE * speed;
+            self.events[i] = approaches.then_some(Event::Touch);
+        }
+        if self.events.iter().any(Option::is_some) {
+            self.change(motion, drive, false)
+        } else {
+            Ok(())
+        }
+    }
+
     /// Puts what is held exactly where it is held.
     fn settle(&mut self, motion: &mut Motion, drive: &Drive) {
         if self.is_inclined {
@@ -193,12 +214,17 @@ impl EventDriven {
         }
     }
 
-    /// The states that follow on the events, by the law of contact.
-    fn change(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+    /// The states that follow on the events, by the law of contact; `again`: at the instant of the last ones.
+    fn change(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        again: bool,
+    ) -> Result<(), StepFailure> {
         self.before.clone_from(&motion.contacts);
         let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
         let landed = self.events.iter().any(touched);
-        let speed = motion.velocity.iter().fold(0.0, |most, v| f64::max(most, v.abs()));
+        let speed = fastest(&motion.velocity);
         if landed {
             self.impact(motion, drive)?;
         }
@@ -219,7 +245,10 @@ impl EventDriven {
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
             multipliers.freedom[i] = match (self.events[i], motion.contacts[i]) {
                 (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
-                // An impact changes the slip of every contact of the masses that it stops.
+                // An impact may throw other contacts off, and changes the slip of all.
+                _ if landed && contact.normal.dot(&motion.velocity) > THROWN * speed => {
+                    Freedom::Open
+                }
                 _ if landed && slip.abs() > NOISE * speed.max(self.surface[i].abs()) => {
                     slipping(slip.signum())
                 }
@@ -237,8 +266,8 @@ impl EventDriven {
         for (i, (state, new)) in
             motion.contacts.iter_mut().zip(&self.dynamics.multipliers.states).enumerate()
         {
-            // Where rounding hides which way it goes, a slip that would turn back does not go on.
-            let slides_on = self.events[i] == Some(Event::Stop) && new == state;
+            // Rounding may hide which way it goes: a slip that stops again where it went on sticks.
+            let slides_on = again && self.events[i] == Some(Event::Stop) && new == state;
             *state = if slides_on { ContactState::Stick } else { *new };
         }
         let statistics = &mut motion.statistics;
@@ -270,7 +299,8 @@ impl EventDriven {
         }
         for (i, contact) in contacts.iter().enumerate() {
             if self.events[i] == Some(Event::Touch) {
-                motion.statistics.touch_downs += 1;
+                motion.statistics.touch_downs +=
+                    u64::from(motion.contacts[i] == ContactState::Detached);
                 if let Some(dof) = contact.normal.as_unit() {
                     motion.displacement[dof] = 0.0;
                     motion.velocity[dof] = 0.0;
@@ -284,6 +314,11 @@ impl EventDriven {
         }
         Ok(())
     }
+}
+
+/// The largest velocity, m/s.
+fn fastest(velocity: &[f64]) -> f64 {
+    velocity.iter().fold(0.0, |most, v| f64::max(most, v.abs()))
 }
 
 impl Integrator for EventDriven {

@@ -231,6 +231,10 @@ impl Series {
                 negligible = TRUNCATION * (size(c) + size(next) + size(new));
                 continue;
             }
+            if k == 1 {
+                // At rest without forces, rates of theirs alone set it in motion.
+                negligible += TRUNCATION * size(new);
+            }
             for (swing, force) in swing.iter_mut().zip(sum) {
                 *swing += force.abs();
             }
@@ -297,6 +301,9 @@ impl Series {
                 negligible = TRUNCATION * (size(c) + size(next) + size(new));
                 continue;
             }
+            if k == 1 {
+                negligible += TRUNCATION * size(new);
+            }
             for (swing, force) in self.swing.iter_mut().zip(&*row) {
                 *swing += force.abs();
             }
@@ -310,10 +317,10 @@ impl Series {
     fn shorten(&mut self) {
         let size = |k: usize| size(&self.displacement[k * self.places..][..self.places]);
         let last = [ORDER - 1, ORDER].map(size);
-        let first = [0, 1, 2].map(size);
+        let first = [0, 1, 2, 3].map(size);
         let (mut part, mut power) = (1.0, 1.0);
         for _ in 0..MOST_SHORTENINGS {
-            let size = first[0] + first[1] * part + first[2] * part * part;
+            let size = first.iter().rev().fold(0.0, |sum, c| sum * part + c);
             if power * (last[0] + last[1] * part) <= TRUNCATION * size {
                 break;
             }
@@ -385,6 +392,16 @@ impl Series {
     pub(super) fn largest_bend(&self) -> f64 {
         let row = &self.displacement[2 * self.places..][..self.places];
         row.iter().fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest })
+    }
+
+    /// What a value along a direction is a sum of, in power k of the displacements: Σ |n c_k|, m; nothing
+    /// where it is a single value.
+    pub(super) fn summed(&self, direction: &Direction, k: usize) -> f64 {
+        if direction.as_unit().is_some() {
+            return 0.0;
+        }
+        let row = &self.displacement[k * self.places..];
+        direction.0.iter().fold(0.0, |sum, &(dof, n)| sum + (n * row[dof]).abs())
     }
 
     /// Writes the powers of the displacement along a direction, m; the number of powers.

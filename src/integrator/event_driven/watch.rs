@@ -3,6 +3,10 @@
 use super::{EventDriven, NOISE, roots};
 use crate::contact::ContactState;
 use crate::integrator::{Drive, Motion};
+use crate::model::Contact;
+
+/// What a difference loses by rounding, as a part of its terms and of [`NOISE`].
+const DIFFERENCE: f64 = 0.02;
 
 /// Why a contact may not stay as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -56,8 +60,13 @@ impl EventDriven {
         let own = self.dynamics.multipliers.delassus.own(contact);
         let force = || self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
         let friction = drive.friction[contact].static_;
+        // Between masses gaps and slips are differences, which lose digits.
+        let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
         match state {
-            ContactState::Detached => [Some((Event::Touch, 2.0 * bend)), None, None],
+            ContactState::Detached => {
+                let summed = self.series.summed(normal, 0) + self.series.summed(normal, 1);
+                [Some((Event::Touch, 2.0 * bend + DIFFERENCE * summed)), None, None]
+            }
             ContactState::Stick => {
                 let least = friction * self.series.least_normal_force(contact);
                 if least > self.series.most_stuck_force(contact) {
@@ -76,7 +85,8 @@ impl EventDriven {
                 // limit slips and stops without an end.
                 let bits = (1.0 + friction) * force() * (own[3] + friction * own[1].abs());
                 let bend = 2.0 * bend + bits * span * span;
-                let distance = (span * self.surface[contact].abs()).max(bend);
+                let summed = DIFFERENCE * self.series.summed(tangent, 1);
+                let distance = (span * self.surface[contact].abs()).max(bend) + summed;
                 let may_lift = self.series.least_normal_force(contact) <= 0.0;
                 [may_lift.then(|| (Event::Lift, force())), Some((Event::Stop, distance)), None]
             }
