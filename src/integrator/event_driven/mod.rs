@@ -304,6 +304,11 @@ impl EventDriven {
                 if let Some(dof) = contact.normal.as_unit() {
                     motion.displacement[dof] = 0.0;
                     motion.velocity[dof] = 0.0;
+                } else {
+                    // What rounding has left of the gap would be another touch-down where it opens again.
+                    let gap = contact.normal.dot(&motion.displacement);
+                    let own = multipliers.delassus.own(i)[0];
+                    responses[i][0].add_to(&mut motion.displacement, -gap / own);
                 }
             }
             if let (Some(dof), ContactState::Stick) =
