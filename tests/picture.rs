@@ -109,6 +109,7 @@ fn chart() -> Chart {
             .collect(),
         colour,
         style: Style::Line,
+        labels: Vec::new(),
     };
     let mark = Mark { x: 20.0, label: Some("critical µ".into()) };
     Chart {
@@ -128,6 +129,7 @@ fn chart() -> Chart {
                 zero_line: false,
             },
         ],
+        ..Chart::default()
     }
 }
 
