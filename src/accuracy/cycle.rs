@@ -2,10 +2,12 @@
 
 use std::f64::consts::TAU;
 
-/// What the search for the frequency leaves of it.
-pub(super) const FREQUENCY_RESOLUTION: f64 = 1e-9;
 /// A cycle must fit in so many times.
 const FEWEST_CYCLES: f64 = 1.5;
+/// A peak of less than this part of the spectrum's largest power is a side lobe of a drift.
+const SIDE_LOBE: f64 = 1e-2;
+/// How well the search finds a peak, in cycles: it is flat to rounding over the root of that.
+const FLAT: f64 = 1e-7;
 
 /// The cycle of a displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -16,10 +18,13 @@ pub struct Cycle {
     pub amplitude_error: f64,
     /// Where its spectrum is largest, Hz; `None` if it does not oscillate.
     pub frequency: Option<f64>,
+    /// How far the search for the frequency may be off, relative.
+    pub frequency_error: f64,
 }
 
 impl Cycle {
     /// The cycle in the last half of a history, in steps of `interval` (s).
+    #[allow(clippy::cast_precision_loss)]
     pub(super) fn of(history: &[f64], interval: f64) -> Self {
         let last = &history[history.len() / 2..];
         let fine = half_range(last);
@@ -30,7 +35,14 @@ impl Cycle {
         // a quarter is safety.
         let every_other: Vec<f64> = last.iter().step_by(2).copied().collect();
         let amplitude_error = (half_range(&every_other) / fine - 1.0).abs() / 16.0;
-        Self { amplitude: Some(fine), amplitude_error, frequency: frequency(last, interval) }
+        let cycles = cycles(last);
+        let window = last.len() as f64 * interval;
+        Self {
+            amplitude: Some(fine),
+            amplitude_error,
+            frequency: cycles.map(|cycles| cycles / window),
+            frequency_error: cycles.map_or(0.0, |cycles| FLAT / cycles),
+        }
     }
 }
 
@@ -67,9 +79,9 @@ fn turn(five: &[f64]) -> Option<f64> {
     (s.abs() <= 1.0).then_some(value)
 }
 
-/// The frequency, Hz, at which the spectrum of the values, through a Hann window, is largest.
+/// How often the cycle fits in the values: where their spectrum, through a Hann window, has its largest peak.
 #[allow(clippy::cast_precision_loss)]
-fn frequency(values: &[f64], interval: f64) -> Option<f64> {
+fn cycles(values: &[f64]) -> Option<f64> {
     let count = values.len();
     let window = |i: usize| 0.5 - 0.5 * libm::cos(TAU * (i as f64 + 0.5) / count as f64);
     let weight = (0..count).fold(0.0, |sum, i| sum + window(i));
@@ -77,15 +89,21 @@ fn frequency(values: &[f64], interval: f64) -> Option<f64> {
     let mean = sum / weight;
     let weighted: Vec<f64> =
         values.iter().enumerate().map(|(i, value)| window(i) * (value - mean)).collect();
-    // Twice as long as needed, with zeros: so the largest of its lines is next to the peak.
+    // Twice as long as needed, with zeros: so the largest line is next to the peak.
     let size = (2 * count).next_power_of_two();
-    let spectrum = powers(&weighted, size);
-    let peak = (1..size / 2).max_by(|&a, &b| spectrum[a].total_cmp(&spectrum[b]))?;
-    let is_turn = spectrum[peak] > spectrum[peak - 1] && spectrum[peak] >= spectrum[peak + 1];
+    let lines = powers(&weighted, size);
+    let of_line = count as f64 / size as f64;
+    let is_peak = |line: &usize| {
+        *line as f64 * of_line >= FEWEST_CYCLES
+            && lines[*line] > lines[line - 1]
+            && lines[*line] >= lines[line + 1]
+    };
+    let peak = (1..size / 2).filter(is_peak).max_by(|&a, &b| lines[a].total_cmp(&lines[b]))?;
+    if lines[peak] < SIDE_LOBE * lines.iter().fold(0.0, |most, &power| f64::max(most, power)) {
+        return None;
+    }
     let power = |line: f64| power(&weighted, line / size as f64);
-    let line = largest(&power, [peak as f64 - 1.0, peak as f64 + 1.0]);
-    let cycles = line / size as f64 * count as f64;
-    (is_turn && cycles >= FEWEST_CYCLES).then(|| line / (size as f64 * interval))
+    Some(largest(&power, [peak as f64 - 1.0, peak as f64 + 1.0]) * of_line)
 }
 
 /// |Σ x exp(−2πi f j)|² of values x, at `f` cycles a value.

@@ -11,8 +11,9 @@ const MOST_KEPT: f64 = 2e7;
 /// event-driven integrator, whose step decides little.
 const SCHEME_ROWS: usize = 11;
 const EVENT_DRIVEN_ROWS: usize = 4;
-/// The most work of a row: steps times degrees of freedom.
+/// The most work of a row: steps times degrees of freedom, of which those of a network cost more.
 const MOST_WORK: f64 = 1e9;
+const NETWORK: f64 = 30.0;
 
 /// Equal intervals, at whose ends a run is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -78,10 +79,12 @@ impl Grid {
     }
 
     #[allow(clippy::cast_precision_loss)]
-    pub(super) fn ladder(&self, critical: Option<f64>, dofs: usize) -> Vec<Rung> {
+    pub(super) fn ladder(&self, scene: &Scene, critical: Option<f64>) -> Vec<Rung> {
         let all = (0..).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u64.pow(power)));
         let divisors: Vec<u64> = all.take(3 * SCHEME_ROWS).collect();
-        let work = |rung: &Rung| (rung.steps * self.intervals) as f64 * dofs as f64;
+        let dofs = scene.external_forces().count() as f64;
+        let cost = if scene.network().is_some() { NETWORK * dofs } else { dofs };
+        let work = |rung: &Rung| (rung.steps * self.intervals) as f64 * cost;
         let rungs = |method| divisors.iter().map(move |&steps| self.rung(method, steps));
         let scheme = rungs(Method::ForwardIncrement)
             .filter(|rung| critical.is_some_and(|critical| rung.step <= critical))
@@ -98,9 +101,10 @@ mod tests {
 
     #[test]
     fn steps_are_short_decimals_that_divide_the_interval() {
-        let grid = Grid::of(&builtin("set1").unwrap().scene(), Some(3.02e-4)).unwrap();
+        let scene = builtin("set1").unwrap().scene();
+        let grid = Grid::of(&scene, Some(3.02e-4)).unwrap();
         assert_eq!((grid.interval, grid.intervals), (2e-4, 30_000));
-        let ladder = grid.ladder(Some(1.5e-4), 8);
+        let ladder = grid.ladder(&scene, Some(1.5e-4));
         let steps = ladder.iter().filter(|rung| rung.method == Method::ForwardIncrement);
         let steps: Vec<f64> = steps.map(|rung| rung.step).collect();
         assert_eq!(steps[..4], [1e-4, 4e-5, 2e-5, 1e-5]);

@@ -101,6 +101,58 @@ pub fn dof_named(scene: &Scene, name: &str) -> Result<usize, Error> {
     })
 }
 
+/// A run, and the one with twice its step.
+struct Converged {
+    coarser: Run,
+    reference: Run,
+    step: f64,
+    /// Root mean square of the displacements about their means, m, if there is any motion.
+    scale: Option<f64>,
+}
+
+/// Halves the event-driven integrator's step until two runs agree, or agree no better, or are too much work;
+/// displacements below `rest` (m) are none. `None` if the watch ended it.
+#[allow(clippy::cast_precision_loss)]
+fn converge(
+    scene: &Scene,
+    grid: Grid,
+    rest: f64,
+    watch: Watch<'_>,
+) -> Result<Option<Converged>, Error> {
+    let (mut before, mut failure, mut last) = (None, None, f64::INFINITY);
+    for halvings in 0.. {
+        // None of the ladder is three times shorter than another.
+        let rung = grid.rung(Method::EventDriven, 3 << halvings);
+        let steps = (rung.steps * grid.intervals) as f64;
+        let is_last = 2.0 * steps * scene.external_forces().count() as f64 > MOST_WORK;
+        match Run::of(scene, grid, rung, &mut *watch) {
+            Ok(None) => return Ok(None),
+            Ok(Some(reference)) => {
+                if let Some(coarser) = before.take() {
+                    let deviation = reference.deviation();
+                    let scale = (deviation > rest).then_some(deviation);
+                    let apart = scale.map_or(0.0, |scale| reference.distance(&coarser) / scale);
+                    if apart <= CONVERGED || apart > NO_GAIN * last || is_last {
+                        let step = rung.step;
+                        return Ok(Some(Converged { coarser, reference, step, scale }));
+                    }
+                    last = apart;
+                }
+                before = Some(reference);
+            }
+            // A shorter step may lead past what made it fail.
+            Err(error) => {
+                failure.get_or_insert(error);
+                before = None;
+            }
+        }
+        if is_last && halvings > 0 {
+            break;
+        }
+    }
+    Err(failure.unwrap_or_else(|| Error::step("the reference does not converge")))
+}
+
 /// A scene with its reference.
 pub struct Study {
     scene: Scene,
@@ -127,51 +179,33 @@ impl Study {
         let grid = Grid::of(scene, critical.as_ref().ok().map(|critical| critical.step))?;
         let size =
             start.reference().displacement.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-        // None of the ladder is three times shorter than another.
-        let mut divisor = 3;
-        let mut attempt = |divisor: u64| {
-            let rung = grid.rung(Method::EventDriven, divisor);
-            Run::of(scene, grid, rung, &mut *watch)
+        let found = converge(scene, grid, REST * size, watch)?;
+        let Some(Converged { coarser, reference, step, scale }) = found else { return Ok(None) };
+        let dof = dof.unwrap_or_else(|| reference.most_moving());
+        let mut study = Self {
+            scene: scene.clone(),
+            grid,
+            critical,
+            dof,
+            cycle: Cycle::of(&reference.history(dof), grid.interval),
+            reference_step: step,
+            reference,
+            scale,
+            floor: Errors::default(),
         };
-        let Some(mut reference) = attempt(divisor)? else { return Ok(None) };
-        let mut last = f64::INFINITY;
-        loop {
-            let Some(finer) = attempt(2 * divisor)? else { return Ok(None) };
-            let coarser = std::mem::replace(&mut reference, finer);
-            divisor *= 2;
-            let (dofs, deviation) = (reference.dofs(), reference.deviation());
-            let scale = (deviation > REST * size).then_some(deviation);
-            let apart = scale.map_or(0.0, |scale| reference.distance(&coarser) / scale);
-            let work = reference.statistics.steps as f64 * dofs as f64;
-            if apart <= CONVERGED || apart > NO_GAIN * last || 2.0 * work > MOST_WORK {
-                let dof = dof.unwrap_or_else(|| reference.most_moving());
-                let mut study = Self {
-                    scene: scene.clone(),
-                    grid,
-                    critical,
-                    dof,
-                    cycle: Cycle::of(&reference.history(dof), grid.interval),
-                    reference_step: grid.rung(Method::EventDriven, divisor).step,
-                    reference,
-                    scale,
-                    floor: Errors::default(),
-                };
-                study.floor = study.floor_from(&coarser);
-                return Ok(Some(study));
-            }
-            last = apart;
-        }
+        study.floor = study.floor_from(&coarser);
+        Ok(Some(study))
     }
 
     /// The reference's own errors, from the run with twice its step.
     fn floor_from(&self, coarser: &Run) -> Errors {
         let apart = self.errors_of(coarser);
-        let Cycle { amplitude_error, .. } = self.cycle;
+        let Cycle { amplitude_error, frequency_error, .. } = self.cycle;
         let resolution = Run::resolution(self.reference_step);
         Errors {
             rms: apart.rms.map(|rms| rms.max(f64::EPSILON)),
             amplitude: apart.amplitude.map(|error| error.max(amplitude_error)),
-            frequency: apart.frequency.map(|error| error.max(cycle::FREQUENCY_RESOLUTION)),
+            frequency: apart.frequency.map(|error| error.max(frequency_error)),
             event_time: apart.event_time.map(|error| error.max(resolution)),
             largest_event_time: apart.largest_event_time.map(|error| error.max(resolution)),
         }
@@ -215,6 +249,12 @@ impl Study {
         self.reference.statistics
     }
 
+    /// When which contact takes another state in the reference, in the order of time.
+    #[must_use]
+    pub fn reference_changes(&self) -> &[Change] {
+        self.reference.changes()
+    }
+
     /// The cycle in which the reference ends.
     #[must_use]
     pub fn cycle(&self) -> Cycle {
@@ -245,7 +285,7 @@ impl Study {
     #[must_use]
     pub fn ladder(&self) -> Vec<Rung> {
         let critical = self.critical.as_ref().ok().map(|critical| critical.step);
-        self.grid.ladder(critical, self.reference.dofs())
+        self.grid.ladder(&self.scene, critical)
     }
 
     /// What one method with one step does: `None` if the watch ended it.

@@ -10,8 +10,9 @@ use crate::simulation::{Simulation, Snapshot};
 
 /// Up to so many steps an interval is walked through; a longer one is halved until the step is found.
 const WALKED: u64 = 32;
-/// Into so many parts the event-driven integrator's step is halved: errors of times are at least that.
-const PARTS: u64 = 1 << 20;
+/// Into so many parts the event-driven integrator's step is halved, which is how well its times are known; a
+/// simulation takes a millionth of its step for nothing.
+const PARTS: u64 = 1 << 18;
 
 /// A contact takes another state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -76,6 +77,10 @@ impl Run {
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn resolution(step: f64) -> f64 {
         step / PARTS as f64
+    }
+
+    pub(super) fn changes(&self) -> &[Change] {
+        &self.changes
     }
 
     pub(super) fn dofs(&self) -> usize {
