@@ -156,7 +156,7 @@ fn a_force_that_curves_within_a_step_costs_second_order_and_the_reference_is_ref
     let text = "[[mass]]\nname = \"a\"\nmass = 0.5\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
         between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n[integrator]\n\
         method = \"event-driven\"\nstep = 1e-3\n[[signal]]\ninput = \"mass.a.fx\"\n\
-        sine = { amplitude = 1.0, frequency = 2.0 }\n[experiment]\noutput_interval = 0.01\n";
+        sine = { amplitude = 1.0, frequency = 2.0, phase = 1.0 }\n[experiment]\noutput_interval = 0.01\n";
     let study = study(&parse("driven", text).unwrap());
     assert!(study.floor().rms.unwrap() < 1e-7, "{:?}", study.floor());
     assert!(study.reference_step() < 1e-4, "{}", study.reference_step());
@@ -267,7 +267,7 @@ fn what_makes_no_sense_is_refused_with_what_would() {
     refused(&["set1", "--plot", "a.pdf"], 1, &[".svg or .png"]);
     refused(&["set1", "--stop-time", "-1"], 2, &["above zero"]);
     refused(&["set1", "--stop-time", "1e4"], 2, &["--stop-time"]);
-    refused(&["set1", "--set", "friction.coefficient=5"], 3, &["friction"]);
+    refused(&["corner", "--set", "friction.coefficient=0.61"], 3, &["contact.wall"]);
     refused(&["set1", "--format", "xml"], 2, &["table", "csv", "json"]);
     assert!(dof_named(&scene("belt", 1.0), "mass.block.x").is_ok());
 }

@@ -83,10 +83,6 @@ impl Run {
         &self.changes
     }
 
-    pub(super) fn dofs(&self) -> usize {
-        self.dofs
-    }
-
     /// One displacement over time, m.
     pub(super) fn history(&self, dof: usize) -> Vec<f64> {
         self.displacements.iter().skip(dof).step_by(self.dofs).copied().collect()

@@ -10,7 +10,7 @@ use amontons::simulation::{Simulation, assign};
 use indicatif::{ProgressBar, ProgressStyle};
 use serde_json::{Map, Value, json};
 use std::error::Error;
-use std::io::{Write, stdout};
+use std::io::{self, ErrorKind, Write, stdout};
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -61,7 +61,16 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
 
     let bar = progress_bar();
-    let watch = &mut |_: f64| stopped();
+    let (mut runs, mut last) = (0.0, 0.0);
+    let watch = &mut |passed: f64| {
+        // How many runs the reference takes is not known before.
+        if passed < last {
+            runs += 1.0;
+        }
+        last = passed;
+        bar.set_position(ticks(REFERENCE_SHARE * (1.0 - 0.5_f64.powf(runs + passed))));
+        stopped()
+    };
     let Some(study) = Study::new(&scene, dof, watch)? else {
         bar.finish_and_clear();
         return Err(Box::new(Interrupted));
@@ -71,11 +80,10 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     report.complete = report.climb(&bar).is_continue();
     bar.finish_and_clear();
     report.explain();
-    let mut out = stdout().lock();
-    match arguments.format {
-        Format::Table => report.print_table(&mut out)?,
-        Format::Csv => report.print_csv(&mut out)?,
-        Format::Json => writeln!(out, "{:#}", report.as_json())?,
+    match report.print(&mut stdout().lock()) {
+        // Whoever reads has read enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
+        result => result?,
     }
     if arguments.format != Format::Table {
         for note in &report.notes {
@@ -140,6 +148,15 @@ impl Report<'_> {
         Continue(())
     }
 
+    fn print(&self, out: &mut dyn Write) -> io::Result<()> {
+        match self.arguments.format {
+            Format::Table => self.print_table(out)?,
+            Format::Csv => self.print_csv(out)?,
+            Format::Json => writeln!(out, "{:#}", self.as_json())?,
+        }
+        out.flush()
+    }
+
     /// Words on what is not to be seen in the rows.
     fn explain(&mut self) {
         let mut notes = Vec::new();
@@ -183,7 +200,7 @@ impl Report<'_> {
         self.notes.append(&mut notes);
     }
 
-    fn print_table(&self, out: &mut dyn Write) -> std::io::Result<()> {
+    fn print_table(&self, out: &mut dyn Write) -> io::Result<()> {
         let study = &self.study;
         let Scene { name: scene, experiment, .. } = study.scene();
         let statistics = study.reference_statistics();
@@ -276,7 +293,7 @@ impl Report<'_> {
         Some(format!("{dof}: ±{amplitude:.4e} m{at}, over the last half"))
     }
 
-    fn print_csv(&self, out: &mut dyn Write) -> std::io::Result<()> {
+    fn print_csv(&self, out: &mut dyn Write) -> io::Result<()> {
         writeln!(
             out,
             "method,step,steps,events,events_more,touch_downs,rms_error,amplitude_error,\
