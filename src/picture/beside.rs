@@ -101,7 +101,7 @@ mod tests {
             logarithmic: false,
         };
         let line = vec![[200.0, 150.0], [400.0, 150.0]];
-        let alone = texts(&frame, &[(line[0], "1 µs")], &[line.clone()]);
+        let alone = texts(&frame, &[(line[0], "1 µs")], std::slice::from_ref(&line));
         assert_eq!(alone.len(), 1);
         assert!((alone[0].at[1] - 150.0).abs() > 0.5 * HEIGHT);
         // A dozen at one point find eight places at most.
