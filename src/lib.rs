@@ -12,12 +12,15 @@
 //! | [`stability`] | the critical step, from the eigenvalues of the contact states |
 //! | [`integrator`] | forward increment Lagrange multipliers |
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
+//! | [`accuracy`] | how far each method and step is from a proven reference (feature `tools`) |
 //! | `fmi2` | the C interface of FMI 2.0 for co-simulation |
 //! | [`package`] | the FMU as an archive (feature `tools`) |
 //! | [`picture`] | charts, maps, moving mode shapes and structures as SVG or PNG (feature `tools`) |
 //!
 //! All quantities are in SI units.
 
+#[cfg(feature = "tools")]
+pub mod accuracy;
 pub mod contact;
 pub mod error;
 mod fmi2;

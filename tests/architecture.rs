@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 11] = [
+const ROOMS: [&str; 12] = [
     "error",
     "output",
     "scene",
@@ -13,6 +13,7 @@ const ROOMS: [&str; 11] = [
     "stability",
     "integrator",
     "simulation",
+    "accuracy",
     "fmi2",
     "package",
     "picture",

@@ -109,6 +109,7 @@ fn chart() -> Chart {
             .collect(),
         colour,
         style: Style::Line,
+        labels: Vec::new(),
     };
     let mark = Mark { x: 20.0, label: Some("critical µ".into()) };
     Chart {
@@ -128,6 +129,7 @@ fn chart() -> Chart {
                 zero_line: false,
             },
         ],
+        ..Chart::default()
     }
 }
 
@@ -178,6 +180,34 @@ fn structure() -> Structure {
             ..SliderMark::default()
         }],
     }
+}
+
+#[test]
+fn logarithmic_axes_have_powers_of_ten_and_leave_out_what_has_no_logarithm() {
+    let points = [[1.0, 1e-2], [10.0, 1e-4], [20.0, 0.0], [100.0, 1e-6], [1e3, 1e-8], [1e4, 1e-10]];
+    let labels = (0..points.len()).map(|i| format!("no. {i}")).collect();
+    let series = Series { points: points.to_vec(), labels, ..Series::default() };
+    let panel = Panel { y_label: "error".into(), series: vec![series], ..Panel::default() };
+    let chart = Chart { panels: vec![panel], logarithmic: true, ..Chart::default() };
+    let elements = drawn(|path| chart.write(path));
+    let texts = texts(&elements);
+    for text in ["1", "1000", "1e−4", "1e−8", "no. 0", "no. 1", "no. 3", "no. 5"] {
+        assert!(texts.contains(&text), "{text}: {texts:?}");
+    }
+    assert!(!texts.contains(&"no. 2"));
+    let dots = elements.iter().filter(|e| e.name == "circle").count();
+    assert_eq!(dots, 5);
+    // A straight line, as powers are; its second part has three points.
+    let line = curves(&elements, BLUE)[0];
+    let places: Vec<[f64; 2]> = line.get("points").split_whitespace().map(place).collect();
+    let slope = |a: [f64; 2], b: [f64; 2]| (b[1] - a[1]) / (b[0] - a[0]);
+    assert!((slope(places[0], places[1]) / slope(places[1], places[2]) - 1.0).abs() < 0.01);
+}
+
+/// A point of a polyline.
+fn place(text: &str) -> [f64; 2] {
+    let (x, y) = text.split_once(',').unwrap();
+    [x, y].map(|number| number.parse().unwrap())
 }
 
 #[test]

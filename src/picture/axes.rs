@@ -4,6 +4,9 @@ use super::canvas::{Canvas, Failure, Point};
 use super::palette::{GRID, INK};
 use plotters::backend::DrawingBackend;
 use plotters::chart::ChartBuilder;
+use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::types::RangedCoordf64;
+use std::ops::Range;
 
 /// Where frames begin and end, px.
 pub(super) const LEFT: f64 = 84.0;
@@ -31,6 +34,53 @@ pub(super) struct Frame<'a> {
     pub(super) x_label: Option<&'a str>,
     /// Lines from the ticks across?
     pub(super) grid: bool,
+    /// Are the values decimal logarithms of what the axes show?
+    pub(super) logarithmic: bool,
+}
+
+/// An axis with its ticks: round numbers, or of logarithms whole powers of ten.
+struct Axis {
+    linear: RangedCoordf64,
+    logarithmic: bool,
+}
+
+impl Ranged for Axis {
+    type FormatOption = DefaultFormatting;
+    type ValueType = f64;
+
+    fn map(&self, value: &f64, limit: (i32, i32)) -> i32 {
+        self.linear.map(value, limit)
+    }
+
+    fn key_points<Hint: KeyPointHint>(&self, hint: Hint) -> Vec<f64> {
+        if !self.logarithmic {
+            return self.linear.key_points(hint);
+        }
+        powers(self.range(), hint.max_num_points())
+    }
+
+    fn range(&self) -> Range<f64> {
+        self.linear.range()
+    }
+}
+
+/// Ticks of an axis of logarithms: whole ones, as many apart as needed for `most` of them; within less than
+/// two powers of ten those of 1, 2 and 5.
+#[allow(clippy::cast_precision_loss)]
+fn powers(range: Range<f64>, most: usize) -> Vec<f64> {
+    let whole = |apart: f64| {
+        let first = (range.start / apart).ceil() * apart;
+        let ticks = (0..).map(move |i: u32| first + f64::from(i) * apart);
+        ticks.take_while(|tick| *tick <= range.end).collect::<Vec<f64>>()
+    };
+    if range.end - range.start < 2.0 {
+        let first = range.start.floor();
+        let digits = [0.0, 2_f64.log10(), 5_f64.log10()];
+        let ticks = (0..3).flat_map(|power| digits.map(|digit| first + f64::from(power) + digit));
+        return ticks.filter(|tick| range.contains(tick)).collect();
+    }
+    let apart = [1.0, 2.0, 3.0, 4.0, 6.0, 10.0, 20.0, 50.0, 100.0];
+    apart.into_iter().map(whole).find(|ticks| ticks.len() <= most.max(2)).unwrap_or_default()
 }
 
 impl Frame<'_> {
@@ -46,6 +96,10 @@ impl Frame<'_> {
         [self.at_x(x), self.at_y(y)]
     }
 
+    fn axis(&self, [from, to]: [f64; 2]) -> Axis {
+        Axis { linear: (from..to).into(), logarithmic: self.logarithmic }
+    }
+
     /// Axes, ticks, numbers and labels.
     pub(super) fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure> {
         let below = if self.x_label.is_some() { X_AXIS } else { 0.0 };
@@ -56,9 +110,13 @@ impl Frame<'_> {
         let mut chart = ChartBuilder::on(&part)
             .x_label_area_size(pixels(below))
             .y_label_area_size(pixels(LEFT - EDGE))
-            .build_cartesian_2d(self.x[0]..self.x[1], self.y[0]..self.y[1])?;
-        let number_x = |value: &f64| number(*value, self.x);
-        let number_y = |value: &f64| number(*value, self.y);
+            .build_cartesian_2d(self.axis(self.x), self.axis(self.y))?;
+        let text = |value: f64, range| match self.logarithmic {
+            true => power_of_ten(value),
+            false => number(value, range),
+        };
+        let number_x = |value: &f64| text(*value, self.x);
+        let number_y = |value: &f64| text(*value, self.y);
         let rows = if self.bottom - self.top > 200.0 { 7 } else { 5 };
         let mut mesh = chart.configure_mesh();
         mesh.axis_style(canvas.pen(INK, 1.0))
@@ -121,6 +179,13 @@ fn number(value: f64, [from, to]: [f64; 2]) -> String {
     text.replace('-', "−")
 }
 
+/// The number of which a tick is the decimal logarithm.
+fn power_of_ten(tick: f64) -> String {
+    let value = parsed(&format!("{:.0e}", 10_f64.powf(tick)));
+    let text = if (1e-3..1e5).contains(&value) { format!("{value}") } else { format!("{value:e}") };
+    text.replace('-', "−")
+}
+
 fn parsed(number: &str) -> f64 {
     number.parse().expect("a number as Rust writes it")
 }
@@ -136,6 +201,15 @@ mod tests {
         assert_eq!(number(-20.0, [-20.0, 40.0]), "−20");
         assert_eq!(number(-2.5e-7, [-1e-6, 1e-6]), "−2.5e−7");
         assert_eq!(number(163.905, [163.9, 163.91]), "163.905");
+    }
+
+    #[test]
+    fn ticks_of_logarithms_are_powers_of_ten() {
+        assert_eq!(powers(-3.2..1.4, 7), [-3.0, -2.0, -1.0, 0.0, 1.0]);
+        assert_eq!(powers(-19.5..0.5, 7), [-18.0, -15.0, -12.0, -9.0, -6.0, -3.0, 0.0]);
+        assert_eq!(powers(-0.1..1.0, 7).len(), 3);
+        assert_eq!(power_of_ten(-12.0), "1e−12");
+        assert_eq!(power_of_ten(2_f64.log10() + 1.0), "20");
     }
 
     #[test]

@@ -1,6 +1,7 @@
 //! Curves in panels, one above the other, over one x axis.
 
 use super::axes::{Frame, LARGE, LEFT, RIGHT, SMALL, X_AXIS, range, roomy};
+use super::beside::{self, Beside};
 use super::canvas::{self, Align, Canvas, Drawing, Failure, Point, text_width};
 use super::legend::{Entry, Legend, Sample};
 use super::palette::{GREY, INK, colour, dashes};
@@ -26,6 +27,8 @@ pub struct Chart {
     pub x_label: String,
     /// From top to bottom.
     pub panels: Vec<Panel>,
+    /// Are both axes logarithmic? Then what is not above zero breaks a curve.
+    pub logarithmic: bool,
 }
 
 /// Curves of one quantity.
@@ -52,6 +55,8 @@ pub struct Series {
     pub colour: usize,
     /// How it is drawn.
     pub style: Style,
+    /// One for each point, which is then a dot; written beside it where there is room. Or none at all.
+    pub labels: Vec<String>,
 }
 
 /// How a curve is drawn.
@@ -106,6 +111,7 @@ struct Layout<'a> {
     legend: Legend,
     frames: Vec<Frame<'a>>,
     labels: Vec<Vec<Label<'a>>>,
+    beside: Vec<Vec<Beside>>,
 }
 
 /// A mark's label.
@@ -122,19 +128,22 @@ impl<'a> Layout<'a> {
         let series = chart.panels.iter().flat_map(|panel| &panel.series);
         let legend = Legend::new(series.clone().filter_map(Series::entry));
         let marks = chart.panels.iter().flat_map(|panel| &panel.marks);
-        let x = range(series.flat_map(finite).map(|[x, _]| x).chain(marks.map(|mark| mark.x)))
+        let shown = |series: &'a Series| chart.shown(series);
+        let marks = marks.map(|mark| chart.scaled(mark.x)).filter(|x| x.is_finite());
+        let x = range(series.flat_map(shown).map(|[x, _]| x).chain(marks))
             .ok_or_else(|| Failure("a chart needs at least one finite point".into()))?;
+        let x = if chart.logarithmic { roomy(x) } else { x };
         let height = match chart.panels.len() {
             1 => 400.0,
             2 => 260.0,
             _ => 190.0,
         };
         let mut top = TITLE + legend.height;
-        let (mut frames, mut labels) = (Vec::new(), Vec::new());
+        let (mut frames, mut labels, mut beside) = (Vec::new(), Vec::new(), Vec::new());
         for (place, panel) in chart.panels.iter().enumerate() {
             let last = place + 1 == chart.panels.len();
             let zero = panel.zero_line.then_some(0.0);
-            let values = panel.series.iter().flat_map(finite).map(|[_, y]| y);
+            let values = panel.series.iter().flat_map(shown).map(|[_, y]| y);
             let y = range(values.chain(zero)).ok_or_else(|| {
                 Failure(format!("the panel {:?} has no finite point", panel.y_label))
             })?;
@@ -146,29 +155,61 @@ impl<'a> Layout<'a> {
                 y_label: &panel.y_label,
                 x_label: last.then_some(&chart.x_label),
                 grid: true,
+                logarithmic: chart.logarithmic,
             };
-            let above = mark_labels(&frame, &panel.marks);
+            let above = mark_labels(chart, &frame, &panel.marks);
             let rows = above.iter().map(|label| label.row + 1).max().unwrap_or(0);
             frame.top = top + ABOVE + MARK_ROW * f64::from(rows);
             frame.bottom = frame.top + height;
             top = frame.bottom + if last { X_AXIS } else { GAP - ABOVE };
             frames.push(frame);
             labels.push(above);
+            beside.push(beside_points(chart, &frame, panel));
         }
-        Ok(Self { chart, legend, frames, labels })
+        Ok(Self { chart, legend, frames, labels, beside })
     }
 }
 
-fn finite(series: &Series) -> impl Iterator<Item = Point> + '_ {
-    series.points.iter().copied().filter(|[x, y]| x.is_finite() && y.is_finite())
+impl Chart {
+    /// A value as the axes have it.
+    fn scaled(&self, value: f64) -> f64 {
+        match self.logarithmic {
+            true if value > 0.0 => value.log10(),
+            true => f64::NAN,
+            false => value,
+        }
+    }
+
+    fn scaled_points<'a>(&'a self, series: &'a Series) -> impl Iterator<Item = Point> + 'a {
+        series.points.iter().map(|point| point.map(|value| self.scaled(value)))
+    }
+
+    /// The points that can be shown, as the axes have them.
+    fn shown<'a>(&'a self, series: &'a Series) -> impl Iterator<Item = Point> + 'a {
+        self.scaled_points(series).filter(|[x, y]| x.is_finite() && y.is_finite())
+    }
+}
+
+/// The points' own labels, where there is room.
+fn beside_points(chart: &Chart, frame: &Frame<'_>, panel: &Panel) -> Vec<Beside> {
+    let place = |series| chart.shown(series).map(|point| frame.at(point));
+    let lines: Vec<Vec<Point>> =
+        panel.series.iter().map(|series| place(series).collect()).collect();
+    let labelled = panel.series.iter().flat_map(|series| {
+        let points = chart.scaled_points(series).zip(&series.labels);
+        let shown = points.filter(|([x, y], _)| x.is_finite() && y.is_finite());
+        shown.map(|(point, label)| (frame.at(point), &**label))
+    });
+    beside::texts(frame, &labelled.collect::<Vec<_>>(), &lines)
 }
 
 /// Labels to the right of their lines, or at the right end to the left, in rows such that neither
 /// labels nor lines cross a label.
-fn mark_labels<'a>(frame: &Frame<'_>, marks: &'a [Mark]) -> Vec<Label<'a>> {
-    let finite = marks.iter().filter(|mark| mark.x.is_finite());
+fn mark_labels<'a>(chart: &Chart, frame: &Frame<'_>, marks: &'a [Mark]) -> Vec<Label<'a>> {
+    let finite = marks.iter().filter(|mark| chart.scaled(mark.x).is_finite());
+    let place = |mark: &Mark| frame.at_x(chart.scaled(mark.x));
     let mut labelled: Vec<(f64, &str)> =
-        finite.filter_map(|mark| Some((frame.at_x(mark.x), mark.label.as_deref()?))).collect();
+        finite.filter_map(|mark| Some((place(mark), mark.label.as_deref()?))).collect();
     labelled.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut edge = f64::INFINITY;
     let (mut ending, mut starting) = (Vec::new(), Vec::new());
@@ -229,22 +270,26 @@ impl Drawing for Layout<'_> {
     fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure> {
         canvas.text(&self.chart.title, [LEFT, 0.5 * TITLE], LARGE, Align::Left)?;
         self.legend.paint(canvas, TITLE)?;
-        for ((panel, frame), labels) in self.chart.panels.iter().zip(&self.frames).zip(&self.labels)
-        {
+        let panels = self.chart.panels.iter().zip(&self.frames);
+        let texts = self.labels.iter().zip(&self.beside);
+        for ((panel, frame), (labels, beside)) in panels.zip(texts) {
             frame.paint(canvas)?;
             if panel.zero_line {
                 let y = frame.at_y(0.0);
                 canvas.line(&[[LEFT, y], [RIGHT, y]], INK, 1.0, &[])?;
             }
-            for mark in panel.marks.iter().filter(|mark| mark.x.is_finite()) {
-                let x = frame.at_x(mark.x);
+            let marks = panel.marks.iter().map(|mark| self.chart.scaled(mark.x));
+            for x in marks.filter(|x| x.is_finite()).map(|x| frame.at_x(x)) {
                 canvas.line(&[[x, frame.top], [x, frame.bottom]], GREY, 1.0, &[5.0, 4.0])?;
             }
             for label in labels {
                 paint_label(canvas, frame, label)?;
             }
             for series in &panel.series {
-                paint_series(canvas, frame, series)?;
+                paint_series(canvas, self.chart, frame, series)?;
+            }
+            for Beside { text, at, align } in beside {
+                canvas.text(text, *at, SMALL, *align)?;
             }
         }
         Ok(())
@@ -268,12 +313,19 @@ fn paint_label<B: DrawingBackend>(
 
 fn paint_series<B: DrawingBackend>(
     canvas: &Canvas<B>,
+    chart: &Chart,
     frame: &Frame<'_>,
     series: &Series,
 ) -> Result<(), Failure> {
     let (colour, width, dashes) = series.pen();
     let broken = |[x, y]: &Point| !(x.is_finite() && y.is_finite());
-    for run in series.points.split(broken) {
+    let points: Vec<Point> = chart.scaled_points(series).collect();
+    if !series.labels.is_empty() {
+        for point in chart.shown(series) {
+            canvas.dot(frame.at(point), 3.5, colour)?;
+        }
+    }
+    for run in points.split(broken) {
         let places: Vec<Point> = run.iter().map(|&point| frame.at(point)).collect();
         match places[..] {
             [] => {}

@@ -95,6 +95,7 @@ impl Layout<'_> {
             y_label: &self.map.y_label,
             x_label: Some(&self.map.x_label),
             grid: false,
+            logarithmic: false,
         }
     }
 }

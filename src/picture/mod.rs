@@ -5,6 +5,7 @@
 //! `.svg` or `.png`. A picture appears whole or not at all, and the same data give the same bytes.
 
 mod axes;
+mod beside;
 mod canvas;
 mod chart;
 mod file;

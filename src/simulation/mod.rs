@@ -177,6 +177,12 @@ impl Simulation {
         &self.motion.velocity
     }
 
+    /// The state of each contact over the last step.
+    #[must_use]
+    pub fn contact_states(&self) -> &[ContactState] {
+        &self.motion.contacts
+    }
+
     /// What has been counted since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {

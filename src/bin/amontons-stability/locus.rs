@@ -191,6 +191,7 @@ impl Family<'_> {
                 panel("Re λ / 2π [Hz]", |root| root.lambda.re / TAU, critical, true),
                 panel("Im λ / 2π [Hz]", |root| root.lambda.im / TAU, merging, false),
             ],
+            ..Chart::default()
         }
     }
 
@@ -209,6 +210,7 @@ impl Family<'_> {
                     points: points.map(|(&x, root)| [x, part(root)]).collect(),
                     colour,
                     style: Style::Line,
+                    labels: Vec::new(),
                 });
             }
         }

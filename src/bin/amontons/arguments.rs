@@ -1,7 +1,7 @@
 //! What the command line understands.
 
 use amontons::scene::{Method, Scene};
-use clap::{Args, Parser, Subcommand};
+use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 /// Friction contact dynamics as FMUs: will it squeal?
@@ -15,7 +15,7 @@ pub struct Arguments {
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written or a picture not \
 drawn, 2 the command line makes no sense (an unknown option, variable or built-in scene), 3 the \
 scene is impossible (its file, a value, no equilibrium, a step above the critical one), 4 the run \
-failed";
+failed, 130 interrupted (accuracy prints what is done)";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -23,6 +23,8 @@ pub enum Command {
     Export(Export),
     /// Run a scene without an importer and write its outputs as CSV
     Simulate(Simulate),
+    /// Show what accuracy costs: errors and times of each method and step, against a proven reference
+    Accuracy(Accuracy),
     /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files
     Scenes {
         #[command(subcommand)]
@@ -63,6 +65,34 @@ pub struct Simulate {
     /// Where to write the CSV [default: standard output]
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Accuracy {
+    /// A scene file (TOML), or the name of a built-in scene
+    pub scene: String,
+    /// End of the window, s [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub stop_time: Option<f64>,
+    /// Give a parameter or input another value; the names are those of the FMU
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, f64)>,
+    /// The displacement whose amplitude and frequency are looked at [default: the one that moves most]
+    #[arg(long, value_name = "NAME")]
+    pub of: Option<String>,
+    /// How to print
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: Format,
+    /// Draw error against time
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Format {
+    Table,
+    Csv,
+    Json,
 }
 
 /// In place of the scene's `[integrator]`.

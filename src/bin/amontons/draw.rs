@@ -114,7 +114,7 @@ fn kilograms(mass: f64) -> String {
 }
 
 /// A value to six digits, as "55 kN/m"; tenths of a unit as "0.3 kg".
-fn prefixed(value: f64, unit: &str) -> String {
+pub fn prefixed(value: f64, unit: &str) -> String {
     let digits = format!("{value:.5e}");
     let (mantissa, power) = digits.split_once('e').unwrap_or((&digits, "0"));
     let power: i32 = power.parse().unwrap_or(0);

@@ -1,5 +1,6 @@
 //! The command line: arguments in, results out; the work is the library's.
 
+mod accuracy;
 mod arguments;
 mod draw;
 mod export;
@@ -8,6 +9,7 @@ mod simulate;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
+use std::fmt;
 use std::process::ExitCode;
 
 /// Exit codes: what kind of thing went wrong (2 is clap's too).
@@ -16,7 +18,21 @@ mod exit {
     pub const ARGUMENTS: u8 = 2;
     pub const SCENE: u8 = 3;
     pub const RUN: u8 = 4;
+    /// As shells have it for Ctrl-C.
+    pub const INTERRUPTED: u8 = 130;
 }
+
+/// A person has ended a command before its end.
+#[derive(Debug)]
+struct Interrupted;
+
+impl fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str("interrupted")
+    }
+}
+
+impl std::error::Error for Interrupted {}
 
 fn main() -> ExitCode {
     match run(&Arguments::parse().command) {
@@ -32,11 +48,15 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
     match command {
         Command::Export(arguments) => Ok(export::run(arguments)?),
         Command::Simulate(arguments) => simulate::run(arguments),
+        Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Scenes { command } => scenes::run(command.as_ref()),
     }
 }
 
 fn exit_code(error: &(dyn std::error::Error + 'static)) -> u8 {
+    if error.is::<Interrupted>() {
+        return exit::INTERRUPTED;
+    }
     match error.downcast_ref::<amontons::Error>() {
         Some(error) if error.is_argument() => exit::ARGUMENTS,
         Some(error) if error.is_step() => exit::RUN,
