@@ -1,0 +1,190 @@
+//! What accuracy costs, with Amontons and with others, on the same problems: one simulated second of
+//! three scenes, error against time. From the root of the repository:
+//!
+//! ```sh
+//! cargo run --release --manifest-path benches/peers/Cargo.toml
+//! ```
+//!
+//! Errors are relative rms of the eight displacements in rows a millisecond apart, against our
+//! event-driven integrator at half of the step that is timed. M, C, K, load, contacts, start and
+//! equilibrium are those of our model for every peer. Times are for one thread, without set-up; the runs
+//! in this program take turns, after one that warms up, and the shortest counts. SciPy and Siconos time
+//! themselves in the same way. Read the ratios: they carry over to another machine better than times do.
+
+mod dense;
+mod diffsol;
+mod ours;
+mod peer;
+mod picture;
+mod python;
+mod scenes;
+mod table;
+
+use clap::{Parser, ValueEnum};
+use peer::{Candidate, Outcome};
+use scenes::{Case, Problem};
+use std::path::{Path, PathBuf};
+use std::{env, fs};
+use table::Row;
+
+/// Turns of a run, and of one that takes longer than this many seconds.
+const TURNS: usize = 9;
+const SLOW_TURNS: usize = 2;
+const SLOW: f64 = 0.5;
+
+const NOTES: &str = "\
+Set-up is left out everywhere: equilibrium, matrices, memory; compiling; imports.
+All but Siconos evaluate springs and dampers explicitly, as forces; Siconos has them in its implicit matrices.
+SciPy and Siconos are driven from Python, whose own time is inside: every evaluation, two calls a step.
+tuned: diffsol and SciPy with absolute tolerances of the motion's size; SciPy with steps short enough to
+see every event; C for this machine's processor. Events are changes of a contact's state.";
+
+#[derive(Clone, Copy, PartialEq, ValueEnum)]
+enum Peer {
+    /// The paper's scheme as a plain loop in C.
+    C,
+    /// The Rust crate, tsit45 with roots.
+    Diffsol,
+    /// DOP853 with events.
+    Scipy,
+    /// Moreau–Jean time stepping.
+    Siconos,
+}
+
+/// Amontons and others on the same problems: error against time.
+#[derive(Parser)]
+struct Options {
+    /// Who is compared with Amontons; all unless given.
+    #[arg(long, value_enum, value_delimiter = ',')]
+    peers: Vec<Peer>,
+    /// Which scenes, flutter, impacts or kick; all unless given.
+    #[arg(long, value_delimiter = ',')]
+    scenes: Vec<String>,
+    /// Leave out what takes long.
+    #[arg(long)]
+    quick: bool,
+    /// Where the numbers and the picture go; the folder peers below the target folder unless given.
+    #[arg(long)]
+    out: Option<PathBuf>,
+}
+
+fn main() {
+    let options = Options::parse();
+    if let Err(error) = compare(&options) {
+        eprintln!("error: {error}");
+        std::process::exit(1);
+    }
+}
+
+fn compare(options: &Options) -> Result<(), String> {
+    // The program lies in a folder of its profile's name below the target folder.
+    let program = env::current_exe().map_err(|error| error.to_string())?;
+    let work = program.ancestors().nth(2).expect("it lies in two folders").join("peers");
+    let out = options.out.as_ref().unwrap_or(&work);
+    for folder in [&work, out] {
+        fs::create_dir_all(folder).map_err(|error| format!("{}: {error}", folder.display()))?;
+    }
+    let cases = scenes::all();
+    if let Some(wrong) = options.scenes.iter().find(|name| cases.iter().all(|c| c.name != **name)) {
+        let names: Vec<_> = cases.iter().map(|case| case.name).collect();
+        return Err(format!("there is no scene {wrong}, only {}", names.join(", ")));
+    }
+    let wide = if cfg!(target_feature = "avx2") { "with AVX2" } else { "portable (SSE2)" };
+    println!("Rust code {wide}.\n{NOTES}\n");
+    let wanted = |case: &Case| {
+        options.scenes.is_empty() || options.scenes.iter().any(|name| name == case.name)
+    };
+    let mut tables = Vec::new();
+    for case in cases.into_iter().filter(wanted) {
+        println!("{}: {}", case.name, case.about);
+        let rows = rows(&case, options, &work);
+        println!(
+            "\n{}\nthe quickest to reach an accuracy:\n{}",
+            table::table(&rows),
+            table::verdict(&rows)
+        );
+        tables.push((case.name, rows));
+    }
+    let [numbers, drawing] = ["peers.csv", "peers.svg"].map(|name| out.join(name));
+    table::write_csv(&tables, &numbers)
+        .map_err(|error| format!("{}: {error}", numbers.display()))?;
+    picture::write(&tables, &drawing)?;
+    println!("{}\n{}", numbers.display(), drawing.display());
+    Ok(())
+}
+
+/// All rows of a scene. A peer that is not there says so and how to get it.
+fn rows(case: &Case, options: &Options, work: &Path) -> Vec<Row> {
+    let asked = |peer| options.peers.is_empty() || options.peers.contains(&peer);
+    let missing = |who: &str, why: String| println!("  {who}: {why}");
+    let problem = Problem::from(&case.scene);
+    let exact = ours::reference(&case.scene);
+    assert_eq!(
+        (exact.events, exact.touch_downs),
+        (Some(case.events), Some(case.touch_downs)),
+        "events and touch-downs of the reference are not those of this scene"
+    );
+
+    let ladder =
+        if options.quick { &[10, 100, 1000][..] } else { &[10, 100, 1000, 10_000, 100_000] };
+    let mut candidates = ours::candidates(&case.scene, ladder);
+    if asked(Peer::C) {
+        match dense::candidates(&problem, ladder, work) {
+            Ok(more) => candidates.extend(more),
+            Err(why) => missing(dense::WHO, why),
+        }
+    }
+    if asked(Peer::Diffsol) {
+        candidates.extend(diffsol::candidates(&problem));
+    }
+    let mut rows: Vec<Row> = take_turns(candidates)
+        .into_iter()
+        .map(|(candidate, outcome, turns)| {
+            Row::new(candidate.who, candidate.setting, &outcome, turns, &exact.displacements)
+        })
+        .collect();
+
+    let scripts = [
+        (Peer::Scipy, python::SCIPY, "scipy_dop853.py"),
+        (Peer::Siconos, python::SICONOS, "siconos_moreau.py"),
+    ];
+    for (peer, who, script) in scripts.into_iter().filter(|(peer, ..)| asked(*peer)) {
+        let interpreter = if peer == Peer::Scipy { python::scipy(work) } else { python::siconos() };
+        let done = interpreter.and_then(|interpreter| {
+            python::run(&interpreter, script, &problem, options.quick, work, |timed| {
+                let python::Timed { setting, outcome, turns } = timed;
+                rows.push(Row::new(who, setting, &outcome, turns, &exact.displacements));
+            })
+        });
+        if let Err(why) = done {
+            missing(who, why);
+        }
+    }
+    rows
+}
+
+/// Every candidate with the outcome of its quickest run and the number of runs.
+fn take_turns(candidates: Vec<Candidate>) -> Vec<(Candidate, Outcome, usize)> {
+    let mut all: Vec<_> = candidates
+        .into_iter()
+        .map(|mut candidate| {
+            let outcome = (candidate.run)(); // Warms up.
+            let turns = if outcome.seconds > SLOW { SLOW_TURNS } else { TURNS };
+            (candidate, outcome, turns)
+        })
+        .collect();
+    for (_, outcome, _) in &mut all {
+        outcome.seconds = f64::INFINITY;
+    }
+    for turn in 0..TURNS {
+        for (candidate, best, turns) in &mut all {
+            if turn < *turns {
+                let outcome = (candidate.run)();
+                if outcome.seconds < best.seconds {
+                    *best = outcome;
+                }
+            }
+        }
+    }
+    all
+}
