@@ -33,11 +33,12 @@ const SLOW_TURNS: usize = 2;
 const SLOW: f64 = 0.5;
 
 const NOTES: &str = "\
-Set-up is left out everywhere: equilibrium, matrices, memory; compiling; imports.
-All but Siconos evaluate springs and dampers explicitly, as forces; Siconos has them in its implicit matrices.
-SciPy and Siconos are driven from Python, whose own time is inside: every evaluation, two calls a step.
-tuned: diffsol and SciPy with absolute tolerances of the motion's size; SciPy with steps short enough to
-see every event; C for this machine's processor. Events are changes of a contact's state.";
+Error: relative rms of the displacements. Events: changes of a contact's state. ms/s: per simulated second.
+To ours: against our quickest run that is as accurate. Set-up is left out: equilibrium, matrices, imports.
+C, diffsol and SciPy have springs and dampers as explicit forces; Siconos in its implicit matrices.
+SciPy and Siconos are driven from Python, whose own time is inside: all evaluations; two calls a step.
+Tuned: diffsol and SciPy with absolute tolerances of the motion's size (all but their default rows); SciPy
+with max_step short enough to see every event; C for this machine's processor (-march=native).";
 
 #[derive(Clone, Copy, PartialEq, ValueEnum)]
 enum Peer {
@@ -89,34 +90,45 @@ fn compare(options: &Options) -> Result<(), String> {
         let names: Vec<_> = cases.iter().map(|case| case.name).collect();
         return Err(format!("there is no scene {wrong}, only {}", names.join(", ")));
     }
-    let wide = if cfg!(target_feature = "avx2") { "with AVX2" } else { "portable (SSE2)" };
-    println!("Rust code {wide}.\n{NOTES}\n");
+    let wide = if cfg!(target_feature = "avx2") {
+        "with AVX2"
+    } else {
+        "portable; RUSTFLAGS=\"-C target-cpu=native\" builds it for this machine, the peer's best"
+    };
+    println!("{NOTES}\nRust code, ours and diffsol: {wide}.\n");
     let wanted = |case: &Case| {
         options.scenes.is_empty() || options.scenes.iter().any(|name| name == case.name)
     };
     let mut tables = Vec::new();
     for case in cases.into_iter().filter(wanted) {
-        println!("{}: {}", case.name, case.about);
-        let rows = rows(&case, options, &work);
-        println!(
-            "\n{}\nthe quickest to reach an accuracy:\n{}",
-            table::table(&rows),
-            table::verdict(&rows)
-        );
+        println!("{}: {}\n", case.name, case.about);
+        let (rows, missing) = rows(&case, options, &work);
+        print!("{}", table::table(&rows));
+        for (who, why) in missing {
+            println!("{who:26} {why}");
+        }
+        println!();
         tables.push((case.name, rows));
     }
-    let [numbers, drawing] = ["peers.csv", "peers.svg"].map(|name| out.join(name));
+    println!("Who is the quickest to reach an accuracy:");
+    for (name, rows) in &tables {
+        println!("{name}\n{}", table::verdict(rows));
+    }
+    let [numbers, drawing, summary] =
+        ["peers.csv", "peers.svg", "peers.md"].map(|name| out.join(name));
     table::write_csv(&tables, &numbers)
         .map_err(|error| format!("{}: {error}", numbers.display()))?;
     picture::write(&tables, &drawing)?;
-    println!("{}\n{}", numbers.display(), drawing.display());
+    fs::write(&summary, table::summary(&tables))
+        .map_err(|error| format!("{}: {error}", summary.display()))?;
+    println!("{}\n{}\n{}", numbers.display(), drawing.display(), summary.display());
     Ok(())
 }
 
-/// All rows of a scene. A peer that is not there says so and how to get it.
-fn rows(case: &Case, options: &Options, work: &Path) -> Vec<Row> {
+/// All rows of a scene, and who is not there and how to get it.
+fn rows(case: &Case, options: &Options, work: &Path) -> (Vec<Row>, Vec<(&'static str, String)>) {
     let asked = |peer| options.peers.is_empty() || options.peers.contains(&peer);
-    let missing = |who: &str, why: String| println!("  {who}: {why}");
+    let mut missing = Vec::new();
     let problem = Problem::from(&case.scene);
     let exact = ours::reference(&case.scene);
     assert_eq!(
@@ -131,7 +143,7 @@ fn rows(case: &Case, options: &Options, work: &Path) -> Vec<Row> {
     if asked(Peer::C) {
         match dense::candidates(&problem, ladder, work) {
             Ok(more) => candidates.extend(more),
-            Err(why) => missing(dense::WHO, why),
+            Err(why) => missing.push((dense::WHO, why)),
         }
     }
     if asked(Peer::Diffsol) {
@@ -157,10 +169,10 @@ fn rows(case: &Case, options: &Options, work: &Path) -> Vec<Row> {
             })
         });
         if let Err(why) = done {
-            missing(who, why);
+            missing.push((who, why));
         }
     }
-    rows
+    (rows, missing)
 }
 
 /// Every candidate with the outcome of its quickest run and the number of runs.

@@ -118,6 +118,51 @@ pub fn verdict(rows: &[Row]) -> String {
     text
 }
 
+/// The table of the README, in Markdown: for each accuracy our time, scene by scene, and how many times as
+/// long each peer takes.
+pub fn summary(scenes: &[(&str, Vec<Row>)]) -> String {
+    let mut peers: Vec<&str> = Vec::new();
+    for row in scenes.iter().flat_map(|(_, rows)| rows).filter(|row| !row.is_ours()) {
+        if !peers.contains(&row.who) {
+            peers.push(row.who);
+        }
+    }
+    let names: Vec<&str> = scenes.iter().map(|(name, _)| *name).collect();
+    let mut text = format!("| error ({}) | Amontons |", names.join(", "));
+    for peer in &peers {
+        let _ = write!(text, " {peer} |");
+    }
+    text += &format!("\n|{}\n", " --- |".repeat(2 + peers.len()));
+    for digits in 2..=10 {
+        let accuracy = 10_f64.powi(-digits);
+        // One entry a scene; `of` says what stands there for the quickest of ours and of theirs.
+        let cell = |who: &dyn Fn(&Row) -> bool, of: &dyn Fn(&Row, &Row) -> String| {
+            let entry = |(_, rows): &(&str, Vec<Row>)| {
+                let ours = quickest(rows.iter().filter(|row| row.is_ours()), accuracy)?;
+                Some(of(ours, quickest(rows.iter().filter(|row| who(row)), accuracy)?))
+            };
+            let entries = scenes.iter().map(|scene| entry(scene).unwrap_or_else(|| "–".to_owned()));
+            let entries: Vec<String> = entries.collect();
+            if entries.iter().all(|entry| entry == "–") {
+                "–".to_owned()
+            } else {
+                entries.join(", ")
+            }
+        };
+        let ours = cell(&Row::is_ours, &|ours, _| format!("{:.1}", 1e3 * ours.seconds));
+        let _ = write!(text, "| 1e-{digits} | {ours} ms |");
+        for peer in &peers {
+            let ratio = |ours: &Row, theirs: &Row| {
+                let ratio = theirs.seconds / ours.seconds;
+                if ratio < 10.0 { format!("{ratio:.1}") } else { format!("{ratio:.0}") }
+            };
+            let _ = write!(text, " {} |", cell(&|row| row.who == *peer, &ratio));
+        }
+        text.push('\n');
+    }
+    text
+}
+
 /// Writes all numbers of all scenes.
 pub fn write_csv(scenes: &[(&str, Vec<Row>)], path: &Path) -> csv::Result<()> {
     let mut writer = csv::Writer::from_path(path)?;
