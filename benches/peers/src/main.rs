@@ -27,10 +27,10 @@ use std::path::{Path, PathBuf};
 use std::{env, fs};
 use table::Row;
 
-/// Turns of a run, and of one that takes longer than this many seconds.
-const TURNS: usize = 9;
-const SLOW_TURNS: usize = 2;
-const SLOW: f64 = 0.5;
+/// Turns of a run: as many as fit into so many seconds, but at most so many. One that takes longer has its
+/// first run for its time.
+const BUDGET: f64 = 1.0;
+const MOST_TURNS: usize = 30;
 
 const NOTES: &str = "\
 Error: relative rms of the displacements. Events: changes of a contact's state. ms/s: per simulated second.
@@ -180,23 +180,21 @@ fn take_turns(candidates: Vec<Candidate>) -> Vec<(Candidate, Outcome, usize)> {
     let mut all: Vec<_> = candidates
         .into_iter()
         .map(|mut candidate| {
-            let outcome = (candidate.run)(); // Warms up.
-            let turns = if outcome.seconds > SLOW { SLOW_TURNS } else { TURNS };
+            let mut outcome = (candidate.run)();
+            let turns = MOST_TURNS.min((BUDGET / outcome.seconds) as usize);
+            if turns > 0 {
+                outcome.seconds = f64::INFINITY; // It was to warm up.
+            }
             (candidate, outcome, turns)
         })
         .collect();
-    for (_, outcome, _) in &mut all {
-        outcome.seconds = f64::INFINITY;
-    }
-    for turn in 0..TURNS {
-        for (candidate, best, turns) in &mut all {
-            if turn < *turns {
-                let outcome = (candidate.run)();
-                if outcome.seconds < best.seconds {
-                    *best = outcome;
-                }
+    for turn in 0..MOST_TURNS {
+        for (candidate, best, _) in all.iter_mut().filter(|(.., turns)| turn < *turns) {
+            let outcome = (candidate.run)();
+            if outcome.seconds < best.seconds {
+                *best = outcome;
             }
         }
     }
-    all
+    all.into_iter().map(|(candidate, best, turns)| (candidate, best, turns.max(1))).collect()
 }
