@@ -149,7 +149,7 @@ def run(problem, rows, options):
     z = np.array(problem["displacement"] + problem["velocity"])
     times = 1e-3 * np.arange(1, rows + 1)
     now, pieces, done = 0.0, [], 0
-    start = time.perf_counter()
+    stamps = [time.perf_counter()]
     while True:
         rates, events, _, _ = motion.linear_motion()
         span = now, times[-1]
@@ -157,13 +157,13 @@ def run(problem, rows, options):
         if len(found.t):
             pieces.append(found.y[:n].T)
             done += len(found.t)
+        stamps.append(time.perf_counter())
         if found.status != 1:
             break
         index = next(i for i, at in enumerate(found.t_events) if len(at))
         now, z = found.t_events[index][0], found.y_events[index][0].copy()
         motion.change(index, z)
-    seconds = time.perf_counter() - start
-    return np.concatenate(pieces), motion, seconds
+    return np.concatenate(pieces), motion, np.diff(stamps)
 
 
 def settings(dofs, quick):
@@ -182,14 +182,14 @@ def main():
     with open(path) as file:
         problem = json.load(file)
     for setting, options in settings(len(problem["mass"]), quick):
-        x, motion, seconds = run(problem, rows, options)  # Warms up.
-        turns = 2 if quick or seconds > 0.8 else 5
+        x, motion, slices = run(problem, rows, options)  # Warms up.
+        turns = 2 if quick or slices.sum() > 0.8 else 5
         answer = {
             "setting": setting,
             "displacements": x.ravel().tolist(),
             "events": int(motion.events),
             "touch_downs": int(motion.touch_downs),
-            "seconds": min(run(problem, rows, options)[2] for _ in range(turns)),
+            "slices": np.min([run(problem, rows, options)[2] for _ in range(turns)], axis=0).tolist(),
             "turns": turns,
         }
         print(json.dumps(answer), flush=True)

@@ -1,7 +1,7 @@
 //! The paper's scheme as a plain loop in C with full matrices, the one of `benches/dense_loop.c`,
 //! compiled here.
 
-use crate::peer::{Candidate, Outcome};
+use crate::peer::{Candidate, Outcome, Stopwatch};
 use crate::scenes::{CONTACTS, DOFS, Problem, ROWS};
 use libloading::Library;
 use std::array::from_fn;
@@ -9,7 +9,6 @@ use std::env::consts::DLL_SUFFIX;
 use std::path::Path;
 use std::process::Command;
 use std::rc::Rc;
-use std::time::Instant;
 
 pub const WHO: &str = "plain C, paper's scheme";
 
@@ -89,12 +88,12 @@ fn run(library: &Library, problem: &Problem, steps: u32) -> Outcome {
     let mut states = [1; CONTACTS]; // Sl.
     let mut events = 0;
     let mut displacements = Vec::with_capacity(ROWS * DOFS);
-    let start = Instant::now();
-    for _ in 0..ROWS {
+    let mut watch = Stopwatch::start();
+    for row in 1..=ROWS {
         // SAFETY: it reads the problem, and reads and writes the vectors and states.
         events += unsafe { function(&c_problem, &mut x, &mut v, &mut states, steps.into()) };
         displacements.extend_from_slice(&x);
+        watch.row(row);
     }
-    let seconds = start.elapsed().as_secs_f64();
-    Outcome { displacements, events: Some(events), touch_downs: None, seconds }
+    Outcome { displacements, events: Some(events), touch_downs: None, slices: watch.slices() }
 }

@@ -5,7 +5,7 @@
 //! each contact's forces follow from its own two rows. The roots: N = 0 and v_r = 0 of a contact that
 //! slips, |T| = µN of one that sticks, gap = 0 of one that is open.
 
-use crate::peer::{Candidate, Outcome};
+use crate::peer::{Candidate, Outcome, Stopwatch};
 use crate::scenes::{CONTACTS, DOFS, Problem, ROWS};
 use diffsol::{
     NalgebraMat, NalgebraVec, NonLinearOp, OdeBuilder, OdeEquations, OdeSolverMethod,
@@ -13,7 +13,6 @@ use diffsol::{
 };
 use std::array::from_fn;
 use std::cell::Cell;
-use std::time::Instant;
 
 pub const WHO: &str = "diffsol, tsit45 with roots";
 
@@ -225,7 +224,7 @@ fn run(problem: &Problem, rtol: f64, [x_atol, v_atol]: [f64; 2]) -> Outcome {
     let mut displacements = Vec::with_capacity(ROWS * DOFS);
     let mut row = 1;
 
-    let start = Instant::now();
+    let mut watch = Stopwatch::start();
     while row <= ROWS {
         let root = match solver.step().expect("it goes on") {
             OdeSolverStopReason::RootFound(time, index) => Some((time, index)),
@@ -235,6 +234,7 @@ fn run(problem: &Problem, rtol: f64, [x_atol, v_atol]: [f64; 2]) -> Outcome {
         while row <= ROWS && 1e-3 * row as f64 <= reached {
             solver.interpolate_inplace(1e-3 * row as f64, &mut at_row).expect("it is in the step");
             displacements.extend_from_slice(&at_row.batch_as_slice(0)[..DOFS]);
+            watch.row(row);
             row += 1;
         }
         if let Some((time, index)) = root.filter(|_| row <= ROWS) {
@@ -244,8 +244,7 @@ fn run(problem: &Problem, rtol: f64, [x_atol, v_atol]: [f64; 2]) -> Outcome {
             ode.eqn.rhs().call_inplace(state.y, time, state.dy);
         }
     }
-    let seconds = start.elapsed().as_secs_f64();
     let [events, touch_downs] =
         [&motion.events, &motion.touch_downs].map(|count| Some(count.get()));
-    Outcome { displacements, events, touch_downs, seconds }
+    Outcome { displacements, events, touch_downs, slices: watch.slices() }
 }

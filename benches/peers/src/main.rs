@@ -8,8 +8,8 @@
 //! Errors are relative rms of the eight displacements in rows a millisecond apart, against our
 //! event-driven integrator at half of the step that is timed. M, C, K, load, contacts, start and
 //! equilibrium are those of our model for every peer. Times are for one thread, without set-up; the runs
-//! in this program take turns, after one that warms up, and the shortest counts. SciPy and Siconos time
-//! themselves in the same way. Read the ratios: they carry over to another machine better than times do.
+//! in this program take turns, after one that warms up, and the shortest of each slice counts. SciPy and
+//! Siconos time themselves in the same way. Read the ratios: they carry over to another machine better than times do.
 
 mod dense;
 mod diffsol;
@@ -175,24 +175,24 @@ fn rows(case: &Case, options: &Options, work: &Path) -> (Vec<Row>, Vec<(&'static
     (rows, missing)
 }
 
-/// Every candidate with the outcome of its quickest run and the number of runs.
+/// Every candidate with its outcome, the shortest of each slice in it, and the number of runs.
 fn take_turns(candidates: Vec<Candidate>) -> Vec<(Candidate, Outcome, usize)> {
     let mut all: Vec<_> = candidates
         .into_iter()
         .map(|mut candidate| {
             let mut outcome = (candidate.run)();
-            let turns = MOST_TURNS.min((BUDGET / outcome.seconds) as usize);
+            let seconds: f64 = outcome.slices.iter().sum();
+            let turns = MOST_TURNS.min((BUDGET / seconds) as usize);
             if turns > 0 {
-                outcome.seconds = f64::INFINITY; // It was to warm up.
+                outcome.slices.fill(f64::INFINITY); // It was to warm up.
             }
             (candidate, outcome, turns)
         })
         .collect();
     for turn in 0..MOST_TURNS {
         for (candidate, best, _) in all.iter_mut().filter(|(.., turns)| turn < *turns) {
-            let outcome = (candidate.run)();
-            if outcome.seconds < best.seconds {
-                *best = outcome;
+            for (best, slice) in best.slices.iter_mut().zip((candidate.run)().slices) {
+                *best = best.min(slice);
             }
         }
     }

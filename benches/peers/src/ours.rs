@@ -1,10 +1,9 @@
 //! Amontons through its library: the event-driven integrator and the paper's scheme.
 
-use crate::peer::{Candidate, Outcome};
+use crate::peer::{Candidate, Outcome, Stopwatch};
 use crate::scenes::{DOFS, ROWS};
 use amontons::scene::{Method, Scene};
 use amontons::simulation::Simulation;
-use std::time::Instant;
 
 pub const EVENT_DRIVEN: &str = "Amontons, event-driven";
 pub const SCHEME: &str = "Amontons, paper's scheme";
@@ -30,17 +29,17 @@ pub fn reference(scene: &Scene) -> Outcome {
 fn run(scene: &Scene) -> Outcome {
     let mut simulation = Simulation::new(scene.clone(), 0.0).expect("the scene is possible");
     let mut displacements = Vec::with_capacity(ROWS * DOFS);
-    let start = Instant::now();
+    let mut watch = Stopwatch::start();
     for row in 1..=ROWS {
         simulation.advance_to(1e-3 * row as f64).expect("it can be simulated");
         displacements.extend_from_slice(simulation.displacement());
+        watch.row(row);
     }
-    let seconds = start.elapsed().as_secs_f64();
     let statistics = simulation.statistics();
     Outcome {
         displacements,
         events: Some(statistics.state_changes),
         touch_downs: Some(statistics.touch_downs),
-        seconds,
+        slices: watch.slices(),
     }
 }

@@ -1,5 +1,8 @@
 //! What a peer hands over: runs to be timed, and what came out of one.
 
+use crate::scenes::ROWS;
+use std::time::Instant;
+
 /// One simulated second, made once more each time that it is called.
 pub type Run = Box<dyn FnMut() -> Outcome>;
 
@@ -19,6 +22,35 @@ pub struct Outcome {
     pub events: Option<u64>,
     /// How many of them closed a gap.
     pub touch_downs: Option<u64>,
-    /// Time without set-up, s.
-    pub seconds: f64,
+    /// Time without set-up, s, slice by slice.
+    pub slices: Vec<f64>,
+}
+
+/// Rows in a slice. Other work on the machine makes a time longer, never shorter; slices are short, so each
+/// of them runs undisturbed in one turn or another, and the shortest of each make a run.
+const SLICE: usize = 20;
+
+/// Measures slices.
+pub struct Stopwatch {
+    last: Instant,
+    slices: Vec<f64>,
+}
+
+impl Stopwatch {
+    pub fn start() -> Self {
+        Self { last: Instant::now(), slices: Vec::with_capacity(ROWS / SLICE) }
+    }
+
+    /// Row `row`, counted from 1, is there.
+    pub fn row(&mut self, row: usize) {
+        if row.is_multiple_of(SLICE) {
+            let now = Instant::now();
+            self.slices.push((now - self.last).as_secs_f64());
+            self.last = now;
+        }
+    }
+
+    pub fn slices(self) -> Vec<f64> {
+        self.slices
+    }
 }

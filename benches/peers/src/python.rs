@@ -22,7 +22,7 @@ struct Answer {
     displacements: Vec<f64>,
     events: Option<u64>,
     touch_downs: Option<u64>,
-    seconds: f64,
+    slices: Vec<f64>,
     turns: usize,
 }
 
@@ -102,8 +102,8 @@ pub fn run(
         let line = line.map_err(|error| error.to_string())?;
         // Libraries of the peers write lines of their own.
         let Ok(answer) = serde_json::from_str::<Answer>(&line) else { continue };
-        let Answer { setting, displacements, events, touch_downs, seconds, turns } = answer;
-        let outcome = Outcome { displacements, events, touch_downs, seconds };
+        let Answer { setting, displacements, events, touch_downs, slices, turns } = answer;
+        let outcome = Outcome { displacements, events, touch_downs, slices };
         each(Timed { setting, outcome, turns });
     }
     let status = process.wait().map_err(|error| error.to_string())?;
