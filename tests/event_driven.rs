@@ -1,6 +1,6 @@
 //! The event-driven integrator: exact between events, and the limit that the paper's scheme goes to.
 
-use amontons::scene::{Method, Scene, builtin};
+use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::Simulation;
 
 fn scene(name: &str) -> Scene {
@@ -120,6 +120,21 @@ fn a_contact_that_lets_go_by_no_more_than_rounding_moves_on() {
     let half = run(&scene("set2"), 5e-4, 1.15);
     assert_eq!(whole.1, half.1);
     assert!(difference(&whole.0, &half.0) < 1e-10);
+}
+
+#[test]
+fn a_mass_that_touches_nothing_swings_on_its_spring() {
+    let text = "[[mass]]\nname = \"a\"\nmass = 0.5\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
+        between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n[[initial]]\n\
+        mass = \"a\"\nx = 0.01\nvx = 0.3\n[integrator]\nmethod = \"event-driven\"\nstep = 1e-2\n";
+    let mut simulation = Simulation::new(parse("free", text).unwrap(), 0.0).unwrap();
+    for row in 1..=500 {
+        let t = 0.01 * f64::from(row);
+        simulation.advance_to(t).unwrap();
+        let (sin, cos) = (20.0 * t).sin_cos();
+        let off = simulation.displacement()[0] - (0.01 * cos + 0.015 * sin);
+        assert!(off.abs() < 1e-14, "{off:e} at {t} s");
+    }
 }
 
 #[test]

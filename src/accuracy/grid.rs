@@ -58,7 +58,7 @@ impl Grid {
         if kept > MOST_KEPT {
             return Err(Error::argument(format!(
                 "a window of {stop} s is {kept:.1e} displacements to compare, more than \
-                 {MOST_KEPT:e}; choose a shorter --stop-time or a longer output_interval"
+                 {MOST_KEPT:e}; choose a shorter --stop-time, or a longer output_interval in the scene's [experiment]"
             )));
         }
         Ok(Self { interval: stop / count, intervals: count as u64 })

@@ -49,6 +49,12 @@ pub struct FrictionRange {
 }
 
 impl FrictionRange {
+    /// The most that T/N may be in this direction (±1).
+    #[must_use]
+    pub fn limit(&self, direction: f64) -> f64 {
+        if direction > 0.0 { self.forward } else { self.backward }
+    }
+
     /// Can friction be T under the normal force N (both N)?
     #[inline]
     #[must_use]

@@ -31,7 +31,7 @@ impl LocalSolution {
 impl LocalProblem {
     /// The multipliers (N, T), in N, of the law
     ///
-    /// 0 ≤ a_N ⊥ N ≥ 0, T/N in `range` with a_T = 0, or T = −sign(a_T) µ_k N, with
+    /// 0 ≤ a_N ⊥ N ≥ 0, T/N in `range` with a_T = 0, or at its end against a_T, with
     /// a = W (N, T) + `free`,
     ///
     /// where `free` holds the normal and tangential accelerations (m/s²) without this contact.
@@ -48,7 +48,7 @@ impl LocalProblem {
         // A mass that lags behind the slider (a_T < 0) is dragged along (T > 0), and the other way
         // round. Where rounding lets neither pass, friction opposes what the free motion would do.
         let slides = |direction: f64| {
-            let solution = self.slide(free_normal, range.kinetic, direction)?;
+            let solution = self.slide(free_normal, range.limit(direction), direction)?;
             let [normal, tangential] = solution.force;
             let acceleration = free_tangential + self.nt * normal + self.tt * tangential;
             (acceleration * direction <= 0.0).then_some(solution)
@@ -56,7 +56,7 @@ impl LocalProblem {
         let against = if free_tangential > 0.0 { -1.0 } else { 1.0 };
         slides(1.0)
             .or_else(|| slides(-1.0))
-            .or_else(|| self.slide(free_normal, range.kinetic, against))
+            .or_else(|| self.slide(free_normal, range.limit(against), against))
             .unwrap_or(LocalSolution { force: [f64::NAN; 2], state: ContactState::Stick })
     }
 
@@ -122,11 +122,11 @@ mod tests {
     }
 
     #[test]
-    fn what_static_friction_lets_go_slips_under_kinetic_friction() {
+    fn what_static_friction_lets_go_is_at_its_limit() {
         let range = Friction { kinetic: 0.25, static_: 0.5 }.range(Stick);
         let held = LocalSolution { force: [2.0, -1.0], state: Stick };
         assert_eq!(W.solve([-4.0, 4.0], &range), held);
-        let slips = LocalSolution { force: [2.0, -0.5], state: ReverseSlide };
+        let slips = LocalSolution { force: [2.0, -1.0], state: ReverseSlide };
         assert_eq!(W.solve([-4.0, 4.1], &range), slips);
     }
 

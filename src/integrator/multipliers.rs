@@ -55,7 +55,33 @@ impl Multipliers {
     /// Solves for λ from zero, so that a result depends on nothing but the present; returns the
     /// number of sweeps. Redundant contacts (two that stick on one mass) have many solutions; the
     /// one reached from zero is taken, and the motion is the same for all.
+    ///
+    /// What a contact holds while others let go depends on them, so static friction comes first: all are
+    /// solved with their ranges as the limit, then those that slip even so with µ_k, and the rest again.
     pub(super) fn solve(&mut self) -> Result<u64, StepFailure> {
+        let mut sweeps = self.relax()?;
+        while self.let_go() {
+            sweeps += self.relax()?;
+        }
+        Ok(sweeps)
+    }
+
+    /// Gives those that slip at a static limit their kinetic friction; whether there were any.
+    fn let_go(&mut self) -> bool {
+        let mut any = false;
+        for (freedom, state) in self.freedom.iter_mut().zip(&self.states) {
+            if let (Freedom::Law(range), Some(direction)) = (&*freedom, state.sliding_direction())
+                && range.limit(direction) > range.kinetic
+            {
+                *freedom = Freedom::Slipping { direction, friction: range.kinetic };
+                any = true;
+            }
+        }
+        any
+    }
+
+    /// One solution, with the limits as they are.
+    fn relax(&mut self) -> Result<u64, StepFailure> {
         self.forces.fill([0.0; 2]);
         for sweep in 1..=MAX_SWEEPS {
             let (mut change, mut largest) = (0.0_f64, f64::MIN_POSITIVE);

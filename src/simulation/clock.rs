@@ -4,8 +4,10 @@ use serde::{Deserialize, Serialize};
 
 /// A step asked for is a whole multiple of the internal step if it misses it by this part.
 const TOLERANCE: f64 = 1e-9;
-/// A step asked for that is shorter than this part of the internal step is a rounding error.
+/// A step asked for that is shorter than this part of the internal step, and than the digits of times that
+/// hosts add up, is a rounding error.
 pub(super) const NOTHING: f64 = 1e-6;
+const DIGITS: f64 = 1e-12;
 
 /// The time of a motion: whole internal steps since a start, and what whoever asks for the steps
 /// calls the present time. The two differ by rounding errors, half an internal step at most.
@@ -89,7 +91,8 @@ impl Clock {
         }
         let multiple = (asked / step).round() * step;
         let is_multiple = (asked - multiple).abs() <= TOLERANCE * asked + rounding;
-        if (is_multiple && multiple > 0.0) || asked <= NOTHING * step {
+        let nothing = (NOTHING * step).min(DIGITS * target.abs()).max(rounding);
+        if (is_multiple && multiple > 0.0) || asked <= nothing {
             let steps = (((target - self.start) / step).round() as u64).max(self.steps);
             let arrival = Self { steps, asked: target, ..self };
             let (origin, first) = (self.start, self.steps);
@@ -133,6 +136,20 @@ mod tests {
             assert_eq!(after(steps).1, 1_000_000 + taken);
         }
         assert_eq!(after(std::iter::repeat_n(0.1, 1000).chain([1e-3])).1, 10_000_100);
+    }
+
+    /// A step of exact motion may be as long as one likes; what is asked for in between is no rounding.
+    #[test]
+    fn however_long_the_internal_step_what_is_asked_for_is_gone() {
+        for (size, internal) in [(2e-4, 1e3), (5e-9, 1e-2), (2e-10, 2.5e-4)] {
+            let mut clock = Clock::at(0.0);
+            for row in 1..=1000 {
+                let target = f64::from(row) * size;
+                let leg = clock.way_to(target, internal).unwrap();
+                assert_eq!((leg.count, leg.time(1)), (1, target), "{size} of {internal}");
+                clock = leg.arrival;
+            }
+        }
     }
 
     #[test]

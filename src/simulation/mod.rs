@@ -112,7 +112,7 @@ impl Simulation {
         clock: Clock,
     ) -> Result<Self, Error> {
         let acting = signals::acting(driven.as_ref(), &scene);
-        check_friction(&model, acting)?;
+        check_friction(&model, acting, clock.time())?;
         let friction = acting.friction_coefficient;
         let mut guard = (scene.method == Method::ForwardIncrement)
             .then(|| StepGuard::new(&model, friction, scene.step));
@@ -212,7 +212,7 @@ impl Simulation {
             let (time, end) = (leg.time(done), leg.time(done + 1));
             self.update_drive([time, end])?;
             self.update_rates([time, end], leg.step);
-            self.check_limit()?;
+            self.check_limit(time)?;
             let constant_until =
                 self.driven.as_ref().map_or(f64::INFINITY, |driven| driven.constant_until(time));
             let count = leg.steps_before(constant_until, done).min(CHUNK - unchecked);
@@ -301,10 +301,10 @@ impl Simulation {
     }
 
     /// Refuses a step that the values as they are now make impossible.
-    fn check_limit(&mut self) -> Result<(), Error> {
+    fn check_limit(&mut self, time: f64) -> Result<(), Error> {
         if self.stale.limit {
             let acting = signals::acting(self.driven.as_ref(), &self.scene);
-            check_friction(&self.model, acting)?;
+            check_friction(&self.model, acting, time)?;
             if let Some(guard) = &mut self.guard {
                 guard.check(&self.model, acting.friction_coefficient)?;
             }
@@ -365,14 +365,14 @@ fn friction_of(scene: &Scene) -> Friction {
 }
 
 /// Refuses static friction that inputs or signals have brought below the kinetic one.
-fn check_friction(model: &LumpedModel, scene: &Scene) -> Result<(), Error> {
+fn check_friction(model: &LumpedModel, scene: &Scene, time: f64) -> Result<(), Error> {
     let common = friction_of(scene);
     for (i, contact) in model.contacts.iter().enumerate() {
         let Friction { kinetic, static_ } = contact.coefficients(common);
         if static_ < kinetic {
             return Err(Error::step(format!(
-                "static friction of {} is {static_} now, below its kinetic friction of {kinetic}; \
-                 it must not be",
+                "at {time} s static friction of {} is {static_}, below its kinetic friction of \
+                 {kinetic}; raise it, or lower the kinetic one",
                 scene.contact_name(i)
             )));
         }

@@ -7,6 +7,9 @@ use super::values::{check_value, read_scene, write_scene};
 use crate::Error;
 use crate::scene::{Scene, Shape};
 
+/// Long steps of exact motion must not blur the edges of signals, s.
+const MOST_SLACK: f64 = 1e-9;
+
 /// A scene whose inputs signals drive.
 pub(super) struct Driven {
     /// The values that act: those of the scene as it is given, and what the signals add to them.
@@ -43,7 +46,7 @@ impl Driven {
                 inputs.push(Input { variable, signals });
             }
         }
-        Some(Self { scene: given.clone(), inputs, slack: NOTHING * given.step })
+        Some(Self { scene: given.clone(), inputs, slack: (NOTHING * given.step).min(MOST_SLACK) })
     }
 
     /// Takes over other values of the same structure, so far as they are given.

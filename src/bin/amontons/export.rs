@@ -59,7 +59,9 @@ fn print_contents(scene: &Scene, acting: &Scene) -> Result<(), Error> {
         Method::ForwardIncrement => {
             println!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
         }
-        Method::EventDriven => println!("  integrator     event-driven: exact at any step"),
+        Method::EventDriven => {
+            println!("  integrator     event-driven, exact between changes of contact state")
+        }
     }
     if !scene.signals.is_empty() {
         println!("  signals        {}", scene.signals.len());

@@ -160,8 +160,11 @@ impl EventDriven {
                 continue;
             }
             let along = contact.tangent.dot(&motion.velocity);
+            // Between masses it is a difference, of which rounding is a part of the terms.
+            let terms = contact.tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
+            let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
-            let size = self.surface[i].abs().max(along.abs()).max(gained);
+            let size = self.surface[i].abs().max(terms).max(gained);
             let new = if slip.abs() <= NOISE * size {
                 continue;
             } else if slip > 0.0 {
@@ -225,15 +228,15 @@ impl EventDriven {
         let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
         let landed = self.events.iter().any(touched);
         let speed = fastest(&motion.velocity);
-        if landed {
-            self.impact(motion, drive)?;
-        }
         for (i, event) in self.events.iter().enumerate() {
             if let (Some(Event::Stop), Some(dof)) =
                 (event, self.dynamics.contacts[i].tangent.as_unit())
             {
                 motion.velocity[dof] = self.surface[i];
             }
+        }
+        if landed {
+            self.impact(motion, drive)?;
         }
         self.dynamics.free_acceleration(motion, &self.force);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {

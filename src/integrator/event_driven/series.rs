@@ -105,6 +105,9 @@ impl Series {
         let states =
             u32::try_from(contacts).ok().and_then(|contacts| 4_usize.checked_pow(contacts));
         let slots = slots.min(states.unwrap_or(usize::MAX));
+        // As it is without contacts, whose states are taken note of when they change.
+        let mut is_free = vec![0.0; places];
+        is_free[..dofs].fill(1.0);
         Self {
             dofs,
             places,
@@ -112,7 +115,7 @@ impl Series {
             reduced: is_small.then(|| ReducedLaws::new(dynamics, places, slots)),
             states: Vec::with_capacity(contacts),
             slider: Vec::with_capacity(contacts),
-            is_free: vec![0.0; places],
+            is_free,
             carried: vec![0.0; places],
             displacement: vec![0.0; (ORDER + 1) * places],
             forces: vec![0.0; (FORCE_ORDER + 1) * places],
