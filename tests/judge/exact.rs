@@ -391,7 +391,9 @@ impl Run {
                 off.amax(),
             );
         }
+        self.lasts = to.t - from.t;
         self.judge_instant(span, from, held, false);
+        self.lasts = f64::INFINITY;
         self.judge_instant(span, to, held, true);
     }
 
@@ -488,6 +490,13 @@ impl Run {
         {
             return;
         }
+        // Contacts that throw each other off come to rest in ever shorter bounces: however slow one is, it
+        // may be open for as long as it takes to come back, or until another one lands.
+        let comes_back = normal_force == 0.0 && gap_velocity > 0.0 && gap_acceleration < 0.0;
+        let in_time = self.lasts * -gap_acceleration <= 2.0 * (1.0 + 1e-3) * gap_velocity;
+        if comes_back && (in_time || self.at.1) {
+            return;
+        }
         // What the largest force would do here.
         let own = own * self.scales.force;
         let scales = Scales { velocity: own, ..self.scales };
@@ -537,8 +546,11 @@ impl Run {
         let moved = (&after.place[0] - &before.place[0]).amax();
         let time = self.time() - self.h() + after.t;
         let late = 4.0 * f64::EPSILON * time;
+        // How often contacts bounce off each other before they lie still is a matter of rounding, which is
+        // a part of the displacements, however small what the springs give is.
+        let length = self.scales.length.max(before.place[0].amax());
         assert!(
-            moved <= (fastest + gained) * (passed + late) + 1e-12 * self.scales.length,
+            moved <= (fastest + gained) * (passed + late) + 1e-12 * length,
             "at {time} s it moves by {moved} m at once"
         );
         // A start may press a closed contact further.

@@ -73,6 +73,8 @@ pub struct Run {
     start: Option<(Snapshot, Vec<ContactState>, exact::Count)>,
     /// The instant at hand, against the end of the step, s, and whether a contact state ends there.
     at: (f64, bool),
+    /// For how long the contact states go on from there, s, where that is known.
+    lasts: f64,
     /// The highest frequency of the masses on their own springs, 1/s.
     fastest: f64,
     memory: exact::Memory,
@@ -154,6 +156,7 @@ impl Run {
             fastest: exact::fastest(&model),
             start: None,
             at: (0.0, false),
+            lasts: f64::INFINITY,
             memory: exact::Memory::default(),
             changes: Vec::new(),
             segments: Vec::new(),
