@@ -195,7 +195,7 @@ impl EventDriven {
 
     /// A motion may be started with closed contacts that approach: an impact too.
     fn stop_approach(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
-        let speed = fastest(&motion.velocity);
+        let speed = largest(&motion.velocity);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let approaches = motion.contacts[i] != ContactState::Detached
                 && contact.normal.dot(&motion.velocity) < -NOISE * speed;
@@ -241,7 +241,7 @@ impl EventDriven {
         self.before.clone_from(&motion.contacts);
         let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
         let landed = self.events.iter().any(touched);
-        let speed = fastest(&motion.velocity);
+        let speed = largest(&motion.velocity);
         if landed {
             self.impact(motion, drive)?;
         }
@@ -333,7 +333,7 @@ impl EventDriven {
     /// Takes away what rounding has left of the gaps of contacts in an impact, and of the normal
     /// velocities of those that it does not throw off: it would be another touch-down where they open.
     fn stand(&mut self, motion: &mut Motion) {
-        let least = THROWN * fastest(&motion.velocity);
+        let least = THROWN * largest(&motion.velocity);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let is_closed = self.closed[i] != ContactState::Detached;
             let is_kept = is_closed && contact.normal.dot(&motion.velocity) <= least;
@@ -364,9 +364,9 @@ fn frictionless(is_closed: bool) -> ContactState {
     if is_closed { ContactState::Slide } else { ContactState::Detached }
 }
 
-/// The largest velocity, m/s.
-fn fastest(velocity: &[f64]) -> f64 {
-    velocity.iter().fold(0.0, |most, v| f64::max(most, v.abs()))
+/// The largest of some values, by size: of velocities, the fastest.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }
 
 impl Integrator for EventDriven {
