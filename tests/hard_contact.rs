@@ -267,6 +267,100 @@ fn two_masses_that_just_touch_each_other_along_an_oblique_line_touch_and_those_t
     }
 }
 
+#[test]
+fn a_start_with_closed_contacts_that_approach_each_other_is_an_impact() {
+    // 1 kg meets 4 kg: along the normal both go on with a fifth of its velocity. No spring and no load,
+    // 30 N at the most, adds more than 3e-8 m/s within a nanosecond.
+    let speed: f64 = 0.7;
+    for method in METHODS {
+        for angle in [0.3_f64, -1.1, 2.5] {
+            let velocity = [speed * angle.sin(), -speed * angle.cos()];
+            let values =
+                [("initial.mass.upper.vx", velocity[0]), ("initial.mass.upper.vy", velocity[1])];
+            let scene = with(scene(&oblique_pair(angle, 0.0, 1e-9)), &values);
+            let mut run = Run::new(scene, method);
+            run.step();
+            run.judge_step();
+            let at =
+                |mass: &str| ["x", "y"].map(|way| run.of_dof(&format!("mass.{mass}.{way}"))[1]);
+            let (upper, lower) = (at("upper"), at("lower"));
+            let along = |v: [f64; 2]| -v[0] * angle.sin() + v[1] * angle.cos();
+            assert_near(along(upper), -speed / 5.0, 3e-8);
+            assert_near(along(lower), -speed / 5.0, 3e-8);
+            for (i, before) in velocity.into_iter().enumerate() {
+                assert_near(upper[i] + 4.0 * lower[i], before, 1e-7);
+            }
+        }
+    }
+}
+
+#[test]
+fn what_an_impact_throws_off_another_contact_stays_off() {
+    // On a floor and against a wall whose normal points half upwards, into which it is thrown: half of the
+    // velocity is left along either axis, so it leaves the floor. It climbs the wall, without friction,
+    // against k s and (fx − fy)/√2 of its load.
+    let (m, k, thrown, h) = (2.0_f64, 5e3, 0.4, 1e-5);
+    let text = format!(
+        "[slider]\nvelocity = 0.5\nangle = 0.0\n[friction]\ncoefficient = 0.0\n\
+         [integrator]\nstep = {h:?}\n[[mass]]\nname = \"shaft\"\nmass = {m:?}\n\
+         force = [-10.0, -50.0]\n\
+         [[spring]]\nname = \"x\"\nbetween = [\"shaft\", \"ground\"]\ndirection = \"x\"\n\
+         stiffness = {k:?}\n\
+         [[spring]]\nname = \"y\"\nbetween = [\"shaft\", \"ground\"]\ndirection = \"y\"\n\
+         stiffness = {k:?}\n[[contact]]\nname = \"floor\"\nmass = \"shaft\"\n\
+         [[contact]]\nname = \"wall\"\nmass = \"shaft\"\nangle = -0.7853981633974483\n\
+         [[initial]]\nmass = \"shaft\"\nvx = {:?}\n",
+        -thrown
+    );
+    let omega = (k / m).sqrt();
+    let (speed, pressed) = (thrown * 0.5_f64.sqrt(), 40.0 * 0.5_f64.sqrt() / k);
+    for method in METHODS {
+        let mut run = Run::new(scene(&text), method);
+        for _ in 0..1500 {
+            run.step();
+            run.judge_step();
+            let phase = omega * run.time();
+            let climbed = speed / omega * phase.sin() - pressed * (1.0 - phase.cos());
+            let expected = climbed * 0.5_f64.sqrt();
+            // Of the scheme, half a step of the fastest motion at the start, and once more of its change.
+            let tolerance = off(method, 2.0 * h * thrown, 1e-14);
+            assert_near(run.of_dof("mass.shaft.y")[0], expected, tolerance);
+            assert_near(run.of_dof("mass.shaft.x")[0], -expected, tolerance);
+            assert_eq!(run.states(), [Detached, Slide]);
+        }
+    }
+}
+
+#[test]
+fn damping_by_the_mass_and_a_force_that_rises_within_a_step_follow_the_closed_form() {
+    // ẍ + α ẋ + ω² x = r t from rest, without friction.
+    let (alpha, omega, rate): (f64, f64, f64) = (4.0, 10.0, 30.0);
+    let damped = (omega * omega - alpha * alpha / 4.0).sqrt();
+    let cosine = rate * alpha / omega.powi(4);
+    let sine = (alpha / 2.0 * cosine - rate / omega.powi(2)) / damped;
+    for method in METHODS {
+        for h in [1e-3, off(method, 1e-4, 1e-2)] {
+            let more = format!(
+                "[damping]\nalpha = {alpha:?}\n[[signal]]\ninput = \"mass.block.fx\"\n\
+                 ramp = {{ to = {:?}, end = 2.0 }}",
+                2.0 * rate
+            );
+            let mut run = Run::new(scene(&block(0.0, 0.1, h, &more)), method);
+            while run.time() < 1.0 {
+                run.step();
+                run.judge_step();
+                let t = run.time();
+                let swing = cosine * (damped * t).cos() + sine * (damped * t).sin();
+                let drift = rate / omega.powi(2) * (t - alpha / omega.powi(2));
+                let expected = drift + (-alpha * t / 2.0).exp() * swing;
+                // The scheme is late by up to a step, at twice the velocity r/ω² at the most.
+                let tolerance = off(method, 2.0 * h * rate / omega.powi(2), 1e-14);
+                assert_near(run.of_dof("mass.block.x")[0], expected, tolerance);
+            }
+        }
+    }
+}
+
 /// Masses of which each rests on the slider by several contacts, all in one place or in two directions.
 fn many_holds(copies: [usize; 2], wedged: bool) -> LumpedModel {
     let mut model = LumpedModel::from(&parse("pads", &pads(2, 2.0, 1e-5)).unwrap());

@@ -13,6 +13,7 @@ mod scheme;
 
 pub use exact::Change;
 
+use amontons::Error;
 use amontons::contact::residual::{Instant, Scales, Violation, residual};
 use amontons::contact::{ContactForce, ContactState, Friction};
 use amontons::model::LumpedModel;
@@ -73,6 +74,8 @@ pub struct Run {
     start: Option<(Snapshot, Vec<ContactState>, exact::Count)>,
     /// The instant at hand, against the end of the step, s, and whether a contact state ends there.
     at: (f64, bool),
+    /// For how long the contact states go on from there, s, where that is known.
+    lasts: f64,
     /// The highest frequency of the masses on their own springs, 1/s.
     fastest: f64,
     memory: exact::Memory,
@@ -154,6 +157,7 @@ impl Run {
             fastest: exact::fastest(&model),
             start: None,
             at: (0.0, false),
+            lasts: f64::INFINITY,
             memory: exact::Memory::default(),
             changes: Vec::new(),
             segments: Vec::new(),
@@ -214,21 +218,29 @@ impl Run {
 
     /// Several internal steps; `before` is where the last one begins.
     pub fn jump(&mut self, count: u64) {
+        self.try_jump(count).unwrap();
+    }
+
+    /// The same, where the contacts may not be solved.
+    pub fn try_jump(&mut self, count: u64) -> Result<(), Error> {
         if count > 1 {
             self.reported = None;
             self.steps += count - 1;
-            self.simulation.advance_to(self.time()).unwrap();
+            self.simulation.advance_to(self.time())?;
             self.read();
         }
-        self.start = (self.method == Method::EventDriven).then(|| {
-            let states = self.simulation.contact_forces().unwrap().iter().map(|force| force.state);
+        self.start = None;
+        if self.method == Method::EventDriven {
+            let states = self.simulation.contact_forces()?.iter().map(|force| force.state);
             let states = states.collect();
-            (self.simulation.save(), states, exact::Count::of(&self.simulation))
-        });
+            self.start = Some((self.simulation.save(), states, exact::Count::of(&self.simulation)));
+        }
         std::mem::swap(&mut self.now, &mut self.before);
         self.steps += 1;
-        self.simulation.advance_to(self.time()).unwrap();
+        self.simulation.advance_to(self.time())?;
         self.read();
+        self.simulation.contact_forces()?;
+        Ok(())
     }
 
     /// The states that the integrator reports.

@@ -103,19 +103,18 @@ impl StateLaw {
         }
     }
 
-    /// Takes away what rounding has let contacts that hold drift: gaps (m), and velocities (m/s) against
-    /// those of the sliders, `surface`. Only inclined contacts drift.
-    pub(super) fn mend(
-        &mut self,
-        dynamics: &Dynamics,
-        surface: &[f64],
-        x: &mut [f64],
-        v: &mut [f64],
-    ) {
+    /// Takes away what rounding has let the gaps (m) of contacts that hold drift. Only inclined contacts
+    /// drift.
+    pub(super) fn mend_gaps(&mut self, dynamics: &Dynamics, x: &mut [f64]) {
         let contacts = &dynamics.contacts;
         let gap = |i: usize, part| if part == 0 { contacts[i].normal.dot(x) } else { 0.0 };
         self.held.forces(gap, &mut self.multipliers);
         respond(dynamics, &self.multipliers, x);
+    }
+
+    /// The same of the velocities (m/s), against those of the sliders, `surface`.
+    pub(super) fn mend_velocities(&mut self, dynamics: &Dynamics, surface: &[f64], v: &mut [f64]) {
+        let contacts = &dynamics.contacts;
         let drift = |i: usize, part| match part {
             0 => contacts[i].normal.dot(v),
             _ => contacts[i].tangent.dot(v) - surface[i],

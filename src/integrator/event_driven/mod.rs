@@ -21,7 +21,7 @@ use super::dynamics::Dynamics;
 use super::multipliers::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
-use crate::contact::{ContactForce, ContactState};
+use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Damping, LumpedModel};
 use held::MAX_GROUP;
 use series::{ORDER, Polynomial, Series};
@@ -36,7 +36,7 @@ const SHORTEST: f64 = 1e-12;
 /// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
 const NOISE: f64 = 1e-13;
 /// A contact is thrown off by an impact that gives it this part of the fastest velocity; less is rounding.
-const THROWN: f64 = 1e-9;
+const THROWN: f64 = 1e-11;
 
 /// Exact motion, event by event.
 ///
@@ -56,6 +56,11 @@ pub struct EventDriven {
     /// The events at one instant.
     events: Vec<Option<Event>>,
     before: Vec<ContactState>,
+    /// Which contacts were closed at some time of one instant: those take part in its impacts.
+    closed: Vec<ContactState>,
+    /// Those that an impact does not throw off.
+    kept: Vec<ContactState>,
+    frictionless: Vec<Friction>,
 }
 
 impl EventDriven {
@@ -83,6 +88,9 @@ impl EventDriven {
             surface: vec![0.0; contacts],
             events: vec![None; contacts],
             before: vec![ContactState::Detached; contacts],
+            closed: vec![ContactState::Detached; contacts],
+            kept: vec![ContactState::Detached; contacts],
+            frictionless: vec![Friction::from(0.0); contacts],
             dynamics,
         })
     }
@@ -92,6 +100,7 @@ impl EventDriven {
         let (mut left, mut events, mut standstill) = (h, 0, 0);
         self.reach(drive, h, left);
         self.follow_slider(motion, h);
+        self.note_closed(motion);
         if motion.statistics.steps == 1 {
             self.stop_approach(motion, drive)?;
         }
@@ -116,6 +125,7 @@ impl EventDriven {
                 left = if passed == left { 0.0 } else { left - passed };
                 self.reach(drive, h, left);
                 self.settle(motion, drive);
+                self.note_closed(motion);
             }
             if event.is_some() {
                 self.change(motion, drive, standstill > 0)?;
@@ -144,6 +154,13 @@ impl EventDriven {
             .zip(drive.slider_velocity.iter().zip(&drive.slider_acceleration))
         {
             *surface = end - acceleration * left;
+        }
+    }
+
+    /// Takes note of the closed contacts, at the beginning of an instant.
+    fn note_closed(&mut self, motion: &Motion) {
+        for (closed, state) in self.closed.iter_mut().zip(&motion.contacts) {
+            *closed = frictionless(*state != ContactState::Detached);
         }
     }
 
@@ -181,7 +198,7 @@ impl EventDriven {
 
     /// A motion may be started with closed contacts that approach: an impact too.
     fn stop_approach(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
-        let speed = fastest(&motion.velocity);
+        let speed = largest(&motion.velocity);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let approaches = motion.contacts[i] != ContactState::Detached
                 && contact.normal.dot(&motion.velocity) < -NOISE * speed;
@@ -199,8 +216,8 @@ impl EventDriven {
         if self.is_inclined {
             let law = &mut self.series.law;
             law.set(&self.dynamics, &motion.contacts, &drive.friction);
-            let Motion { displacement, velocity, .. } = motion;
-            law.mend(&self.dynamics, &self.surface, displacement, velocity);
+            law.mend_gaps(&self.dynamics, &mut motion.displacement);
+            law.mend_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
         }
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let state = motion.contacts[i];
@@ -227,7 +244,7 @@ impl EventDriven {
         self.before.clone_from(&motion.contacts);
         let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
         let landed = self.events.iter().any(touched);
-        let speed = fastest(&motion.velocity);
+        let speed = largest(&motion.velocity);
         for (i, event) in self.events.iter().enumerate() {
             if let (Some(Event::Stop), Some(dof)) =
                 (event, self.dynamics.contacts[i].tangent.as_unit())
@@ -282,15 +299,20 @@ impl EventDriven {
     }
 
     /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
-    /// friction acts up to µ times the normal impulse.
+    /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
+    /// there: else two that throw each other off would go on to do so.
     fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
         let Dynamics { contacts, multipliers, responses, .. } = &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
-            let touches = self.events[i] == Some(Event::Touch);
             let state = motion.contacts[i];
-            let is_open = state == ContactState::Detached && !touches;
-            multipliers.freedom[i] =
-                if is_open { Freedom::Open } else { Freedom::Law(drive.friction[i].range(state)) };
+            if self.events[i] == Some(Event::Touch) {
+                self.closed[i] = frictionless(true);
+                motion.statistics.touch_downs += u64::from(state == ContactState::Detached);
+            }
+            multipliers.freedom[i] = match self.closed[i] {
+                ContactState::Detached => Freedom::Open,
+                _ => Freedom::Law(drive.friction[i].range(state)),
+            };
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
@@ -301,32 +323,53 @@ impl EventDriven {
             }
         }
         for (i, contact) in contacts.iter().enumerate() {
-            if self.events[i] == Some(Event::Touch) {
-                motion.statistics.touch_downs +=
-                    u64::from(motion.contacts[i] == ContactState::Detached);
-                if let Some(dof) = contact.normal.as_unit() {
-                    motion.displacement[dof] = 0.0;
-                    motion.velocity[dof] = 0.0;
-                } else {
-                    // What rounding has left of the gap would be another touch-down where it opens again.
-                    let gap = contact.normal.dot(&motion.displacement);
-                    let own = multipliers.delassus.own(i)[0];
-                    responses[i][0].add_to(&mut motion.displacement, -gap / own);
-                }
-            }
             if let (Some(dof), ContactState::Stick) =
                 (contact.tangent.as_unit(), multipliers.states[i])
             {
                 motion.velocity[dof] = self.surface[i];
             }
         }
+        self.stand(motion);
         Ok(())
+    }
+
+    /// Takes away what rounding has left of the gaps of contacts in an impact, and of the normal
+    /// velocities of those that it does not throw off: it would be another touch-down where they open.
+    fn stand(&mut self, motion: &mut Motion) {
+        let least = THROWN * largest(&motion.velocity);
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            let is_closed = self.closed[i] != ContactState::Detached;
+            let is_kept = is_closed && contact.normal.dot(&motion.velocity) <= least;
+            self.kept[i] = frictionless(is_kept);
+        }
+        if self.is_inclined {
+            // All at once: what is taken from one is given to its neighbours.
+            let (law, dynamics) = (&mut self.series.law, &self.dynamics);
+            law.set(dynamics, &self.closed, &self.frictionless);
+            law.mend_gaps(dynamics, &mut motion.displacement);
+            law.set(dynamics, &self.kept, &self.frictionless);
+            law.mend_velocities(dynamics, &self.surface, &mut motion.velocity);
+        }
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            let Some(dof) = contact.normal.as_unit() else { continue };
+            if self.closed[i] != ContactState::Detached {
+                motion.displacement[dof] = 0.0;
+            }
+            if self.kept[i] != ContactState::Detached {
+                motion.velocity[dof] = 0.0;
+            }
+        }
     }
 }
 
-/// The largest velocity, m/s.
-fn fastest(velocity: &[f64]) -> f64 {
-    velocity.iter().fold(0.0, |most, v| f64::max(most, v.abs()))
+/// A contact that nothing holds but its normal, or that is open.
+fn frictionless(is_closed: bool) -> ContactState {
+    if is_closed { ContactState::Slide } else { ContactState::Detached }
+}
+
+/// The largest of some values, by size: of velocities, the fastest.
+fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }
 
 impl Integrator for EventDriven {

@@ -393,18 +393,13 @@ impl Series {
 
     /// The largest acceleration at the beginning times half the square of the span, m.
     pub(super) fn largest_bend(&self) -> f64 {
-        let row = &self.displacement[2 * self.places..][..self.places];
-        row.iter().fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest })
+        self.largest(2)
     }
 
-    /// What a value along a direction is a sum of, in power k of the displacements: Σ |n c_k|, m; nothing
-    /// where it is a single value.
-    pub(super) fn summed(&self, direction: &Direction, k: usize) -> f64 {
-        if direction.as_unit().is_some() {
-            return 0.0;
-        }
-        let row = &self.displacement[k * self.places..];
-        direction.0.iter().fold(0.0, |sum, &(dof, n)| sum + (n * row[dof]).abs())
+    /// The largest value in power k of the displacements, m.
+    pub(super) fn largest(&self, k: usize) -> f64 {
+        let row = &self.displacement[k * self.places..][..self.places];
+        row.iter().fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest })
     }
 
     /// Writes the powers of the displacement along a direction, m; the number of powers.

@@ -3,7 +3,6 @@
 use super::{EventDriven, NOISE, roots};
 use crate::contact::ContactState;
 use crate::integrator::{Drive, Motion};
-use crate::model::Contact;
 
 /// What a difference loses by rounding, as a part of its terms and of [`NOISE`].
 const DIFFERENCE: f64 = 0.02;
@@ -32,7 +31,8 @@ impl EventDriven {
             for (event, size) in watched.into_iter().flatten() {
                 let terms = self.fill(i, event, drive);
                 let p = &self.polynomial[..terms];
-                let Some(time) = roots::first_negative(p, NOISE * size) else { continue };
+                let noise = size.map(|size| NOISE * size);
+                let Some(time) = roots::first_negative(p, noise) else { continue };
                 // Those that are apart by rounding alone are one.
                 let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON;
                 match first {
@@ -47,25 +47,30 @@ impl EventDriven {
         first
     }
 
-    /// What might become negative at a contact, with the size that its rounding is measured by.
+    /// What might become negative at a contact, with the sizes that its rounding is measured by: of the
+    /// value itself, and of its changes.
     fn watched(
         &self,
         contact: usize,
         state: ContactState,
         drive: &Drive,
         bend: f64,
-    ) -> [Option<(Event, f64)>; 3] {
+    ) -> [Option<(Event, [f64; 2])>; 3] {
         let span = self.series.span();
         let acceleration = 2.0 * bend / (span * span);
         let own = self.dynamics.multipliers.delassus.own(contact);
         let force = || self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
         let friction = drive.friction[contact].static_;
-        // Between masses gaps and slips are differences, which lose digits.
-        let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
+        // Gaps and slips between masses are differences of larger values, which lose digits. Putting them
+        // where they belong passes that on to all contacts that share masses.
+        let of_power = |k| if self.is_inclined { DIFFERENCE * self.series.largest(k) } else { 0.0 };
+        let [place, moved] = [0, 1].map(of_power);
         match state {
             ContactState::Detached => {
-                let summed = self.series.summed(normal, 0) + self.series.summed(normal, 1);
-                [Some((Event::Touch, 2.0 * bend + DIFFERENCE * summed)), None, None]
+                // A velocity that an impact has left may be nothing in the rounding of the gap: the gap
+                // then begins at zero, and opens for as long as that velocity says.
+                let changes = 2.0 * bend + moved;
+                [Some((Event::Touch, [changes + place, changes])), None, None]
             }
             ContactState::Stick => {
                 let least = friction * self.series.least_normal_force(contact);
@@ -73,9 +78,10 @@ impl EventDriven {
                     return [None; 3];
                 }
                 let force = force();
-                let limit = |direction| Some((Event::Slip(direction), (1.0 + friction) * force));
+                let limit =
+                    |direction| Some((Event::Slip(direction), [(1.0 + friction) * force; 2]));
                 [
-                    Some((Event::Lift, force)),
+                    Some((Event::Lift, [force; 2])),
                     limit(ContactState::Slide),
                     limit(ContactState::ReverseSlide),
                 ]
@@ -85,10 +91,13 @@ impl EventDriven {
                 // limit slips and stops without an end.
                 let bits = (1.0 + friction) * force() * (own[3] + friction * own[1].abs());
                 let bend = 2.0 * bend + bits * span * span;
-                let summed = DIFFERENCE * self.series.summed(tangent, 1);
-                let distance = (span * self.surface[contact].abs()).max(bend) + summed;
+                let distance = (span * self.surface[contact].abs()).max(bend) + moved;
                 let may_lift = self.series.least_normal_force(contact) <= 0.0;
-                [may_lift.then(|| (Event::Lift, force())), Some((Event::Stop, distance)), None]
+                [
+                    may_lift.then(|| (Event::Lift, [force(); 2])),
+                    Some((Event::Stop, [distance; 2])),
+                    None,
+                ]
             }
         }
     }
