@@ -192,7 +192,6 @@ fn masses_in_contact_do_not_drift_apart() {
 #[test]
 fn ramps_of_force_and_slider_are_followed_exactly() {
     // m ẍ = c t − k x from rest, and a mass carried by a slider that speeds up until µN is reached.
-    use amontons::scene::parse;
     let text = "[slider]\nvelocity = 1.0\nangle = 0.0\n[friction]\ncoefficient = 0.5\n\
         [integrator]\nmethod = \"event-driven\"\nstep = 0.01\n\
         [[mass]]\nname = \"free\"\nmass = 0.5\nlocked = [\"y\"]\n\
@@ -229,7 +228,7 @@ fn numbers_that_leave_their_range_end_the_run_with_the_reason() {
         between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n[integrator]\n\
         method = \"event-driven\"\nstep = 1e-3\n[[signal]]\ninput = \"mass.a.fx\"\n\
         constant = { value = 1e308 }";
-    let scene = amontons::scene::parse("far", text).unwrap();
+    let scene = parse("far", text).unwrap();
     let error = Simulation::new(scene, 0.0).unwrap().advance_to(0.1).unwrap_err();
     assert!(error.is_step() && error.to_string().contains("range of numbers"), "{error}");
 }

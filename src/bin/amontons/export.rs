@@ -60,7 +60,7 @@ fn print_contents(scene: &Scene, acting: &Scene) -> Result<(), Error> {
             println!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
         }
         Method::EventDriven => {
-            println!("  integrator     event-driven, exact between changes of contact state")
+            println!("  integrator     event-driven, exact between changes of contact state");
         }
     }
     if !scene.signals.is_empty() {
