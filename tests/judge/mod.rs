@@ -24,7 +24,7 @@ use amontons::simulation::{
 };
 use nalgebra::{DMatrix, DVector};
 
-/// The integrators; every case is run with each of them.
+/// The integrators; every case is run with each of them, unless it says why not.
 pub const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
 
 /// What a result may be off: the paper's scheme, of first order, by `first`, which is proportional to
