@@ -1,7 +1,10 @@
 //! The event-driven integrator: exact between events, and the limit that the paper's scheme goes to.
 
+mod trajectory;
+
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::Simulation;
+use trajectory::difference;
 
 fn scene(name: &str) -> Scene {
     let mut scene = builtin(name).unwrap().scene();
@@ -31,30 +34,10 @@ fn ring_of_three() -> Scene {
     scene
 }
 
-/// Displacements every millisecond up to `stop` (s), and the number of changes of state.
+/// Displacements every millisecond up to `stop` (s), and the numbers of changes of state and touch-downs.
 fn run(scene: &Scene, step: f64, stop: f64) -> (Vec<f64>, u64, u64) {
-    let scene = Scene { step, ..scene.clone() };
-    let mut simulation = Simulation::new(scene, 0.0).unwrap();
-    let mut trajectory = Vec::new();
-    let mut row = 1;
-    loop {
-        let time = f64::from(row) * 1e-3;
-        if time > stop + 1e-9 {
-            break;
-        }
-        simulation.advance_to(time).unwrap();
-        trajectory.extend_from_slice(simulation.displacement());
-        row += 1;
-    }
-    let statistics = simulation.statistics();
-    (trajectory, statistics.state_changes, statistics.touch_downs)
-}
-
-/// The largest difference against the amplitude.
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    let amplitude = a.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-    let apart = a.iter().zip(b).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()));
-    apart / amplitude
+    let (rows, counted) = trajectory::run(Scene { step, ..scene.clone() }, stop);
+    (rows, counted.state_changes, counted.touch_downs)
 }
 
 #[test]

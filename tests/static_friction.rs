@@ -1,11 +1,14 @@
 //! Static friction above the kinetic one, with both integrators.
 
+mod trajectory;
+
 use amontons::contact::ContactState::{Slide, Stick};
 use amontons::contact::residual::{Instant, Scales, residual};
 use amontons::contact::{ContactState, Friction};
 use amontons::scene::{Method, Scene, Structure, builtin, parse};
 use amontons::simulation::{Simulation, variables};
 use std::f64::consts::TAU;
+use trajectory::difference;
 
 const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
 
@@ -119,23 +122,8 @@ fn contacts_hold_up_to_static_friction_slip_under_kinetic_and_keep_the_law_throu
 
 /// Displacements every millisecond up to `stop` (s), and the number of changes of state.
 fn run(scene: Scene, stop: f64) -> (Vec<f64>, f64) {
-    let mut simulation = Simulation::new(scene, 0.0).unwrap();
-    let mut trajectory = Vec::new();
-    let mut row = 1;
-    while f64::from(row) * 1e-3 <= stop + 1e-9 {
-        simulation.advance_to(f64::from(row) * 1e-3).unwrap();
-        trajectory.extend_from_slice(simulation.displacement());
-        row += 1;
-    }
-    let changes = u32::try_from(simulation.statistics().state_changes).unwrap();
-    (trajectory, f64::from(changes))
-}
-
-/// The largest difference against the amplitude.
-fn difference(a: &[f64], b: &[f64]) -> f64 {
-    let amplitude = a.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-    let apart = a.iter().zip(b).fold(0.0, |most, (a, b)| f64::max(most, (a - b).abs()));
-    apart / amplitude
+    let (rows, counted) = trajectory::run(scene, stop);
+    (rows, f64::from(u32::try_from(counted.state_changes).unwrap()))
 }
 
 /// Two pads on a disc, with more static friction than kinetic, one of them knocked to the speed of the
