@@ -1,7 +1,7 @@
 //! Gauss–Seidel over contacts that masses couple, against a brute-force search of all contact
 //! states, and the general integrator against the one for rings.
 
-use amontons::contact::{ContactState, all_states};
+use amontons::contact::{ContactState, Friction, all_states};
 use amontons::integrator::{
     Drive, Integrator, Motion, RingForwardIncrement, SparseForwardIncrement, Statistics,
 };
@@ -49,8 +49,8 @@ fn closed(contacts: usize, velocity: &[f64]) -> Motion {
     }
 }
 
-/// The velocities after one step, from the one contact state that contradicts none of its own
-/// assumptions: each state gives linear equations for velocities and forces.
+/// The velocities after one step, from the contact states that contradict none of their own assumptions:
+/// each gives linear equations for velocities and forces. With static friction there may be several.
 fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DVector<f64>> {
     let (n, m) = (model.dofs(), model.contacts.len());
     let dense = |matrix: &SparseMatrix| DMatrix::from_fn(n, n, |i, j| matrix.get(i, j));
@@ -59,7 +59,7 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
     let (x, v) =
         (DVector::from(motion.displacement.clone()), DVector::from(motion.velocity.clone()));
     let impulse = (DVector::from(drive.force.clone()) - damping * &v - stiffness * x) * STEP;
-    let friction = drive.friction[0].kinetic;
+    let Friction { kinetic, static_ } = drive.friction[0];
     all_states(u32::try_from(m).unwrap())
         .filter_map(|states| {
             // Unknowns: v⁺, then N and T of each contact.
@@ -85,7 +85,7 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
                     sliding => {
                         a[(row, normal)] = 1.0;
                         a[(row + 1, force + 1)] = 1.0;
-                        a[(row + 1, force)] = -friction * sliding.sliding_direction().unwrap();
+                        a[(row + 1, force)] = -kinetic * sliding.sliding_direction().unwrap();
                     }
                 }
             }
@@ -96,7 +96,7 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
                 let (normal, force) = (solution[n + 2 * i], solution[n + 2 * i + 1]);
                 match state {
                     ContactState::Detached => lift >= 0.0,
-                    ContactState::Stick => normal >= 0.0 && force.abs() <= friction * normal,
+                    ContactState::Stick => normal >= 0.0 && force.abs() <= static_ * normal,
                     ContactState::Slide => normal >= 0.0 && slip >= 0.0,
                     ContactState::ReverseSlide => normal >= 0.0 && slip <= 0.0,
                 }
@@ -119,6 +119,35 @@ proptest! {
     ) {
         let model = model(contacts, &coupling);
         let mut motion = closed(contacts, &velocity);
+        let drive = Drive::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
+        let candidates = by_enumeration(&model, &motion, &drive);
+        let mut integrator = SparseForwardIncrement::new(&model).unwrap();
+        integrator.advance(&mut motion, &drive, STEP, 1).unwrap();
+        let found = DVector::from(motion.velocity.clone());
+        prop_assert!(
+            candidates.iter().any(|candidate| (candidate - &found).amax() < 1e-11),
+            "{found} is none of {candidates:?}"
+        );
+    }
+
+    // What lets go loads its neighbours, and they may push it back.
+    #[test]
+    fn with_static_friction_it_finds_a_state_that_contradicts_nothing(
+        contacts in 2_usize..=3,
+        coupling in prop::collection::vec(-1.0..1.0, 15),
+        velocity in prop::collection::vec(-0.02..0.02, 6),
+        stuck in any::<bool>(),
+        force in prop::collection::vec(-100.0..60.0, 6),
+        kinetic in 0.0..1.0,
+        part in 1.0..3.0,
+    ) {
+        let model = model(contacts, &coupling);
+        let mut motion = closed(contacts, &velocity);
+        if stuck {
+            motion.velocity.chunks_exact_mut(2).for_each(|v| v[0] = 0.005);
+            motion.contacts.fill(ContactState::Stick);
+        }
+        let friction = Friction { kinetic, static_: part * kinetic };
         let drive = Drive::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
         let candidates = by_enumeration(&model, &motion, &drive);
         let mut integrator = SparseForwardIncrement::new(&model).unwrap();

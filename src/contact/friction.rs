@@ -55,6 +55,12 @@ impl FrictionRange {
         if direction > 0.0 { self.forward } else { self.backward }
     }
 
+    /// The same, to be changed.
+    #[must_use]
+    pub fn limit_mut(&mut self, direction: f64) -> &mut f64 {
+        if direction > 0.0 { &mut self.forward } else { &mut self.backward }
+    }
+
     /// Can friction be T under the normal force N (both N)?
     #[inline]
     #[must_use]

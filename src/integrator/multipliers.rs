@@ -57,7 +57,8 @@ impl Multipliers {
     /// one reached from zero is taken, and the motion is the same for all.
     ///
     /// What a contact holds while others let go depends on them, so static friction comes first: all are
-    /// solved with their ranges as the limit, then those that slip even so with µ_k, and the rest again.
+    /// solved with their ranges as the limit, then those that slip even so with µ_k against it, and all again.
+    /// They may then hold, or slip the other way: what they let go of loads others, which push them back.
     pub(super) fn solve(&mut self) -> Result<u64, StepFailure> {
         let mut sweeps = self.relax()?;
         while self.let_go() {
@@ -66,14 +67,15 @@ impl Multipliers {
         Ok(sweeps)
     }
 
-    /// Gives those that slip at a static limit their kinetic friction; whether there were any.
+    /// Gives those that slip at a static limit their kinetic friction in that direction; whether there were
+    /// any. Each has two limits, so this ends.
     fn let_go(&mut self) -> bool {
         let mut any = false;
         for (freedom, state) in self.freedom.iter_mut().zip(&self.states) {
-            if let (Freedom::Law(range), Some(direction)) = (&*freedom, state.sliding_direction())
+            if let (Freedom::Law(range), Some(direction)) = (freedom, state.sliding_direction())
                 && range.limit(direction) > range.kinetic
             {
-                *freedom = Freedom::Slipping { direction, friction: range.kinetic };
+                *range.limit_mut(direction) = range.kinetic;
                 any = true;
             }
         }
