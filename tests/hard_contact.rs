@@ -7,13 +7,14 @@ mod judge;
 use amontons::contact::ContactState::{Detached, Slide, Stick};
 use amontons::integrator::{Drive, Motion, Statistics, choose};
 use amontons::model::LumpedModel;
-use amontons::scene::{Method, Module, Scene, builtin, parse};
+use amontons::scene::{Method, Module, Ramp, Scene, Shape, Signal, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons::stability::critical_step;
 use judge::blocks::{STIFFNESS, block, pads, start};
 use judge::{METHODS, Run, assert_near, off, scene, with};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 #[test]
 fn a_flight_that_just_touches_the_slider_touches_and_one_that_just_misses_does_not() {
@@ -329,6 +330,42 @@ fn what_an_impact_throws_off_another_contact_stays_off() {
             assert_eq!(run.states(), [Detached, Slide]);
         }
     }
+}
+
+#[test]
+fn a_contact_that_opens_just_before_a_step_ends_opens_once() {
+    // Both ends of a spring of 8 MN/m are a centimetre away: the rounding of 1e5 N at each is more than the
+    // gap's acceleration when a normal force has just become nothing. Where little was left of a step it used
+    // to say that the contact closes at once, and opens, without an end.
+    let module = Module {
+        mass: [0.1671094061218659, 0.2877908515282548],
+        stiffness: [1e3, 1e3, 5024.586132672292, 3738.1191846627753, 1e3, 7917720.030495536],
+        preload: 0.0010113871721130572,
+        force: [0.0; 4],
+        displacement: [0.0; 4],
+        velocity: [0.0; 4],
+    };
+    let mut scene = builtin("set1").unwrap().scene();
+    *scene.modules_mut() = vec![module];
+    (scene.friction_coefficient, scene.slider.angle) = (4.344620449356089, -1.0293618886673346);
+    (scene.slider.velocity, scene.damping.beta) = (1.0, 0.0);
+    let step = 8.731529129012253 * critical_step(&LumpedModel::from(&scene), 4.4).unwrap().step;
+    let ramp = Ramp { from: -1.0, to: 0.0, start: step, end: 2.0 * step };
+    let input = "slider.velocity".to_owned();
+    scene.signals = Arc::new([Signal { input, shape: Shape::Ramp(ramp) }]);
+    let scene = Scene { method: Method::EventDriven, step, ..scene };
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    simulation.advance_to(8.0 * step).unwrap();
+    let start = simulation.save();
+    let (mut last, mut opened) = (Slide, 0);
+    for part in 1..20_000 {
+        simulation.restore(&start).unwrap();
+        simulation.advance_to((8.0 + f64::from(part) / 20_000.0) * step).unwrap();
+        let state = simulation.contact_forces().unwrap()[0].state;
+        opened += u32::from(state == Detached && last == Slide);
+        last = state;
+    }
+    assert_eq!(opened, 1);
 }
 
 #[test]

@@ -22,7 +22,7 @@ use super::multipliers::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
-use crate::model::{Damping, LumpedModel};
+use crate::model::{Damping, Direction, LumpedModel, SparseMatrix};
 use held::MAX_GROUP;
 use series::{ORDER, Polynomial, Series};
 use watch::Event;
@@ -48,6 +48,8 @@ pub struct EventDriven {
     series: Series,
     /// Does any contact hold more than one degree of freedom at a time?
     is_inclined: bool,
+    /// |G_N M⁻¹ K| of each contact, 1/s²: what springs make of displacements where it is open, term by term.
+    pulls: Vec<Direction>,
     /// The polynomial at hand.
     polynomial: Polynomial,
     /// The outer forces, N, and the velocities of the sliders, m/s, at the instant that was reached.
@@ -83,6 +85,7 @@ impl EventDriven {
             is_inclined: model.contacts.iter().any(|contact| {
                 contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
             }),
+            pulls: pulls(&dynamics),
             polynomial: [0.0; ORDER + 1],
             force: vec![0.0; model.dofs()],
             surface: vec![0.0; contacts],
@@ -365,6 +368,19 @@ impl EventDriven {
 /// A contact that nothing holds but its normal, or that is open.
 fn frictionless(is_closed: bool) -> ContactState {
     if is_closed { ContactState::Slide } else { ContactState::Detached }
+}
+
+/// |G_N M⁻¹ K| of each contact.
+fn pulls(dynamics: &Dynamics) -> Vec<Direction> {
+    let dofs = dynamics.acceleration.len();
+    let of_contact = |[normal, _]: &[Direction; 2]| {
+        let terms = normal.0.iter().flat_map(|&(dof, response)| {
+            dynamics.stiffness.row(dof).map(move |(other, k)| (other, 0, (response * k).abs()))
+        });
+        let column = SparseMatrix::from_entries(dofs, terms.collect());
+        Direction(column.entries().map(|(dof, _, value)| (dof, value)).collect())
+    };
+    dynamics.responses.iter().map(of_contact).collect()
 }
 
 /// The largest of some values, by size: of velocities, the fastest.

@@ -396,10 +396,16 @@ impl Series {
         self.largest(2)
     }
 
+    /// The power k of the displacements, m.
+    pub(super) fn power(&self, k: usize) -> &[f64] {
+        &self.displacement[k * self.places..][..self.places]
+    }
+
     /// The largest value in power k of the displacements, m.
     pub(super) fn largest(&self, k: usize) -> f64 {
-        let row = &self.displacement[k * self.places..][..self.places];
-        row.iter().fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest })
+        self.power(k)
+            .iter()
+            .fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest })
     }
 
     /// Writes the powers of the displacement along a direction, m; the number of powers.

@@ -69,7 +69,7 @@ impl EventDriven {
             ContactState::Detached => {
                 // A velocity that an impact has left may be nothing in the rounding of the gap: the gap
                 // then begins at zero, and opens for as long as that velocity says.
-                let changes = 2.0 * bend + moved;
+                let changes = 2.0 * bend + moved + self.pulled(contact);
                 [Some((Event::Touch, [changes + place, changes])), None, None]
             }
             ContactState::Stick => {
@@ -100,6 +100,14 @@ impl EventDriven {
                 ]
             }
         }
+    }
+
+    /// What the springs' forces, each for itself, would make of a gap, m, in parts of [`NOISE`]: where they
+    /// hold each other, that is far more than the masses bend.
+    fn pulled(&self, contact: usize) -> f64 {
+        let (span, place) = (self.series.span(), self.series.power(0));
+        let terms = self.pulls[contact].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
+        DIFFERENCE * span * span * terms.fold(0.0, |sum, term| sum + term)
     }
 
     /// Writes what must not become negative as a polynomial; its number of terms.
