@@ -9,9 +9,12 @@
 
 pub mod blocks;
 mod exact;
+mod let_off;
+mod rule;
 mod scheme;
 
 pub use exact::Change;
+pub use let_off::LetOff;
 
 use amontons::Error;
 use amontons::contact::residual::{Instant, Scales, Violation, residual};
@@ -83,6 +86,8 @@ pub struct Run {
     /// the beginning of the step; known for exact motion.
     pub changes: Vec<Change>,
     segments: Vec<[f64; 2]>,
+    /// What could not be judged so far.
+    pub let_off: LetOff,
 }
 
 /// What acts at one time.
@@ -161,6 +166,7 @@ impl Run {
             memory: exact::Memory::default(),
             changes: Vec::new(),
             segments: Vec::new(),
+            let_off: LetOff::default(),
             model,
             method,
             steps: 0,
@@ -275,15 +281,21 @@ impl Run {
         }
     }
 
-    /// How fast the external forces change from `time` on, N/s.
-    fn force_rate(&mut self, time: f64) -> DVector<f64> {
-        let n = self.model.dofs();
+    /// How fast the external forces and the velocities of the sliders change from `time` on, N/s and m/s².
+    fn rates(&mut self, time: f64) -> [DVector<f64>; 2] {
+        let (n, contacts) = (self.model.dofs(), self.model.contacts.len());
         let slack = 1e-6 * self.h();
         let [with, without] = [1.0, 0.0].map(|part| {
             self.drive(|signal, _| part * signal.shape.rate(time, slack));
-            DVector::from_iterator(n, self.acting.external_forces())
+            let (scene, places) = (&self.acting, self.model.contacts.iter());
+            let velocities = places.map(|contact| contact.velocity(scene.slider.velocity));
+            [
+                DVector::from_iterator(n, scene.external_forces()),
+                DVector::from_iterator(contacts, velocities),
+            ]
         });
-        with - without
+        let [force, velocity] = with;
+        [force - &without[0], velocity - &without[1]]
     }
 
     /// Adds to the inputs that have signals.

@@ -1,8 +1,9 @@
 //! The judge of the paper's scheme: Newton's law over one step.
 
+use super::rule::{Before, Doing, state_of};
 use super::{ROUNDING, Run};
-use amontons::contact::ContactForce;
 use amontons::contact::residual::Instant;
+use amontons::contact::{ContactForce, ContactState};
 use nalgebra::DVector;
 
 impl Run {
@@ -53,16 +54,27 @@ impl Run {
     pub(super) fn judge_scheme_step(&mut self) -> Option<Vec<[f64; 2]>> {
         let (needed, rounding) = self.needed();
         self.compare_with_report(&needed, rounding);
-        let fit = self.fit.as_ref()?;
+        self.let_off.steps += 1;
+        let Some(fit) = &self.fit else {
+            self.judge_redundant(&needed, rounding);
+            return None;
+        };
         let forces = fit * &needed;
         let time = self.time();
         // What no contact can have given.
         let rest = (&needed - &self.directions * &forces).amax();
         assert!(rest <= 10.0 * rounding, "at {time} s the masses miss Newton's law by {rest} N");
         self.add_drift(&forces);
+        let old = self.acting((time - 2.0 * self.h()).max(-self.h())).slider_velocity;
         let acting = self.acting(time - self.h());
         let pairs = forces.as_slice().chunks_exact(2).map(|pair| [pair[0], pair[1]]);
         let pairs: Vec<[f64; 2]> = pairs.collect();
+        let small = 1e-12 + self.drift;
+        let nothing = [small * self.scales.velocity, small * self.scales.force];
+        let shown = |(i, pair): (usize, &[f64; 2])| {
+            state_of(pair[0], self.kinematics(i, acting.slider_velocity[i])[2], nothing)
+        };
+        let states: Vec<ContactState> = pairs.iter().enumerate().map(shown).collect();
         for (i, &[normal_force, friction_force]) in pairs.iter().enumerate() {
             let [gap, mut gap_velocity, slip_velocity] =
                 self.kinematics(i, acting.slider_velocity[i]);
@@ -77,8 +89,78 @@ impl Run {
                 found.size <= allowed,
                 "contact {i} after {time} s: {found}, allowed {allowed:.1e}; {instant:?}"
             );
+            let own = self.directions.column(2 * i);
+            let own = own.dot(&(&self.inverse_mass * own));
+            let nothing = 10.0 * (allowed * self.scales.force);
+            let doing = Doing {
+                force: [normal_force, friction_force],
+                slip: slip_velocity / self.h(),
+                nothing: [own * nothing, nothing],
+            };
+            let friction = acting.friction[i];
+            let before = self.was(i, old[i]);
+            let (missed, slips) = self.missed(i, before, &doing, &states, &acting.friction);
+            let lets_go = slips && before == Before::Stuck;
+            self.let_off.releases += u64::from(lets_go);
+            if missed > 0.0 && slips && self.shares_masses(i) {
+                // If it had held, another one might have changed its state, and that have set it free.
+                self.let_off.coupled += 1;
+                continue;
+            }
+            assert!(
+                missed <= 0.0,
+                "contact {i} after {time} s: {missed:e} N, {before:?} {doing:?} {friction:?}"
+            );
         }
         Some(pairs)
+    }
+
+    /// Does another contact share masses with this one?
+    fn shares_masses(&self, contact: usize) -> bool {
+        let rows = self.directions.columns(2 * contact, 2);
+        let delassus = rows.transpose() * &self.inverse_mass * &self.directions;
+        let others = (0..delassus.ncols()).filter(|column| column / 2 != contact);
+        others.fold(0.0, |most: f64, column| most.max(delassus.column(column).amax())) > 0.0
+    }
+
+    /// How a contact was before the last step, at the end of which its slider had this velocity.
+    fn was(&self, contact: usize, slider: f64) -> Before {
+        let slip = slider - self.directions.column(2 * contact + 1).dot(&self.before[1]);
+        let nothing = (1e-12 + self.drift) * self.scales.velocity;
+        // A start may have it leave the slider.
+        let opens = self.directions.column(2 * contact).dot(&self.before[1]) > nothing;
+        if self.was_open(contact) || opens {
+            Before::Open
+        } else if slip.abs() <= nothing {
+            Before::Stuck
+        } else {
+            Before::Slipped(slip.signum())
+        }
+    }
+
+    /// Judges the last step where the forces of redundant contacts do not follow from the motion: some that
+    /// obey the law must give it.
+    #[track_caller]
+    fn judge_redundant(&mut self, needed: &DVector<f64>, rounding: f64) {
+        let time = self.time();
+        let acting = self.acting(time - self.h());
+        let nothing = 1e-12 + 10.0 * rounding / self.scales.force + self.drift;
+        let limits = acting.slider_velocity.iter().zip(&acting.friction).enumerate().map(
+            |(i, (&slider, friction))| {
+                let [gap, opening, slip] = self.kinematics(i, slider);
+                let opens = !self.was_open(i) && opening > nothing * self.scales.velocity;
+                let is_closed = gap <= nothing * self.scales.length && !opens;
+                is_closed.then_some(if slip.abs() <= nothing * self.scales.velocity {
+                    [-friction.static_, friction.static_]
+                } else {
+                    [slip.signum() * friction.kinetic; 2]
+                })
+            },
+        );
+        let limits: Vec<Option<[f64; 2]>> = limits.collect();
+        let rest = self.distance_from_cone(needed, &limits);
+        let allowed = 10.0 * nothing * self.scales.force;
+        assert!(rest <= allowed, "at {time} s no contacts give {rest:e} N, allowed {allowed:e}");
     }
 
     /// Where nothing happened in the last step, what the integrator reported at its beginning is what

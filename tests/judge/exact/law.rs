@@ -1,0 +1,373 @@
+//! The law of contact on exact motion: on velocities and accelerations at an instant, on what happens at a
+//! change of state, and on what is reported.
+
+use super::motion::{Place, Span};
+use super::{Count, Look};
+use crate::judge::rule::{Before, Doing, state_of};
+use crate::judge::{ROUNDING, Run};
+use amontons::contact::ContactForce;
+use amontons::contact::ContactState::{self, ReverseSlide, Slide, Stick};
+use amontons::contact::Friction;
+use amontons::contact::residual::{Instant, Scales, residual};
+use nalgebra::DVector;
+
+/// What the law may be missed by, as a part of the scales; beside what the motion loses by rounding.
+const LAW: f64 = 1e-10;
+/// Velocities that are this part of their scale are zero for all that can be said.
+const STANDS: f64 = 1e-10;
+
+impl Run {
+    /// accelerations. At the end of its time a slip may have come to an end.
+    #[track_caller]
+    pub(super) fn judge_instant(&mut self, span: &Span, look: &Look, held: usize, is_end: bool) {
+        let (force, lost) = self.outer(span, look);
+        let state = &self.memory.held[held];
+        let forces = &state.multipliers * &force + &state.carried * &span.acceleration;
+        let lost = lost * state.multipliers.amax().max(1.0);
+        let accelerations = &state.mobility * &force + &state.follows * &span.acceleration;
+        let places = (0..span.acceleration.len()).map(|i| [forces[2 * i], forces[2 * i + 1]]);
+        for (i, pair) in places.enumerate() {
+            let slider = [span.slider(i, look.t), span.acceleration[i]];
+            self.at = (look.t - self.h(), is_end);
+            self.judge_contact(
+                i,
+                &look.place,
+                &accelerations,
+                pair,
+                slider,
+                span.start.friction[i],
+                lost,
+            );
+        }
+    }
+
+    /// Judges the states that follow on a change: a contact that does not slip yet but is about to could not
+    /// have held.
+    #[track_caller]
+    pub(super) fn judge_onset(&mut self, span: &Span, look: &Look, held: usize) {
+        let (force, lost) = self.outer(span, look);
+        let state = &self.memory.held[held];
+        let states = state.states.clone();
+        let forces = &state.multipliers * &force + &state.carried * &span.acceleration;
+        let accelerations = &state.mobility * &force + &state.follows * &span.acceleration;
+        let lost = lost * state.multipliers.amax().max(1.0);
+        let drift = self.exact_drift();
+        let allowed = (LAW + drift) * self.scales.force + lost;
+        for i in 0..span.acceleration.len() {
+            let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * i + k));
+            let slip_velocity = span.slider(i, look.t) - tangent.dot(&look.place[1]);
+            if slip_velocity.abs() > (STANDS + drift) * self.scales.velocity {
+                continue;
+            }
+            let own = normal.dot(&(&self.inverse_mass * normal));
+            let doing = Doing {
+                force: [forces[2 * i], forces[2 * i + 1]],
+                slip: span.acceleration[i] - tangent.dot(&accelerations),
+                nothing: [own * allowed, allowed],
+            };
+            if doing.slip * doing.force[1] < 0.0 {
+                // What is left of a slip that comes to its end.
+                continue;
+            }
+            let friction = span.start.friction[i];
+            let (missed, slips) =
+                self.missed(i, Before::Stuck, &doing, &states, &span.start.friction);
+            self.let_off.releases += u64::from(slips);
+            let time = self.time() - self.h() + look.t;
+            assert!(missed <= 0.0, "contact {i} at {time} s: {missed:e} N, {doing:?} {friction:?}");
+        }
+    }
+
+    /// Judges one contact with its forces (N, T) on a motion, under a slider of this velocity and
+    /// acceleration.
+    #[track_caller]
+    #[allow(clippy::too_many_arguments)]
+    fn judge_contact(
+        &self,
+        contact: usize,
+        [x, v]: &Place,
+        acceleration: &DVector<f64>,
+        [normal_force, friction_force]: [f64; 2],
+        slider: [f64; 2],
+        friction: Friction,
+        lost: f64,
+    ) {
+        let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * contact + k));
+        let along =
+            |motion: &DVector<f64>, slider: f64| [normal.dot(motion), slider - tangent.dot(motion)];
+        let [mut gap_velocity, mut slip_velocity] = along(v, slider[0]);
+        let lands = self.at.1 && normal_force == 0.0 && gap_velocity < 0.0;
+        if lands {
+            gap_velocity = 0.0;
+        }
+        let own = normal.dot(&(&self.inverse_mass * normal));
+        // However small it is, friction is against it.
+        let slips_now = slip_velocity;
+        if slip_velocity.abs() <= 10.0 * lost * own * self.h() {
+            // What rounding of the forces makes of it in a step.
+            slip_velocity = 0.0;
+        }
+        let [gap_acceleration, slip_acceleration] = along(acceleration, slider[1]);
+        let gap = normal.dot(x);
+        let on = |velocities: [f64; 2], scales: Scales| {
+            let [gap_velocity, slip_velocity] = velocities;
+            let gap = if scales == self.scales { gap } else { 0.0 };
+            let instant =
+                Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force };
+            residual(&instant, friction, &scales)
+        };
+        let drift = self.exact_drift();
+        let allowed = LAW + drift + lost / self.scales.force;
+        let story = || {
+            format!(
+                "contact {contact} at {} s {:+e} s: gap {gap:e} m, {gap_velocity:e} m/s, \
+                 {gap_acceleration:e} m/s²; slip {slip_velocity:e} m/s, {slip_acceleration:e} m/s²; \
+                 N = {normal_force} N, T = {friction_force} N, {friction:?}",
+                self.time(),
+                self.at.0
+            )
+        };
+        let found = on([gap_velocity, slip_velocity], self.scales);
+        assert!(found.size <= allowed, "{found}, allowed {allowed:.1e}: {}", story());
+        let stands = STANDS + drift;
+        if lands
+            || gap > stands * self.scales.length
+            || gap_velocity.abs() > stands * self.scales.velocity
+        {
+            return;
+        }
+        // Contacts that throw each other off come to rest in ever shorter bounces: however slow one is, it
+        // may be open for as long as it takes to come back, or until another one lands.
+        let comes_back = normal_force == 0.0 && gap_velocity > 0.0 && gap_acceleration < 0.0;
+        let in_time = self.lasts * -gap_acceleration <= 2.0 * (1.0 + 1e-3) * gap_velocity;
+        if comes_back && (in_time || self.at.1) {
+            return;
+        }
+        // What the largest force would do here.
+        let own = own * self.scales.force;
+        let scales = Scales { velocity: own, ..self.scales };
+        // Where it lasts too short to be told from nothing, a slip may be at its end from the beginning.
+        let is_brief = self.lasts * slip_acceleration.abs() <= ROUNDING * self.scales.velocity;
+        let ends = (self.at.1 || is_brief) && friction_force != 0.0;
+        let slips = own * if ends { friction_force } else { slips_now }.signum();
+        let now = on([gap_acceleration, slips], scales);
+        let next = on([gap_acceleration, slip_acceleration], scales);
+        let found = if slip_velocity.abs() > stands * self.scales.velocity || now.size <= next.size
+        {
+            now
+        } else {
+            next
+        };
+        // A velocity that is nothing to rounding may have had the wrong sign for as long as it takes to
+        // become something: v = j t²/2, a = j t.
+        let jerk = tangent.dot(&(&self.inverse_mass * (&self.stiffness * v))).abs();
+        let nothing = 2.0 * ROUNDING * own * self.h();
+        let allowed = allowed + 2.0 * (2.0 * nothing * jerk).sqrt() / own;
+        assert!(
+            found.size <= allowed,
+            "accelerations: {found}, allowed {allowed:.1e}: {}",
+            story()
+        );
+    }
+
+    /// What rounding leaves of the gap and the velocities of closed contacts between masses, which no step
+    /// puts where they belong: a bit of the velocity each.
+    fn exact_drift(&self) -> f64 {
+        if self.is_exact {
+            return 0.0;
+        }
+        let steps = self.simulation.statistics().steps as f64;
+        let velocity = f64::EPSILON * steps * self.scales.velocity;
+        velocity / self.scales.velocity + velocity * self.time() / self.scales.length
+    }
+
+    /// How fast velocities (m/s) may be, and by how much contacts and loads change them between two times.
+    fn gained(&self, span: &Span, before: &Look, after: &Look) -> [f64; 2] {
+        let fastest = before.place[1].amax().max(after.place[1].amax()).max(self.scales.velocity);
+        let (force, _) = self.outer(span, before);
+        // Contacts add no more than holds all others, several times.
+        let holds = 10.0 * (force.amax() + self.scales.force) * self.inverse_mass.amax();
+        [fastest, (after.t - before.t) * holds]
+    }
+
+    /// By how much velocities change between two neighbouring times, and by how much they may without an
+    /// impact.
+    pub(super) fn moved(&self, span: &Span, before: &Look, after: &Look) -> (f64, f64) {
+        let [fastest, gained] = self.gained(span, before, after);
+        // Some thousand bits: closed contacts are put where they belong at each change. An integrator that ends
+        // bounces which are not told from rounding does that in impacts, by impulses of their contacts.
+        ((&after.place[1] - &before.place[1]).amax(), 1e-12 * fastest + gained)
+    }
+
+    /// Judges what happens between two neighbouring times: nothing, or an impact. The contact states are
+    /// those before it.
+    #[track_caller]
+    pub(super) fn judge_event(
+        &mut self,
+        span: &Span,
+        before: &Look,
+        after: &Look,
+        states: &[ContactState],
+    ) {
+        self.let_off.changes += 1;
+        let passed = after.t - before.t;
+        let [fastest, gained] = self.gained(span, before, after);
+        let (changed, rounding) = self.moved(span, before, after);
+        let moved = (&after.place[0] - &before.place[0]).amax();
+        let time = self.time() - self.h() + after.t;
+        let late = 4.0 * f64::EPSILON * time;
+        // How often contacts bounce off each other before they lie still is a matter of rounding, which is
+        // a part of the displacements, however small what the springs give is.
+        let length = self.scales.length.max(before.place[0].amax());
+        assert!(
+            moved <= (fastest + gained) * (passed + late) + 1e-12 * length,
+            "at {time} s it moves by {moved} m at once"
+        );
+        // A start may press a closed contact further.
+        let approaches = (0..span.acceleration.len()).any(|i| {
+            let normal = self.directions.column(2 * i);
+            let [x, v] = &before.place;
+            normal.dot(x) <= STANDS * self.scales.length && normal.dot(v) < -STANDS * fastest
+        });
+        let landed = after.count.touch_downs - before.count.touch_downs;
+        if landed == 0 && !approaches {
+            assert!(changed <= rounding, "at {time} s velocities jump by {changed}");
+            return;
+        }
+        self.let_off.impacts += 1;
+        let momentum = &self.mass * (&after.place[1] - &before.place[1]);
+        let lost = self.mass.amax() * rounding;
+        let scales = Scales {
+            velocity: fastest,
+            force: momentum.amax().max(f64::MIN_POSITIVE),
+            length: self.scales.length.max(fastest * passed),
+        };
+        let allowed = LAW + self.exact_drift() + 10.0 * lost / scales.force;
+        let nothing = [allowed * fastest, allowed * scales.force];
+        let contacts = 0..span.acceleration.len();
+        let kinematics: Vec<[f64; 3]> = contacts
+            .clone()
+            .map(|i| {
+                let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * i + k));
+                let [x, v] = &after.place;
+                [normal.dot(x), normal.dot(v), span.slider(i, after.t) - tangent.dot(v)]
+            })
+            .collect();
+        // Several impacts that are not told apart add up to impulses of which no more is known than that
+        // they press, and that friction is within its limits.
+        let is_merged = passed > self.near() && landed > 1;
+        self.let_off.merged += u64::from(is_merged);
+        let Some(fit) = self.fit.as_ref().filter(|_| !is_merged) else {
+            let limits = contacts.map(|i| {
+                let [gap, opening, slip] = kinematics[i];
+                let Friction { kinetic, static_ } = span.start.friction[i];
+                if is_merged {
+                    return Some([-static_, static_]);
+                }
+                let is_closed =
+                    gap <= nothing[0] / fastest * scales.length && opening <= nothing[0];
+                is_closed.then_some(if slip.abs() <= nothing[0] {
+                    [-static_, static_]
+                } else {
+                    [slip.signum() * kinetic; 2]
+                })
+            });
+            let limits: Vec<Option<[f64; 2]>> = limits.collect();
+            let rest = self.distance_from_cone(&momentum, &limits);
+            assert!(rest <= nothing[1], "impact at {time} s: no contacts give {rest} N s of it");
+            for (i, [gap, opening, _]) in kinematics.into_iter().enumerate() {
+                let is_open = gap > nothing[0] / fastest * scales.length;
+                assert!(
+                    is_open || opening >= -nothing[0],
+                    "contact {i} at {time} s: {opening} m/s"
+                );
+            }
+            return;
+        };
+        let impulses = fit * &momentum;
+        let rest = (&momentum - &self.directions * &impulses).amax();
+        assert!(rest <= lost, "at {time} s momentum changes by {rest} N s without contacts");
+        let shown = |i: usize| state_of(impulses[2 * i], kinematics[i][2], nothing);
+        let after_it: Vec<ContactState> = contacts.clone().map(shown).collect();
+        for i in contacts {
+            let [gap, gap_velocity, slip_velocity] = kinematics[i];
+            let [normal_force, friction_force] = [impulses[2 * i], impulses[2 * i + 1]];
+            let instant =
+                Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force };
+            let friction = span.start.friction[i];
+            let found = residual(&instant, friction, &scales);
+            assert!(
+                found.size <= allowed,
+                "impact at {time} s, contact {i}: {found}, allowed {allowed:.1e}; {instant:?}"
+            );
+            let before = match (states[i], states[i].sliding_direction()) {
+                (_, Some(direction)) => Before::Slipped(direction),
+                (Stick, _) => Before::Stuck,
+                _ => Before::Open,
+            };
+            let doing =
+                Doing { force: [normal_force, friction_force], slip: slip_velocity, nothing };
+            let (missed, _) = self.missed(i, before, &doing, &after_it, &span.start.friction);
+            assert!(
+                missed <= 0.0,
+                "impact at {time} s, contact {i}: {missed:e} N s, {before:?} {doing:?}"
+            );
+        }
+    }
+
+    /// Judges what is reported now: forces that hold the motion, under the law.
+    #[track_caller]
+    pub(in crate::judge) fn judge_exact_report(&mut self) {
+        let time = self.time();
+        let mut span = self.span(time);
+        // What the sliders do at this very instant, also where they bend later.
+        [_, span.acceleration] = self.rates(time);
+        let reported = self.forces();
+        // One that is at its limit and does not slip yet is about to.
+        let friction = &span.start.friction;
+        let slides = |(i, force): (usize, &ContactForce)| {
+            let limit = friction[i].static_ * force.normal_force * (1.0 - 1e-13);
+            match force.state {
+                Stick if force.friction_force >= limit => Slide,
+                Stick if force.friction_force <= -limit => ReverseSlide,
+                state => state,
+            }
+        };
+        let states: Vec<ContactState> = reported.iter().enumerate().map(slides).collect();
+        let held = self.held(&states, &span.start.friction);
+        let count = Count::of(&self.simulation);
+        let look = Look { t: 0.0, count, place: self.now.clone() };
+        let (force, lost) = self.outer(&span, &look);
+        let state = &self.memory.held[held];
+        let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);
+        let given = DVector::from_iterator(2 * reported.len(), pairs);
+        let acceleration = &span.acceleration;
+        let needed = &state.multipliers * &force + &state.carried * acceleration;
+        let lost = lost * state.multipliers.amax().max(1.0);
+        let off = (&self.directions * (&given - &needed)).amax();
+        let allowed = 10.0 * lost + 1e-11 * needed.amax();
+        assert!(
+            off <= allowed,
+            "at {time} s {off:e} N are missing, allowed {allowed:e}: {reported:?} {needed:?}"
+        );
+        let accelerations = &self.inverse_mass * (&force + &self.directions * &given);
+        self.at = (0.0, false);
+        for (i, force) in reported.iter().enumerate() {
+            let slider = [span.slider(i, 0.0), acceleration[i]];
+            let pair = [force.normal_force, force.friction_force];
+            self.judge_contact(
+                i,
+                &self.now,
+                &accelerations,
+                pair,
+                slider,
+                span.start.friction[i],
+                lost,
+            );
+            let slip = slider[0] - self.directions.column(2 * i + 1).dot(&self.now[1]);
+            let off = (force.slip_velocity - slip).abs();
+            let drift = self.exact_drift() * self.scales.velocity;
+            assert!(off <= 1e-12 * self.now[1].amax().max(1.0) + drift, "{force:?}, {slip}");
+        }
+    }
+}

@@ -1,0 +1,222 @@
+//! Where exact motion goes in one contact state: the exponential of a matrix that is built from M, C, K, the
+//! directions of the contacts and their states.
+
+use super::Look;
+use crate::judge::{Acting, ROUNDING, Run};
+use amontons::contact::ContactState::{self, Detached, Stick};
+use amontons::contact::Friction;
+use amontons::model::LumpedModel;
+use amontons::simulation::Simulation;
+use nalgebra::{DMatrix, DVector};
+
+/// How many exponentials are kept.
+const KEPT: usize = 256;
+
+/// What one contact state makes of a force f on the masses and of the accelerations of the sliders.
+pub(in crate::judge) struct Held {
+    pub(super) states: Vec<ContactState>,
+    friction: Vec<Friction>,
+    /// λ, (N, T) of each contact, from f: 2 c × n.
+    pub(in crate::judge) multipliers: DMatrix<f64>,
+    /// λ from the sliders' accelerations: 2 c × c.
+    pub(super) carried: DMatrix<f64>,
+    /// ẍ from f: n × n.
+    pub(in crate::judge) mobility: DMatrix<f64>,
+    /// ẍ from the sliders' accelerations: n × c.
+    pub(super) follows: DMatrix<f64>,
+}
+
+/// What is kept of exponentials: what they are of, and what they are.
+type Kept = Vec<(Vec<f64>, DMatrix<f64>)>;
+
+#[derive(Default)]
+pub(in crate::judge) struct Memory {
+    pub(in crate::judge) held: Vec<Held>,
+    kept: Kept,
+    pub(super) probe: Option<Simulation>,
+}
+
+/// Position and velocity at one instant.
+pub type Place = [DVector<f64>; 2];
+
+/// What acts over a step: forces and slider velocities change linearly.
+pub(super) struct Span {
+    pub(super) start: Acting,
+    /// N/s.
+    pub(super) rate: DVector<f64>,
+    /// m/s².
+    pub(super) acceleration: DVector<f64>,
+    /// Is this so, or does a slider's velocity bend within the step?
+    pub(super) is_straight: bool,
+}
+
+impl Span {
+    pub(super) fn force(&self, t: f64) -> DVector<f64> {
+        &self.start.force + &self.rate * t
+    }
+
+    pub(super) fn slider(&self, contact: usize, t: f64) -> f64 {
+        self.start.slider_velocity[contact] + self.acceleration[contact] * t
+    }
+}
+
+impl Held {
+    fn new(run: &Run, states: &[ContactState], friction: &[Friction]) -> Self {
+        let (n, contacts) = (run.model.dofs(), states.len());
+        // Unknowns: N of each closed contact, which brings T = ±µN where it slides, and T of each stuck
+        // one; rows: the directions that are held.
+        let (mut rows, mut expands, mut sliders) = (Vec::new(), Vec::new(), Vec::new());
+        for (i, &state) in states.iter().enumerate() {
+            if state == Detached {
+                continue;
+            }
+            let slope = state.sliding_direction().unwrap_or(0.0) * friction[i].kinetic;
+            rows.push(2 * i);
+            sliders.push(None);
+            expands.push(vec![(2 * i, 1.0), (2 * i + 1, slope)]);
+            if state == Stick {
+                rows.push(2 * i + 1);
+                sliders.push(Some(i));
+                expands.push(vec![(2 * i + 1, 1.0)]);
+            }
+        }
+        let unknowns = rows.len();
+        let inverse = &run.inverse_mass;
+        let held = run.directions.select_columns(&rows).transpose();
+        let mut expand = DMatrix::zeros(2 * contacts, unknowns);
+        for (column, parts) in expands.iter().enumerate() {
+            parts.iter().for_each(|&(row, value)| expand[(row, column)] = value);
+        }
+        let mut surface = DMatrix::zeros(unknowns, contacts);
+        for (row, slider) in sliders.into_iter().enumerate() {
+            if let Some(contact) = slider {
+                surface[(row, contact)] = 1.0;
+            }
+        }
+        let pushes = &run.directions * &expand;
+        let matrix = &held * inverse * &pushes;
+        let solved = solve(&matrix);
+        let multipliers = -(&expand * &solved * &held * inverse);
+        let carried = &expand * &solved * surface;
+        let mobility = inverse * (DMatrix::identity(n, n) + &run.directions * &multipliers);
+        let follows = inverse * &run.directions * &carried;
+        let (states, friction) = (states.to_vec(), friction.to_vec());
+        Self { states, friction, multipliers, carried, mobility, follows }
+    }
+}
+
+/// The inverse, or where contacts are redundant, the least of them.
+fn solve(matrix: &DMatrix<f64>) -> DMatrix<f64> {
+    if matrix.is_empty() {
+        return matrix.transpose();
+    }
+    let largest = matrix.amax();
+    let singular = matrix.clone().svd(true, true);
+    let rank = singular.rank(1e-9 * largest);
+    if rank == matrix.nrows() {
+        matrix.clone().try_inverse().unwrap()
+    } else {
+        singular.pseudo_inverse(1e-9 * largest).unwrap()
+    }
+}
+
+/// The highest frequency of the masses on their own springs, 1/s; 1 without springs.
+pub(in crate::judge) fn fastest(model: &LumpedModel) -> f64 {
+    let squares = (0..model.dofs()).map(|i| model.stiffness.get(i, i) / model.mass.get(i, i));
+    let square = squares.fold(0.0, f64::max);
+    if square > 0.0 { square.sqrt() } else { 1.0 }
+}
+
+impl Run {
+    /// The place in `memory.held` of a contact state.
+    pub(in crate::judge) fn held(
+        &mut self,
+        states: &[ContactState],
+        friction: &[Friction],
+    ) -> usize {
+        let known = self.memory.held.iter();
+        let found = known.clone().position(|h| h.states == states && h.friction == friction);
+        found.unwrap_or_else(|| {
+            let held = Held::new(self, states, friction);
+            self.memory.held.push(held);
+            self.memory.held.len() - 1
+        })
+    }
+
+    /// What acts over the step that begins at `time`.
+    pub(super) fn span(&mut self, time: f64) -> Span {
+        let h = self.h();
+        let at = |run: &mut Self, t: f64| run.acting_at([time, t]).slider_velocity;
+        let [middle, end] = [0.5, 1.0].map(|part| at(self, time + part * h));
+        let [rate, _] = self.rates(time);
+        let start = self.acting_at([time, time]);
+        let contacts = start.slider_velocity.len();
+        let change = |i: usize| end[i] - start.slider_velocity[i];
+        let acceleration = DVector::from_fn(contacts, |i, _| change(i) / h);
+        let bends = |i: usize| (middle[i] - start.slider_velocity[i] - 0.5 * change(i)).abs();
+        let scale = self.scales.velocity;
+        let is_straight = (0..contacts).all(|i| bends(i) <= 1e-12 * scale.max(end[i].abs()));
+        Span { start, rate, acceleration, is_straight }
+    }
+
+    /// Where the motion goes in `t` (s) from `from`, where `begin` (s) of the step have passed, without
+    /// a change of state; and the rounding errors of that, as a velocity.
+    pub(super) fn follow(
+        &mut self,
+        held: usize,
+        from: &Place,
+        span: &Span,
+        [begin, t]: [f64; 2],
+    ) -> (Place, f64) {
+        let n = self.model.dofs();
+        let omega = self.fastest;
+        let rest = span.force(begin) - &self.stiffness * self.total(&DVector::zeros(n));
+        let state = &self.memory.held[held];
+        let constant = &state.mobility * &rest + &state.follows * &span.acceleration;
+        let linear = &state.mobility * &span.rate;
+        // Two more unknowns, a constant and the time, of the size of the velocities that they make.
+        let size = (constant.norm() / omega).max(linear.norm() / (omega * omega));
+        let size = if size > 0.0 { size } else { 1.0 };
+        let mut key = vec![held as f64, t, size];
+        key.extend(constant.iter().chain(linear.iter()));
+        let known = self.memory.kept.iter().position(|(known, _)| *known == key);
+        let place = known.unwrap_or_else(|| {
+            let mut matrix = DMatrix::zeros(2 * n + 2, 2 * n + 2);
+            matrix.view_mut((0, n), (n, n)).fill_diagonal(omega);
+            let part = |block: &DMatrix<f64>, factor: f64| -(&state.mobility * block) * factor;
+            matrix.view_mut((n, 0), (n, n)).copy_from(&part(&self.stiffness, 1.0 / omega));
+            matrix.view_mut((n, n), (n, n)).copy_from(&part(&self.damping, 1.0));
+            matrix.view_mut((n, 2 * n), (n, 1)).copy_from(&(&constant / size));
+            matrix.view_mut((n, 2 * n + 1), (n, 1)).copy_from(&(&linear / (size * omega)));
+            matrix[(2 * n + 1, 2 * n)] = omega;
+            if self.memory.kept.len() >= KEPT {
+                self.memory.kept.clear();
+            }
+            self.memory.kept.push((key, (matrix * t).exp()));
+            self.memory.kept.len() - 1
+        });
+        let start = from[0].iter().map(|x| omega * x).chain(from[1].iter().copied());
+        let start = DVector::from_iterator(2 * n + 2, start.chain([size, 0.0]));
+        let end = &self.memory.kept[place].1 * &start;
+        let reached = [end.rows(0, n) / omega, end.rows(n, n).into_owned()];
+        let largest = |z: &DVector<f64>| z.rows(0, 2 * n).amax();
+        let turns = omega * t;
+        let loads = self.model.load.iter().fold(0.0_f64, |most, load| most.max(load.abs()));
+        let lost = largest(&start).max(largest(&end)).max(size * turns.min(1.0))
+            + t * loads * self.inverse_mass.amax();
+        // Times are known to the last digit of the time since the start.
+        let late = 4.0 * f64::EPSILON * self.time() * omega;
+        let fastest = largest(&start).max(largest(&end)).max(size);
+        (reached, 10.0 * ROUNDING * (1.0 + turns) * lost + late * fastest)
+    }
+
+    /// The force on the masses without that of contacts, and its rounding errors, N.
+    pub(super) fn outer(&self, span: &Span, look: &Look) -> (DVector<f64>, f64) {
+        let [x, v] = &look.place;
+        let total = self.total(x);
+        let parts = [span.force(look.t), -(&self.damping * v), -(&self.stiffness * &total)];
+        let lost =
+            parts[0].amax() + self.damping.amax() * v.amax() + self.stiffness.amax() * total.amax();
+        (parts.into_iter().sum(), ROUNDING * lost)
+    }
+}

@@ -1,0 +1,57 @@
+//! What a judge could not judge, counted.
+
+use super::Run;
+use std::ops::AddAssign;
+
+/// How much of a run was judged, and how much was let off. A run that lets anything off fails, unless whoever
+/// made it takes the counts and holds them to a bound.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct LetOff {
+    /// Steps that were judged.
+    pub steps: u64,
+    /// Changes of state that were judged, impacts among them, and contacts that began to slip.
+    pub changes: u64,
+    pub impacts: u64,
+    pub releases: u64,
+    /// Changes that were counted more than once where a step ended right after them; judged all the same.
+    pub flickers: u64,
+    /// Let off: steps within which the velocity of a slider bends while a contact changes its state.
+    pub bent: u64,
+    /// Let off: what is left of a step after more changes than are followed.
+    pub crowded: u64,
+    /// Let off but for their sum: impacts that are not told apart.
+    pub merged: u64,
+    /// Let off: contacts on masses that they share which slip from a step of the paper's scheme on, and could
+    /// have held if all others had gone on in their states.
+    pub coupled: u64,
+}
+
+impl LetOff {
+    /// All that was let off.
+    pub fn total(&self) -> u64 {
+        self.bent + self.crowded + self.merged + self.coupled
+    }
+}
+
+impl AddAssign for LetOff {
+    fn add_assign(&mut self, other: Self) {
+        let Self { steps, changes, impacts, releases, flickers, bent, crowded, merged, coupled } =
+            other;
+        self.steps += steps;
+        self.changes += changes;
+        self.impacts += impacts;
+        self.releases += releases;
+        self.flickers += flickers;
+        self.bent += bent;
+        self.crowded += crowded;
+        self.merged += merged;
+        self.coupled += coupled;
+    }
+}
+
+impl Drop for Run {
+    fn drop(&mut self) {
+        let is_silent = self.let_off.total() > 0 && !std::thread::panicking();
+        assert!(!is_silent, "some of a run was not judged: {:?}", self.let_off);
+    }
+}

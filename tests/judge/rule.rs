@@ -1,0 +1,127 @@
+//! What depends on how a contact came to where it is: static and kinetic friction.
+//!
+//! The law at one instant allows a contact that slips its kinetic friction, whether or not it should have let
+//! go. So here a contact that slips and did not before is asked what it would have needed to hold, and one
+//! that holds what could have brought it to a stop: one that stuck is held by up to µ_s N either way, one
+//! that slipped by up to µ N against its slip, and µ_s N against slipping back; one that lands, by µ N.
+
+use super::Run;
+use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};
+use amontons::contact::Friction;
+
+/// How a contact was before.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Before {
+    Open,
+    Stuck,
+    /// It slipped, with friction on the mass in this direction (±1).
+    Slipped(f64),
+}
+
+/// What a contact does, and what that is measured against.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Doing {
+    /// (N, T), or impulses.
+    pub force: [f64; 2],
+    /// The slip, slider against mass, that the forces leave: a velocity, of impulses, or an acceleration.
+    pub slip: f64,
+    /// What is nothing for the slip and for the forces.
+    pub nothing: [f64; 2],
+}
+
+/// The state that a normal force (N, or N s) and a slip show, where this much of each is nothing.
+pub(super) fn state_of(normal: f64, slip: f64, nothing: [f64; 2]) -> ContactState {
+    if normal <= nothing[1] {
+        Detached
+    } else if slip.abs() <= nothing[0] {
+        Stick
+    } else if slip > 0.0 {
+        Slide
+    } else {
+        ReverseSlide
+    }
+}
+
+impl Before {
+    /// The most that T/N may be in a direction, where the contact holds.
+    fn limit(self, direction: f64, friction: Friction) -> f64 {
+        match self {
+            Self::Open => friction.kinetic,
+            Self::Slipped(slipped) if slipped == direction => friction.kinetic,
+            Self::Slipped(_) | Self::Stuck => friction.static_,
+        }
+    }
+}
+
+impl Run {
+    /// By how much a contact holds with more than it may, or slips although it could have held, all others
+    /// going on in their states; and whether it slips.
+    pub(super) fn missed(
+        &mut self,
+        contact: usize,
+        before: Before,
+        doing: &Doing,
+        states: &[ContactState],
+        friction: &[Friction],
+    ) -> (f64, bool) {
+        let Doing { force: [normal, tangential], slip, nothing } = *doing;
+        let limit = |direction| before.limit(direction, friction[contact]);
+        if slip.abs() <= nothing[0] {
+            let over = |direction: f64| direction * tangential - limit(direction) * normal;
+            return (over(1.0).max(over(-1.0)) - nothing[1], false);
+        }
+        let direction = slip.signum();
+        let was_stopped = before != Before::Open && before != Before::Slipped(direction);
+        if normal <= nothing[1] || !was_stopped {
+            return (0.0, true);
+        }
+        // What it takes to hold: a force along the tangent that takes the slip away.
+        let (mut states, mut friction) = (states.to_vec(), friction.to_vec());
+        (states[contact], friction[contact]) = (Slide, Friction::from(0.0));
+        let place = self.held(&states, &friction);
+        let held = &self.memory.held[place];
+        let tangent = self.directions.column(2 * contact + 1);
+        let more = slip / tangent.dot(&(&held.mobility * tangent));
+        let pressed = more * held.multipliers.row(2 * contact).transpose().dot(&tangent);
+        let (normal, tangential) = (normal + pressed, tangential + more);
+        let limit = limit(direction);
+        (limit * normal - direction * tangential - (1.0 + limit) * nothing[1], true)
+    }
+
+    /// The least distance of a vector, as forces on the masses, from what contacts can give that are not open
+    /// and slip as told, each with the limits of its friction backward and forward: a distance from a cone,
+    /// to which the nearest point is a sum of at most as many of its edges as there are degrees of freedom.
+    pub(super) fn distance_from_cone(
+        &self,
+        vector: &nalgebra::DVector<f64>,
+        limits: &[Option<[f64; 2]>],
+    ) -> f64 {
+        let mut edges = Vec::new();
+        for (i, limits) in limits.iter().enumerate() {
+            let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * i + k));
+            if let Some([from, to]) = *limits {
+                edges.push(normal + tangent * from);
+                if to > from {
+                    edges.push(normal + tangent * to);
+                }
+            }
+        }
+        assert!(edges.len() < 16, "too many contacts to try all");
+        let mut least = vector.amax();
+        for chosen in 1..1_u32 << edges.len() {
+            let count = chosen.count_ones() as usize;
+            if count > vector.len() {
+                continue;
+            }
+            let all = edges.iter().enumerate();
+            let columns = all.filter(|(i, _)| chosen >> i & 1 == 1).map(|(_, edge)| edge.clone());
+            let matrix = nalgebra::DMatrix::from_columns(&columns.collect::<Vec<_>>());
+            let Ok(inverse) = matrix.clone().pseudo_inverse(1e-12) else { continue };
+            let parts = inverse * vector;
+            if parts.iter().all(|part| *part >= 0.0) {
+                least = least.min((vector - matrix * parts).amax());
+            }
+        }
+        least
+    }
+}
