@@ -40,10 +40,21 @@ pub struct Statistics {
     pub state_changes: u64,
     /// Changes from detached to any closed state; their impulses show in no contact force.
     pub touch_downs: u64,
+    /// Instants within steps at which the states of contacts were decided anew; none by methods that do so
+    /// once a step.
+    pub events: u64,
     /// Gauss–Seidel sweeps over the contacts.
     pub sweeps: u64,
-    /// The most sweeps that one step took.
+    /// The most sweeps that one solution of the contacts took.
     pub most_sweeps: u64,
+}
+
+impl Statistics {
+    /// Counts the sweeps of one solution of the contacts.
+    pub(crate) fn count_sweeps(&mut self, sweeps: u64) {
+        self.sweeps += sweeps;
+        self.most_sweeps = self.most_sweeps.max(sweeps);
+    }
 }
 
 /// What drives a motion over a step, or over several that are alike.

@@ -103,6 +103,19 @@ impl StateLaw {
         }
     }
 
+    /// (N, T) of each contact, N, where `dynamics` has the accelerations without contact forces.
+    pub(super) fn forces(&mut self, dynamics: &Dynamics, slider: &[f64]) -> &[[f64; 2]] {
+        let free = |i: usize, part| {
+            let contact = &dynamics.contacts[i];
+            match part {
+                0 => contact.normal.dot(&dynamics.acceleration),
+                _ => contact.tangent.dot(&dynamics.acceleration) - slider[i],
+            }
+        };
+        self.held.forces(free, &mut self.multipliers);
+        &self.multipliers
+    }
+
     /// Takes away what rounding has let the gaps (m) of contacts that hold drift. Only inclined contacts
     /// drift.
     pub(super) fn mend_gaps(&mut self, dynamics: &Dynamics, x: &mut [f64]) {

@@ -13,6 +13,7 @@
 mod held;
 mod law;
 mod reduced;
+mod report;
 mod roots;
 mod series;
 mod watch;
@@ -31,6 +32,8 @@ use watch::Event;
 const MAX_EVENTS: u64 = 10_000;
 /// And this many at one instant.
 const MAX_STANDSTILL: u64 = 16;
+/// How often [`NOISE`] is doubled at one instant before that.
+const MOST_DOUBLINGS: u64 = 16;
 /// A series that covers no more than this part of what is left of a step will not end it.
 const SHORTEST: f64 = 1e-12;
 /// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
@@ -60,9 +63,11 @@ pub struct EventDriven {
     before: Vec<ContactState>,
     /// Which contacts were closed at some time of one instant: those take part in its impacts.
     closed: Vec<ContactState>,
-    /// Those that an impact does not throw off.
+    /// What is held at one instant: what slips that stop become, or those that an impact does not throw off.
     kept: Vec<ContactState>,
     frictionless: Vec<Friction>,
+    /// What the outer forces would do in a step, m/s: beside it a velocity may be nothing.
+    gained: f64,
 }
 
 impl EventDriven {
@@ -94,6 +99,7 @@ impl EventDriven {
             closed: vec![ContactState::Detached; contacts],
             kept: vec![ContactState::Detached; contacts],
             frictionless: vec![Friction::from(0.0); contacts],
+            gained: 0.0,
             dynamics,
         })
     }
@@ -118,7 +124,7 @@ impl EventDriven {
                 motion.displacement.fill(f64::NAN);
                 return Ok(());
             }
-            let event = self.next_event(motion, drive);
+            let event = self.next_event(motion, drive, self.doubt(standstill));
             let part = event.unwrap_or(1.0);
             let passed = part * reach;
             if passed > 0.0 {
@@ -142,6 +148,14 @@ impl EventDriven {
             }
         }
         Ok(())
+    }
+
+    /// How much more than usual counts as rounding, after so many events at one instant. Where the sign of
+    /// a difference is decided by rounding, two states may each lead to the other: the doubt is doubled
+    /// until the changes that the difference goes through decide.
+    fn doubt(&self, standstill: u64) -> f64 {
+        let often = standstill.saturating_sub(2 * self.events.len() as u64);
+        f64::from(1_u32 << often.min(MOST_DOUBLINGS))
     }
 
     /// Takes note of what drives the motion with `left` (s) of a step of length `h` to go.
@@ -169,11 +183,10 @@ impl EventDriven {
 
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
-    fn follow_slider(&self, motion: &mut Motion, h: f64) {
-        // Of a slider that stands only what the forces would do in a step says what rounding is.
+    fn follow_slider(&mut self, motion: &mut Motion, h: f64) {
         let rows = 0..self.force.len();
         let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &self.force).abs());
-        let gained = h * driven.fold(0.0, f64::max);
+        self.gained = h * driven.fold(0.0, f64::max);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let old = motion.contacts[i];
             if old == ContactState::Detached {
@@ -184,7 +197,8 @@ impl EventDriven {
             let terms = contact.tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
             let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
-            let size = self.surface[i].abs().max(terms).max(gained);
+            // Of a slider that stands only the forces say what rounding is.
+            let size = self.surface[i].abs().max(terms).max(self.gained);
             let new = if slip.abs() <= NOISE * size {
                 continue;
             } else if slip > 0.0 {
@@ -199,9 +213,15 @@ impl EventDriven {
         }
     }
 
+    /// The fastest velocity, m/s, which others are nothing beside. Where all stand, what is left of it is
+    /// rounding of what the forces do.
+    fn speed(&self, motion: &Motion) -> f64 {
+        largest(&motion.velocity).max(NOISE * self.gained)
+    }
+
     /// A motion may be started with closed contacts that approach: an impact too.
     fn stop_approach(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
-        let speed = largest(&motion.velocity);
+        let speed = self.speed(motion);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let approaches = motion.contacts[i] != ContactState::Detached
                 && contact.normal.dot(&motion.velocity) < -NOISE * speed;
@@ -247,14 +267,8 @@ impl EventDriven {
         self.before.clone_from(&motion.contacts);
         let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
         let landed = self.events.iter().any(touched);
-        let speed = largest(&motion.velocity);
-        for (i, event) in self.events.iter().enumerate() {
-            if let (Some(Event::Stop), Some(dof)) =
-                (event, self.dynamics.contacts[i].tangent.as_unit())
-            {
-                motion.velocity[dof] = self.surface[i];
-            }
-        }
+        let speed = self.speed(motion);
+        self.stop(motion);
         if landed {
             self.impact(motion, drive)?;
         }
@@ -285,7 +299,8 @@ impl EventDriven {
                 contact.tangent.dot(&self.dynamics.acceleration) - drive.slider_acceleration[i],
             ];
         }
-        motion.statistics.sweeps += self.dynamics.multipliers.solve()?;
+        motion.statistics.count_sweeps(self.dynamics.multipliers.solve()?);
+        motion.statistics.events += 1;
         for (i, (state, new)) in
             motion.contacts.iter_mut().zip(&self.dynamics.multipliers.states).enumerate()
         {
@@ -299,6 +314,27 @@ impl EventDriven {
         }
         self.settle(motion, drive);
         Ok(())
+    }
+
+    /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
+    fn stop(&mut self, motion: &mut Motion) {
+        let stops = |event: &Option<Event>| *event == Some(Event::Stop);
+        if self.is_inclined && self.events.iter().any(stops) {
+            self.kept.clone_from(&motion.contacts);
+            for (state, event) in self.kept.iter_mut().zip(&self.events) {
+                if stops(event) {
+                    *state = ContactState::Stick;
+                }
+            }
+            let law = &mut self.series.law;
+            law.set(&self.dynamics, &self.kept, &self.frictionless);
+            law.mend_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
+        }
+        for (i, event) in self.events.iter().enumerate() {
+            if let (true, Some(dof)) = (stops(event), self.dynamics.contacts[i].tangent.as_unit()) {
+                motion.velocity[dof] = self.surface[i];
+            }
+        }
     }
 
     /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
@@ -319,17 +355,10 @@ impl EventDriven {
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
-        motion.statistics.sweeps += multipliers.solve()?;
+        motion.statistics.count_sweeps(multipliers.solve()?);
         for (impulse, responses) in multipliers.forces.iter().zip(&*responses) {
             for (&impulse, response) in impulse.iter().zip(responses) {
                 response.add_to(&mut motion.velocity, impulse);
-            }
-        }
-        for (i, contact) in contacts.iter().enumerate() {
-            if let (Some(dof), ContactState::Stick) =
-                (contact.tangent.as_unit(), multipliers.states[i])
-            {
-                motion.velocity[dof] = self.surface[i];
             }
         }
         self.stand(motion);
@@ -339,11 +368,15 @@ impl EventDriven {
     /// Takes away what rounding has left of the gaps of contacts in an impact, and of the normal
     /// velocities of those that it does not throw off: it would be another touch-down where they open.
     fn stand(&mut self, motion: &mut Motion) {
-        let least = THROWN * largest(&motion.velocity);
+        let least = THROWN * self.speed(motion);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let is_closed = self.closed[i] != ContactState::Detached;
             let is_kept = is_closed && contact.normal.dot(&motion.velocity) <= least;
-            self.kept[i] = frictionless(is_kept);
+            // Those that the impact has stopped have no slip either, not even that of rounding.
+            self.kept[i] = match self.dynamics.multipliers.states[i] {
+                ContactState::Stick if is_kept => ContactState::Stick,
+                _ => frictionless(is_kept),
+            };
         }
         if self.is_inclined {
             // All at once: what is taken from one is given to its neighbours.
@@ -354,12 +387,16 @@ impl EventDriven {
             law.mend_velocities(dynamics, &self.surface, &mut motion.velocity);
         }
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
-            let Some(dof) = contact.normal.as_unit() else { continue };
-            if self.closed[i] != ContactState::Detached {
-                motion.displacement[dof] = 0.0;
+            if let Some(dof) = contact.normal.as_unit() {
+                if self.closed[i] != ContactState::Detached {
+                    motion.displacement[dof] = 0.0;
+                }
+                if self.kept[i] != ContactState::Detached {
+                    motion.velocity[dof] = 0.0;
+                }
             }
-            if self.kept[i] != ContactState::Detached {
-                motion.velocity[dof] = 0.0;
+            if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), self.kept[i]) {
+                motion.velocity[dof] = self.surface[i];
             }
         }
     }
@@ -408,6 +445,9 @@ impl Integrator for EventDriven {
         drive: &Drive,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
+        if self.present_forces(motion, drive, forces) {
+            return Ok(());
+        }
         self.dynamics.contact_forces(motion, drive, forces)
     }
 

@@ -10,10 +10,11 @@ const BOUNDED: usize = 4;
 
 /// The first s in [0, 1] from which on p(s) = Σ c_k s^k is negative; `None` if it is not.
 ///
-/// A value up to the first `noise` counts as zero, and a further coefficient up to the second: the
-/// polynomial then goes where its next coefficient leads. No root is missed, two close ones included.
-pub(super) fn first_negative(coefficients: &[f64], noise: [f64; 2]) -> Option<f64> {
-    let noises = noise.into_iter().chain(std::iter::repeat(noise[1]));
+/// A value up to the first `noise` counts as zero, a slope up to the second, and a further coefficient up
+/// to the third: the polynomial then goes where its next coefficient leads. No root is missed, two close
+/// ones included.
+pub(super) fn first_negative(coefficients: &[f64], noise: [f64; 3]) -> Option<f64> {
+    let noises = noise.into_iter().chain(std::iter::repeat(noise[2]));
     let leading =
         coefficients.iter().zip(noises).take_while(|(c, noise)| c.abs() <= *noise).count();
     // Without what is nothing, and divided by s as often: the sign stays.
@@ -91,7 +92,7 @@ fn first_root(p: &[f64]) -> Option<f64> {
 fn value_and_slope(p: &[f64], t: f64) -> [f64; 2] {
     let square = t * t;
     let (pairs, last) = p.as_chunks::<2>();
-    let (mut value, mut slope) = ([last.first().copied().unwrap_or(0.0), 0.0], [0.0; 2]);
+    let (mut value, mut slope) = ([last.first().copied().unwrap_or(0.0), 0.0], [0.0; 3]);
     for pair in pairs.iter().rev() {
         for i in 0..2 {
             slope[i] = slope[i] * square + value[i];
@@ -126,7 +127,7 @@ mod tests {
     fn two_roots_in_one_interval_are_both_seen() {
         for gap in [1e-3, 1e-6] {
             let p = with_roots(1.0, &[0.5, 0.5 + gap]);
-            let found = first_negative(&p, [0.0; 2]).unwrap();
+            let found = first_negative(&p, [0.0; 3]).unwrap();
             assert!((found - 0.5).abs() < 1e-9 / gap * 1e-6, "{found}");
         }
     }
@@ -135,17 +136,17 @@ mod tests {
     fn what_just_does_not_reach_zero_is_not_an_event() {
         let mut p = with_roots(1.0, &[0.5, 0.5]);
         p[0] += 1e-12;
-        assert_eq!(first_negative(&p, [0.0; 2]), None);
+        assert_eq!(first_negative(&p, [0.0; 3]), None);
     }
 
     #[test]
     fn a_start_at_zero_goes_where_the_next_coefficient_leads() {
-        assert_eq!(first_negative(&[0.0, 1.0], [0.0; 2]), None);
-        assert_eq!(first_negative(&[0.0, -1.0], [0.0; 2]), Some(0.0));
-        assert_eq!(first_negative(&[1e-15, -1e-15, 1.0], [1e-14; 2]), None);
-        assert_eq!(first_negative(&[0.0; 5], [0.0; 2]), None);
+        assert_eq!(first_negative(&[0.0, 1.0], [0.0; 3]), None);
+        assert_eq!(first_negative(&[0.0, -1.0], [0.0; 3]), Some(0.0));
+        assert_eq!(first_negative(&[1e-15, -1e-15, 1.0], [1e-14; 3]), None);
+        assert_eq!(first_negative(&[0.0; 5], [0.0; 3]), None);
         // Up and back again.
-        let found = first_negative(&[0.0, 1.0, -4.0], [0.0; 2]).unwrap();
+        let found = first_negative(&[0.0, 1.0, -4.0], [0.0; 3]).unwrap();
         assert!((found - 0.25).abs() < 1e-15);
     }
 
@@ -161,7 +162,7 @@ mod tests {
             prop_assume!(apart);
             let sign = if roots.len().is_multiple_of(2) { 1.0 } else { -1.0 };
             let p = with_roots(sign, &roots);
-            let found = first_negative(&p, [0.0; 2]);
+            let found = first_negative(&p, [0.0; 3]);
             if roots[0] > 1.0 {
                 prop_assert_eq!(found, None);
             } else {

@@ -1,6 +1,6 @@
 //! What must not become negative while the contact states stay, and when it does.
 
-use super::{EventDriven, NOISE, roots};
+use super::{EventDriven, NOISE, THROWN, roots};
 use crate::contact::ContactState;
 use crate::integrator::{Drive, Motion};
 
@@ -21,8 +21,9 @@ pub(super) enum Event {
 }
 
 impl EventDriven {
-    /// The next event, in parts of the series' span, and in `events` what happens then.
-    pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive) -> Option<f64> {
+    /// The next event, in parts of the series' span, and in `events` what happens then; with so many times
+    /// the usual noise.
+    pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive, doubt: f64) -> Option<f64> {
         self.events.fill(None);
         let mut first = None;
         let bend = self.series.largest_bend();
@@ -31,7 +32,7 @@ impl EventDriven {
             for (event, size) in watched.into_iter().flatten() {
                 let terms = self.fill(i, event, drive);
                 let p = &self.polynomial[..terms];
-                let noise = size.map(|size| NOISE * size);
+                let noise = size.map(|size| doubt * NOISE * size);
                 let Some(time) = roots::first_negative(p, noise) else { continue };
                 // Those that are apart by rounding alone are one.
                 let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON;
@@ -48,14 +49,14 @@ impl EventDriven {
     }
 
     /// What might become negative at a contact, with the sizes that its rounding is measured by: of the
-    /// value itself, and of its changes.
+    /// value itself, of its first change, and of further ones.
     fn watched(
         &self,
         contact: usize,
         state: ContactState,
         drive: &Drive,
         bend: f64,
-    ) -> [Option<(Event, [f64; 2])>; 3] {
+    ) -> [Option<(Event, [f64; 3])>; 3] {
         let span = self.series.span();
         let acceleration = 2.0 * bend / (span * span);
         let own = self.dynamics.multipliers.delassus.own(contact);
@@ -68,9 +69,16 @@ impl EventDriven {
         match state {
             ContactState::Detached => {
                 // A velocity that an impact has left may be nothing in the rounding of the gap: the gap
-                // then begins at zero, and opens for as long as that velocity says.
-                let changes = 2.0 * bend + moved + self.pulled(contact);
-                [Some((Event::Touch, [changes + place, changes])), None, None]
+                // then begins at zero, and opens for as long as that velocity says. What an impact has
+                // thrown off is something, however soon it comes back: else it would land again at once.
+                let bends = 2.0 * bend + self.pulled(contact);
+                let fastest = self.series.largest(1).max(NOISE * self.gained * span);
+                let slow = bends.min(0.5 * THROWN / NOISE * fastest);
+                [
+                    Some((Event::Touch, [slow + moved + place, slow + moved, bends + moved])),
+                    None,
+                    None,
+                ]
             }
             ContactState::Stick => {
                 let least = friction * self.series.least_normal_force(contact);
@@ -79,9 +87,9 @@ impl EventDriven {
                 }
                 let force = force();
                 let limit =
-                    |direction| Some((Event::Slip(direction), [(1.0 + friction) * force; 2]));
+                    |direction| Some((Event::Slip(direction), [(1.0 + friction) * force; 3]));
                 [
-                    Some((Event::Lift, [force; 2])),
+                    Some((Event::Lift, [force; 3])),
                     limit(ContactState::Slide),
                     limit(ContactState::ReverseSlide),
                 ]
@@ -94,8 +102,8 @@ impl EventDriven {
                 let distance = (span * self.surface[contact].abs()).max(bend) + moved;
                 let may_lift = self.series.least_normal_force(contact) <= 0.0;
                 [
-                    may_lift.then(|| (Event::Lift, [force(); 2])),
-                    Some((Event::Stop, [distance; 2])),
+                    may_lift.then(|| (Event::Lift, [force(); 3])),
+                    Some((Event::Stop, [distance; 3])),
                     None,
                 ]
             }

@@ -41,10 +41,8 @@ impl SparseForwardIncrement {
             ];
         }
         let sweeps = multipliers.solve()?;
-        let statistics = &mut motion.statistics;
-        statistics.steps += 1;
-        statistics.sweeps += sweeps;
-        statistics.most_sweeps = statistics.most_sweeps.max(sweeps);
+        motion.statistics.steps += 1;
+        motion.statistics.count_sweeps(sweeps);
 
         for (force, responses) in multipliers.forces.iter().zip(&*responses) {
             for (&force, response) in force.iter().zip(responses) {
