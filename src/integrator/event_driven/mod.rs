@@ -22,8 +22,9 @@ use super::multipliers::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
-use crate::model::{Damping, LumpedModel};
+use crate::model::{Contact, Damping, LumpedModel};
 use held::MAX_GROUP;
+use reduced::MOST_PLACES;
 use series::{ORDER, Polynomial, Series};
 use watch::Event;
 
@@ -61,6 +62,12 @@ pub struct EventDriven {
     /// Those that an impact does not throw off.
     kept: Vec<ContactState>,
     frictionless: Vec<Friction>,
+}
+
+/// The places of the full matrices that a structure gets; `None` for a large one, which gets none.
+pub(super) fn full_places(contacts: &[Contact], dofs: usize) -> Option<usize> {
+    let (_, width) = law::places(contacts, dofs);
+    (width <= MOST_PLACES).then(|| width.next_multiple_of(4).max(4))
 }
 
 impl EventDriven {
