@@ -6,15 +6,16 @@ use std::fmt::Write as _;
 
 const STYLE: &str = "\
 :root { color-scheme: light dark }
-body { font: 16px/1.5 system-ui, sans-serif; max-width: 66rem; margin: 0 auto; padding: 1.5rem 1rem }
+body { font: 16px/1.5 system-ui, sans-serif; max-width: 74rem; margin: 0 auto; padding: 1.5rem 1rem }
 h1 { font-size: 1.4rem; line-height: 1.25; margin: 0 0 .25rem; overflow-wrap: anywhere }
 dt { font-weight: 600 }
 dd { margin: 0 0 .4rem; overflow-wrap: anywhere }
 div { overflow-x: auto; margin: 1.25rem 0 }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; white-space: nowrap }
 caption { text-align: left; padding-bottom: .4rem }
-th, td { padding: .25rem .7rem; text-align: right; border-bottom: 1px solid #8886 }
+th, td { padding: .25rem .6rem; text-align: right; border-bottom: 1px solid #8886 }
 th:first-child, td:first-child { text-align: left; padding-left: 0 }
+th:first-child { position: sticky; left: 0; background: Canvas }
 thead th { border-bottom-width: 2px }
 tbody th { font-weight: 400 }
 footer { margin-top: 1.5rem; font-size: .875rem; opacity: .8 }

@@ -21,7 +21,7 @@ use std::f64::consts::TAU;
 use std::fmt;
 
 /// A: what the errors of single events come to.
-const EVENT: f64 = 3.0;
+const EVENT: f64 = 2.5;
 /// B: what a step of the scheme makes of a frequency.
 const DRIFT: f64 = 0.01;
 /// R: what rounding leaves after one radian.
@@ -32,8 +32,8 @@ const LONGEST: f64 = 0.2;
 const EVENTS_A_PERIOD: f64 = 2.0;
 /// Steps are the scene's output interval over 1, 2, 5, 10, … up to so much.
 const MOST_PARTS: f64 = 1e8;
-/// A run may have so many steps.
-const MOST_STEPS: f64 = 1e10;
+/// A run may have so many steps, which take some minutes.
+const MOST_STEPS: f64 = 1e9;
 
 /// The method and step that were chosen by a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -71,8 +71,12 @@ impl Selected {
 
 impl fmt::Display for Selected {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let Self { tolerance, method, step, .. } = self;
-        write!(f, "{method}, step {step:e} s, for a relative error of {tolerance:e}")
+        let Self { tolerance, method, step, error, operations } = self;
+        write!(
+            f,
+            "{method}, step {step:e} s, for a relative error of {tolerance:e} (expected {error:.0e}, with \
+             {operations:.1e} operations)"
+        )
     }
 }
 
@@ -83,21 +87,29 @@ pub fn select(scene: &Scene, tolerance: f64) -> Selected {
     let model = LumpedModel::from(scene);
     let rule = Rule::new(scene, &model);
     let candidate = |(method, step)| rule.candidate(tolerance, method, step);
-    let mut all: Vec<Selected> = rule.steps().map(candidate).collect();
-    // Stable: of equal ones the event-driven one with the longest step stays first.
-    all.sort_by(|a, b| a.operations.total_cmp(&b.operations));
-    let is_possible = |one: &Selected| {
-        one.method == Method::EventDriven || is_below_critical(scene, &model, one.step)
-    };
-    let kept = all.iter().filter(|one| one.is_kept()).find(|one| is_possible(one)).copied();
-    let most_accurate = || {
-        all.sort_by(|a, b| a.error.total_cmp(&b.error));
-        all.iter().find(|one| is_possible(one)).copied()
-    };
+    let mut left: Vec<Selected> = rule.steps().map(candidate).collect();
+    // Of equal ones the first: the event-driven one with the longest step.
+    while let Some(best) = cheapest_kept(&left).or_else(|| most_accurate(&left)) {
+        let is_scheme = best.method == Method::ForwardIncrement;
+        if !is_scheme || is_below_critical(scene, &model, best.step) {
+            return best;
+        }
+        left.retain(|one| one.method != best.method || one.step < best.step);
+    }
     // What neither method takes is refused where its integrator is made.
-    kept.or_else(most_accurate).unwrap_or_else(|| {
-        rule.candidate(tolerance, Method::EventDriven, scene.experiment.output_interval)
-    })
+    rule.candidate(tolerance, Method::EventDriven, scene.experiment.output_interval)
+}
+
+fn cheapest_kept(all: &[Selected]) -> Option<Selected> {
+    let kept = all.iter().filter(|one| one.is_kept());
+    kept.min_by(|a, b| a.operations.total_cmp(&b.operations)).copied()
+}
+
+fn most_accurate(all: &[Selected]) -> Option<Selected> {
+    let order = |a: &&Selected, b: &&Selected| {
+        a.error.total_cmp(&b.error).then(a.operations.total_cmp(&b.operations))
+    };
+    all.iter().min_by(order).copied()
 }
 
 /// A step (s) without what rounding has left behind its digits: as an equal part of an interval it is known to
@@ -127,7 +139,9 @@ struct Rule<'a> {
 impl<'a> Rule<'a> {
     #[allow(clippy::cast_precision_loss)]
     fn new(scene: &'a Scene, model: &LumpedModel) -> Self {
-        let frequency = highest_frequency(model);
+        // What has no springs moves within the span all the same.
+        let slowest = TAU / scene.experiment.stop_time;
+        let frequency = highest_frequency(model).map(|frequency| frequency.max(slowest));
         let periods = scene.experiment.stop_time * frequency.unwrap_or(0.0) / TAU;
         Self {
             scene,
