@@ -59,7 +59,7 @@ pub fn accuracy_page(study: &Study, rows: &[(Row, Option<f64>)], notes: &[String
         add(&format!("<p>Note: {}</p>\n", escape(note)));
     }
     let legend = LEGEND.replace('\n', " ");
-    write!(page, "<p>{}</p>\n", escape(legend)).expect("a string takes all");
+    writeln!(page, "<p>{}</p>", escape(legend)).expect("a string takes all");
     writeln!(
         page,
         "<footer>Amontons {}. <code>amontons accuracy</code> prints this table with computing times.</footer>\n\
