@@ -249,6 +249,13 @@ fn an_export_takes_the_cheapest_that_it_has_measured_to_keep_the_tolerance() {
     // The scheme with its longest step is off by 4e-3: good enough for the one, not for the other.
     assert_eq!(taken("1e-2"), (Method::ForwardIncrement, 1e-2));
     assert_eq!(taken("1e-5"), (Method::EventDriven, 1e-2));
+    // A step that is replaced is not looked at, be it above the critical one.
+    let shown = printed(folder.path(), &["scenes", "show", "belt"]);
+    let long = shown.replacen("step = 2.5e-4 ", "step = 9.0 ", 1);
+    assert_ne!(shown, long);
+    std::fs::write(folder.path().join("long.toml"), long).unwrap();
+    assert_refused(&amontons(folder.path(), &["export", "long.toml"]), 3, &["critical step"]);
+    export(folder.path(), "c.fmu", &["long.toml", "--tolerance", "1e-4"]);
 }
 
 #[test]

@@ -90,9 +90,10 @@ pub fn reasons(choice: &Choice, scene: &Scene, tolerance: f64) -> Vec<String> {
     let head = format!("{tolerance:e}, held against runs of {} s:", scene.experiment.stop_time);
     let mut lines = vec![head, line(&choice.taken, ": taken")];
     lines.extend(choice.other.as_ref().map(|other| {
-        let verdict = match other.keeps(tolerance) {
-            true => ": dearer",
-            false => ": not accurate enough, and a shorter step dearer",
+        let verdict = match (other.keeps(tolerance), choice.taken.keeps(tolerance)) {
+            (true, _) => ": dearer",
+            (false, true) => ": not accurate enough, and shorter steps are dearer",
+            (false, false) => ": not accurate enough",
         };
         line(other, verdict)
     }));
