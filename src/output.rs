@@ -5,6 +5,22 @@ use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
+/// Refuses a file whose folder is not there, before the work whose results it is to hold.
+///
+/// # Errors
+/// The file, and the folder that lacks.
+pub fn check_folder(file: &Path) -> Result<(), Error> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => Err(Error::unusable_file(format!(
+            "cannot write {}: there is no folder {}",
+            file.display(),
+            folder.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
 /// A file that is written under another name until it is complete. What stood at its place stays
 /// until then; a run that is cut short leaves what it had in the file ending in `.partial`. What is
 /// not a regular file (a pipe, a device) is written to directly.

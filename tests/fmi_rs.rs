@@ -22,7 +22,7 @@ fn fmu() -> (TempDir, PathBuf) {
     let folder = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let path = folder.path().join("set1.fmu");
     let set1 = builtin("set1").unwrap();
-    std::fs::write(&path, package::fmu(&set1.scene(), &set1.text.into()).unwrap()).unwrap();
+    std::fs::write(&path, package::fmu(&set1.scene(), &set1.text.into(), None).unwrap()).unwrap();
     (folder, path)
 }
 

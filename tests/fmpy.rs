@@ -110,6 +110,11 @@ fn saved_states_lead_to_the_same_doubles() {
 }
 
 #[test]
+fn the_importers_tolerance_chooses_where_the_scene_leaves_it_to_it() {
+    pytest("test_tolerance.py");
+}
+
+#[test]
 fn instances_do_not_disturb_each_other() {
     pytest("test_instances.py");
 }

@@ -81,7 +81,7 @@ fn every_scene_packages_starts_runs_and_has_a_step_that_goes_with_it() {
     for builtin in BUILTIN {
         let scene = builtin.scene();
         assert!(
-            package::fmu(&scene, &builtin.text.into()).unwrap().starts_with(b"PK"),
+            package::fmu(&scene, &builtin.text.into(), None).unwrap().starts_with(b"PK"),
             "{}",
             builtin.name
         );

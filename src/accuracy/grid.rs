@@ -14,6 +14,8 @@ const EVENT_DRIVEN_ROWS: usize = 4;
 /// The most work of a row: steps times degrees of freedom, of which those of a network cost more.
 const MOST_WORK: f64 = 1e9;
 const NETWORK: f64 = 30.0;
+/// A step of the event-driven integrator is as much as so many of the paper's scheme.
+const EVENT_DRIVEN: f64 = 100.0;
 
 /// Equal intervals, at whose ends a run is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -22,6 +24,8 @@ pub struct Grid {
     pub interval: f64,
     /// How many.
     pub intervals: u64,
+    /// How many make an output interval of the scene.
+    pub per_output: u64,
 }
 
 /// A method with a step.
@@ -31,15 +35,17 @@ pub struct Rung {
     pub method: Method,
     /// Its step, s.
     pub step: f64,
-    /// How many of them make an interval.
+    /// How many of them make an interval, or several together.
     pub steps: u64,
+    /// How many intervals those are.
+    pub intervals: u64,
 }
 
 impl Rung {
     /// The scene with this method and step.
     #[must_use]
     pub fn scene(&self, scene: &Scene) -> Scene {
-        Scene { method: self.method, step: self.step, ..scene.clone() }
+        scene.with_integrator(self.method, self.step)
     }
 }
 
@@ -53,7 +59,8 @@ impl Grid {
         let parts = |whole: f64, part: f64| (whole / part * (1.0 - 1e-9)).ceil().max(1.0);
         let outputs = parts(stop, scene.experiment.output_interval);
         let longest = critical.unwrap_or(f64::INFINITY).min(stop / FEWEST as f64);
-        let count = outputs * parts(stop / outputs, longest);
+        let per_output = parts(stop / outputs, longest);
+        let count = outputs * per_output;
         let kept = count * scene.external_forces().count() as f64;
         if kept > MOST_KEPT {
             return Err(Error::argument(format!(
@@ -61,7 +68,8 @@ impl Grid {
                  {MOST_KEPT:e}; choose a shorter --stop-time, or a longer output_interval in the scene's [experiment]"
             )));
         }
-        Ok(Self { interval: stop / count, intervals: count as u64 })
+        let (intervals, per_output) = (count as u64, per_output as u64);
+        Ok(Self { interval: stop / count, intervals, per_output })
     }
 
     /// The end of an interval (from 1), s; 0 is the start.
@@ -75,13 +83,22 @@ impl Grid {
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
     pub fn rung(&self, method: Method, steps: u64) -> Rung {
-        Rung { method, step: self.interval / steps as f64, steps }
+        Rung { method, step: self.interval / steps as f64, steps, intervals: 1 }
+    }
+
+    /// The grid whose intervals are so many of this one.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn coarser(&self, intervals: u64) -> Self {
+        Self {
+            interval: self.interval * intervals as f64,
+            intervals: self.intervals / intervals,
+            per_output: self.per_output / intervals,
+        }
     }
 
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn ladder(&self, scene: &Scene, critical: Option<f64>) -> Vec<Rung> {
-        let all = (0..).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u64.pow(power)));
-        let divisors: Vec<u64> = all.take(3 * SCHEME_ROWS).collect();
+        let divisors: Vec<u64> = divisors().collect();
         let dofs = scene.external_forces().count() as f64;
         let cost = if scene.network().is_some() { NETWORK * dofs } else { dofs };
         let work = |rung: &Rung| (rung.steps * self.intervals) as f64 * cost;
@@ -92,6 +109,30 @@ impl Grid {
             .take(SCHEME_ROWS);
         scheme.chain(rungs(Method::EventDriven).take(EVENT_DRIVEN_ROWS)).collect()
     }
+
+    /// Steps of the event-driven integrator, from an output interval on, as far as they are not too much work.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn long_ladder(&self, scene: &Scene) -> Vec<Rung> {
+        let dofs = scene.external_forces().count() as f64;
+        let work = |steps: u64| EVENT_DRIVEN * (steps * self.intervals) as f64 * dofs;
+        let rungs = divisors().enumerate();
+        let few =
+            rungs.take_while(|(i, steps)| *i < EVENT_DRIVEN_ROWS || work(*steps) <= MOST_WORK);
+        let few = few.map(|(_, steps)| self.rung(Method::EventDriven, steps));
+        let parts = divisors().take_while(|parts| *parts < self.per_output);
+        let long = parts.filter(|parts| self.per_output.is_multiple_of(*parts)).map(|parts| {
+            let intervals = self.per_output / parts;
+            let step = self.interval * intervals as f64;
+            Rung { method: Method::EventDriven, step, steps: 1, intervals }
+        });
+        long.chain(few).collect()
+    }
+}
+
+/// 1, 2, 5, 10, …
+fn divisors() -> impl Iterator<Item = u64> {
+    let all = (0..).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u64.pow(power)));
+    all.take(3 * SCHEME_ROWS)
 }
 
 #[cfg(test)]

@@ -10,20 +10,26 @@
 //! | `grid` | when a run is looked at, and which steps go with that |
 //! | `run` | one run: displacements over the window, changes of state with their times |
 //! | `cycle` | amplitude and frequency of what a run ends in |
+//! | `choice` | the cheapest method and step that keep a tolerance |
+//! | `table` | the table in words |
 
+mod choice;
 mod cycle;
 mod grid;
 mod run;
+mod table;
 
+pub use choice::{Choice, Compared};
 pub use cycle::Cycle;
 pub use grid::{Grid, Rung};
 pub use run::Change;
+pub use table::{COLUMNS, LEGEND, short};
 
 use crate::Error;
-use crate::integrator::Statistics;
+use crate::integrator::{Cost, Statistics};
 use crate::model::LumpedModel;
 use crate::scene::{Method, Scene, nearest};
-use crate::simulation::Simulation;
+use crate::simulation::{self, Simulation};
 use crate::stability::{CriticalStep, critical_step};
 use run::Run;
 use std::ops::ControlFlow;
@@ -101,6 +107,19 @@ pub fn dof_named(scene: &Scene, name: &str) -> Result<usize, Error> {
     })
 }
 
+/// Gives a parameter or input of a scene that is to be studied another value.
+///
+/// # Errors
+/// As [`simulation::assign`], and the step: a study looks at steps of its own.
+pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
+    if name == "integrator.step" {
+        return Err(Error::argument(
+            "integrator.step cannot be set here: both methods are looked at with a ladder of steps",
+        ));
+    }
+    simulation::assign(scene, name, value)
+}
+
 /// A run, and the one with twice its step.
 struct Converged {
     coarser: Run,
@@ -158,6 +177,7 @@ pub struct Study {
     scene: Scene,
     grid: Grid,
     critical: Result<CriticalStep, Error>,
+    cost: Cost,
     dof: usize,
     reference: Run,
     reference_step: f64,
@@ -173,9 +193,11 @@ impl Study {
     /// # Errors
     /// What is wrong with the scene; a run that fails; a window too long to keep.
     pub fn new(scene: &Scene, dof: Option<usize>, watch: Watch<'_>) -> Result<Option<Self>, Error> {
-        let start = Simulation::new(Scene { method: Method::EventDriven, ..scene.clone() }, 0.0)?;
+        let interval = scene.experiment.output_interval;
+        let start = Simulation::new(scene.with_integrator(Method::EventDriven, interval), 0.0)?;
         let acting = start.acting();
-        let critical = critical_step(&LumpedModel::from(acting), acting.friction_coefficient);
+        let model = LumpedModel::from(acting);
+        let critical = critical_step(&model, acting.friction_coefficient);
         let grid = Grid::of(scene, critical.as_ref().ok().map(|critical| critical.step))?;
         let size =
             start.reference().displacement.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
@@ -186,6 +208,7 @@ impl Study {
             scene: scene.clone(),
             grid,
             critical,
+            cost: Cost::of(&model),
             dof,
             cycle: Cycle::of(&reference.history(dof), grid.interval),
             reference_step: step,
@@ -288,16 +311,36 @@ impl Study {
         self.grid.ladder(&self.scene, critical)
     }
 
+    /// The steps of one method, longest first, down to much shorter ones than the ladder has of exact motion.
+    fn long_ladder(&self, method: Method) -> Vec<Rung> {
+        match method {
+            Method::ForwardIncrement => {
+                self.ladder().into_iter().filter(|rung| rung.method == method).collect()
+            }
+            Method::EventDriven => self.grid.long_ladder(&self.scene),
+        }
+    }
+
     /// What one method with one step does: `None` if the watch ended it.
     ///
     /// # Errors
     /// A run that fails: a step above the critical one, contact forces that do not converge.
     pub fn row(&self, rung: Rung, watch: Watch<'_>) -> Result<Option<Row>, Error> {
-        let Some(run) = Run::of(&self.scene, self.grid, rung, watch)? else { return Ok(None) };
+        let grid = self.grid.coarser(rung.intervals);
+        let Some(run) = Run::of(&self.scene, grid, rung, watch)? else { return Ok(None) };
         let raised = |error: Option<f64>, floor: Option<f64>| {
             error.zip(floor).map(|(error, floor)| error.max(floor))
         };
-        let (errors, floor) = (self.errors_of(&run), self.floor);
+        let errors = match rung.intervals {
+            1 => self.errors_of(&run),
+            // Like is compared with like: at the same times.
+            intervals => {
+                let reference = self.reference.thinned(intervals);
+                let cycle = Cycle::of(&reference.history(self.dof), grid.interval);
+                self.errors_between(&reference, cycle, &run, grid.interval)
+            }
+        };
+        let floor = self.floor;
         let more = |run: &Run| i64::try_from(run.statistics.state_changes).unwrap_or(i64::MAX);
         let errors = Errors {
             rms: raised(errors.rms, floor.rms),
@@ -311,16 +354,21 @@ impl Study {
     }
 
     fn errors_of(&self, run: &Run) -> Errors {
-        let cycle = Cycle::of(&run.history(self.dof), self.grid.interval);
+        self.errors_between(&self.reference, self.cycle, run, self.grid.interval)
+    }
+
+    /// How far a run is from the reference with its cycle, both looked at after each `interval` (s).
+    fn errors_between(&self, reference: &Run, known: Cycle, run: &Run, interval: f64) -> Errors {
+        let cycle = Cycle::of(&run.history(self.dof), interval);
         let relative = |value: Option<f64>, reference: Option<f64>| {
             value.zip(reference).map(|(value, reference)| (value / reference - 1.0).abs())
         };
-        let times = self.reference.event_times_apart(run);
-        let moving = self.scale.and(self.cycle.amplitude);
+        let times = reference.event_times_apart(run);
+        let moving = self.scale.and(known.amplitude);
         Errors {
-            rms: self.scale.map(|scale| self.reference.distance(run) / scale),
+            rms: self.scale.map(|scale| reference.distance(run) / scale),
             amplitude: relative(cycle.amplitude, moving),
-            frequency: relative(cycle.frequency, moving.and(self.cycle.frequency)),
+            frequency: relative(cycle.frequency, moving.and(known.frequency)),
             event_time: times.map(|[rms, _]| rms),
             largest_event_time: times.map(|[_, largest]| largest),
         }

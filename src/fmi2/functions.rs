@@ -116,17 +116,18 @@ unsafe extern "C" fn fmi2FreeInstance(component: fmi2Component) {
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi2SetupExperiment(
     component: fmi2Component,
-    _tolerance_defined: fmi2Boolean,
-    _tolerance: fmi2Real,
+    tolerance_defined: fmi2Boolean,
+    tolerance: fmi2Real,
     start_time: fmi2Real,
     stop_time_defined: fmi2Boolean,
     stop_time: fmi2Real,
 ) -> fmi2Status {
+    let tolerance = (tolerance_defined != fmi2False).then_some(tolerance);
     let stop = (stop_time_defined != fmi2False).then_some(stop_time);
     // SAFETY: the importer's contract.
     unsafe {
         call(component, Call::SetupExperiment, |instance| {
-            instance.setup_experiment(start_time, stop)?;
+            instance.setup_experiment(tolerance, start_time, stop)?;
             OK
         })
     }

@@ -4,7 +4,7 @@ use super::lifecycle::{Call, Phase};
 use super::logger::{Category, Logger};
 use super::types::fmi2Status;
 use crate::Error;
-use crate::scene::{self, Scene};
+use crate::scene::{self, Rule, Scene, Selection};
 use crate::simulation::catalogue::Kind;
 use crate::simulation::{
     self, Simulation, Snapshot, Variable, check_value, fingerprint, from_bytes, read_scene,
@@ -112,10 +112,23 @@ impl Instance {
         }
     }
 
-    pub(super) fn setup_experiment(&mut self, start: f64, stop: Option<f64>) -> Result<(), Error> {
+    /// A tolerance counts where the scene leaves method and step to it, and nowhere else.
+    pub(super) fn setup_experiment(
+        &mut self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Result<(), Error> {
         if !start.is_finite() || stop.is_some_and(|stop| stop.is_nan() || stop < start) {
             let stop = stop.map_or_else(|| "none".to_owned(), |stop| stop.to_string());
             return Err(Error::call(format!("start time {start} and stop time {stop} do not fit")));
+        }
+        if let Selection::Auto { tolerance: default } = self.original.selection {
+            let tolerance = tolerance.unwrap_or(default);
+            if let Some(wish) = Rule::TOLERANCE.broken_by(tolerance) {
+                return Err(Error::call(format!("tolerance = {tolerance:e}: {wish}")));
+            }
+            self.scene.selection = Selection::Auto { tolerance };
         }
         self.start_time = start;
         self.stop_time = stop;
@@ -134,6 +147,14 @@ impl Instance {
     pub(super) fn exit_initialization_mode(&mut self) -> Result<(), Error> {
         self.start()?;
         self.phase = Phase::StepComplete;
+        if let Some(selected) = self.start()?.selected() {
+            if self.logger.wants(Category::Events) {
+                self.inform(&format!("chosen: {selected}"));
+            }
+            if let Some(shortfall) = selected.shortfall() {
+                self.warn(&shortfall);
+            }
+        }
         if self.logger.wants(Category::Events) {
             let equilibrium = self.start()?.reference().clone();
             let forces: Vec<String> =

@@ -17,7 +17,10 @@ pub(crate) enum Category {
 pub(crate) const CATEGORIES: [(&str, &str); 4] = [
     ("logStatusError", "Why a call was refused or failed; always on"),
     ("logStatusWarning", "What an importer should not do, but is answered"),
-    ("logEvents", "Initialization and changes of contact state"),
+    (
+        "logEvents",
+        "Initialization, the method and step that a tolerance chose, changes of contact state",
+    ),
     ("logAll", "All of these"),
 ];
 

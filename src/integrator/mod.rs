@@ -3,14 +3,18 @@
 //! [`choose`] picks the integrator once, from the structure of the model; from then on a step
 //! tests no option.
 
+mod cost;
 mod delassus;
 mod dynamics;
 mod event_driven;
 mod forward_increment;
 mod multipliers;
+mod select;
 
+pub use cost::Cost;
 pub use event_driven::EventDriven;
 pub use forward_increment::{RingForwardIncrement, SparseForwardIncrement};
+pub use select::{Selected, select, tidy};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};

@@ -2,7 +2,7 @@
 
 use super::date::Date;
 use crate::fmi2::CATEGORIES;
-use crate::scene::{Scene, Source};
+use crate::scene::{Scene, Selection, Source};
 use crate::simulation::catalogue::{
     Causality, ENUMERATIONS, Kind, Template, UNITS, Variability, Variable,
 };
@@ -60,15 +60,16 @@ pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> 
                 xml.empty("Category", &attributes);
             }
         });
-        // No tolerance: some importers would pass it on by themselves, and it would change nothing.
-        xml.empty(
-            "DefaultExperiment",
-            &[
-                ("startTime", "0".to_owned()),
-                ("stopTime", number(scene.experiment.stop_time)),
-                ("stepSize", number(scene.experiment.output_interval)),
-            ],
-        );
+        let mut experiment = vec![
+            ("startTime", "0".to_owned()),
+            ("stopTime", number(scene.experiment.stop_time)),
+            ("stepSize", number(scene.experiment.output_interval)),
+        ];
+        // Some importers pass it on by themselves: only where it would change something.
+        if let Selection::Auto { tolerance } = scene.selection {
+            experiment.insert(2, ("tolerance", number(tolerance)));
+        }
+        xml.empty("DefaultExperiment", &experiment);
         xml.nest("ModelVariables", &[], |xml| {
             for (reference, variable) in variables.iter().enumerate() {
                 scalar_variable(xml, scene, reference, variable);

@@ -1,7 +1,7 @@
 //! Picture files: told apart by their endings, whole or not there.
 
 use crate::Error;
-use crate::output::Pending;
+use crate::output::{Pending, check_folder};
 use std::io::Write;
 use std::path::Path;
 
@@ -29,9 +29,10 @@ impl Format {
 /// Refuses the name of a picture that cannot be one, before the work that it would show.
 ///
 /// # Errors
-/// An ending other than `.svg` and `.png`.
+/// An ending other than `.svg` and `.png`; a folder that is not there.
 pub fn check_name(path: &Path) -> Result<(), Error> {
-    Format::of(path).map(|_| ())
+    Format::of(path)?;
+    check_folder(path)
 }
 
 /// Writes a picture that replaces what stood there when it is complete.

@@ -158,6 +158,7 @@ impl Scene {
             ("damping.alpha", self.damping.alpha, Rule::DAMPING),
             ("damping.beta", self.damping.beta, Rule::DAMPING),
             ("integrator.step", self.step, Rule::TIME),
+            ("integrator.tolerance", self.selection.tolerance().unwrap_or(0.5), Rule::TOLERANCE),
             ("experiment.stop_time", stop_time, Rule::TIME),
             ("experiment.output_interval", output_interval, Rule::TIME),
         ] {

@@ -2,12 +2,13 @@
 
 use super::check::{Part, with_key};
 use super::initial_file::{self, Initial};
+use super::integrator_file::Integrator;
 use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
 #[cfg(not(feature = "tools"))]
 use super::problem;
 use super::signal_file::{self, SignalTable};
 use super::source::{Folder, Source};
-use super::{Damping, Experiment, Method, Problem, Scene, Slider, Structure, ring_file, text};
+use super::{Damping, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
 #[cfg(feature = "tools")]
 use super::{Rule, located};
 use crate::Error;
@@ -80,19 +81,6 @@ struct Friction {
     static_: Option<f64>,
 }
 
-/// How time goes on.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct Integrator {
-    /// How time goes on: the paper's scheme unless given.
-    #[serde(default)]
-    method: Method,
-    /// Internal time step h, s.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
-    step: f64,
-}
-
 /// Reads and checks a scene file; its name becomes the file's stem.
 ///
 /// # Errors
@@ -152,6 +140,7 @@ impl File {
         problems.extend(self.missing_tables());
         problems.extend(self.strangers());
         let signals = signal_file::signals(self.signal, folder, &mut problems);
+        let (selection, method, step) = self.integrator.read(&mut problems);
         let scene = Scene {
             name: name.to_owned(),
             slider: self.slider.unwrap_or(Slider { velocity: 0.0, angle: 0.0 }),
@@ -160,8 +149,10 @@ impl File {
             damping: self.damping,
             structure,
             signals: signals.into(),
-            method: self.integrator.method,
-            step: self.integrator.step,
+            selection,
+            method: method.unwrap_or_default(),
+            // Until it is chosen; what lacks one altogether has its problem.
+            step: step.unwrap_or(self.experiment.output_interval),
             experiment: self.experiment,
             description: self.description,
         };

@@ -5,6 +5,7 @@
 //! | file | what it holds |
 //! | --- | --- |
 //! | `file`, `initial_file` | the file as a whole; its initial values |
+//! | `selection`, `integrator_file` | method and step given, or a tolerance in their place; that part of a file |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
 //! | `signal`, `signal_file`, `time_table` | values over time that drive inputs |
@@ -18,6 +19,7 @@ mod builtin;
 mod check;
 mod file;
 mod initial_file;
+mod integrator_file;
 #[cfg(feature = "tools")]
 mod located;
 mod nearest;
@@ -29,6 +31,7 @@ mod problem;
 mod ring;
 mod ring_file;
 mod rule;
+mod selection;
 mod signal;
 mod signal_file;
 mod source;
@@ -47,12 +50,14 @@ pub use network::{Damper, GROUND, MAX_PARTS, Mass, Network, RubbingPlace, Spring
 pub use problem::Problem;
 pub use ring::{MAX_MODULES, Module};
 pub use rule::Rule;
+pub use selection::{Preset, Selection};
 pub use signal::{Between, Constant, Pulse, Ramp, Shape, Signal, Sine, Table};
 pub use source::Source;
 pub use time_table::TimeTable;
 
 use crate::Error;
 use serde::{Deserialize, Serialize};
+use std::fmt;
 use std::sync::Arc;
 
 /// A structure in frictional contact, what drives it, and how it is run.
@@ -76,9 +81,11 @@ pub struct Scene {
     /// What changes inputs over time. A saved state goes without: it belongs to a scene that has them.
     #[serde(skip, default = "no_signals")]
     pub signals: Arc<[Signal]>,
-    /// How time goes on.
+    /// Where method and step come from.
+    pub selection: Selection,
+    /// How time goes on. Where it is to be chosen, it says nothing before a simulation is made.
     pub method: Method,
-    /// Internal time step h, s.
+    /// Internal time step h, s; as the method.
     pub step: f64,
     /// What a run does unless told otherwise.
     pub experiment: Experiment,
@@ -94,6 +101,16 @@ pub enum Method {
     ForwardIncrement,
     /// Exact motion from one change of contact state to the next.
     EventDriven,
+}
+
+/// As a scene file writes it.
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::ForwardIncrement => "forward-increment",
+            Self::EventDriven => "event-driven",
+        })
+    }
 }
 
 fn no_signals() -> Arc<[Signal]> {
@@ -153,6 +170,40 @@ impl Default for Experiment {
 }
 
 impl Scene {
+    /// The scene with this method and step (s).
+    #[must_use]
+    pub fn with_integrator(&self, method: Method, step: f64) -> Self {
+        Self { selection: Selection::Given, method, step, ..self.clone() }
+    }
+
+    /// Gives the scene another method, another step (s), or both, in place of what chooses them.
+    ///
+    /// # Errors
+    /// Only one of them is given to a scene that has neither.
+    #[cfg(feature = "tools")]
+    pub fn set_integrator(
+        &mut self,
+        method: Option<Method>,
+        step: Option<f64>,
+    ) -> Result<(), Error> {
+        let lacking = match (method, step) {
+            (None, None) => return Ok(()),
+            (Some(_), None) => Some("--step"),
+            (None, Some(_)) => Some("--integrator"),
+            (Some(_), Some(_)) => None,
+        };
+        if let Some(lacking) = lacking.filter(|_| self.selection != Selection::Given) {
+            return Err(Error::argument(format!(
+                "integrator.{} chooses both method and step; give {lacking} too",
+                self.selection
+            )));
+        }
+        self.selection = Selection::Given;
+        self.method = method.unwrap_or(self.method);
+        self.step = step.unwrap_or(self.step);
+        Ok(())
+    }
+
     /// The modules of a ring; none in a network.
     #[must_use]
     pub fn modules(&self) -> &[Module] {

@@ -15,6 +15,8 @@ pub enum Rule {
     NotInsideSlider,
     /// An angle from −π/2 to π/2 rad.
     QuarterTurn,
+    /// > 0 and < 1.
+    Fraction,
 }
 
 impl Rule {
@@ -30,6 +32,8 @@ impl Rule {
     pub const FREQUENCY: Self = Self::NotNegative;
     /// Of a time or a time step, s.
     pub const TIME: Self = Self::Positive;
+    /// Of a relative error that is accepted.
+    pub const TOLERANCE: Self = Self::Fraction;
     /// Of the slider's inclination under a ring, rad.
     pub const INCLINATION: Self = Self::QuarterTurn;
     /// Of the initial displacement of a mass on the slider along its normal, m.
@@ -46,6 +50,7 @@ impl Rule {
             Self::NotNegative | Self::NotInsideSlider => value >= 0.0,
             Self::Positive => value > 0.0,
             Self::QuarterTurn => value.abs() <= FRAC_PI_2,
+            Self::Fraction => value > 0.0 && value < 1.0,
         };
         if kept { None } else { Some(self.wish()) }
     }
@@ -59,6 +64,7 @@ impl Rule {
                 "starts inside the slider; a displacement along the normal must be ≥ 0"
             }
             Self::QuarterTurn => "must be between −π/2 and π/2 rad (30° are 0.5236)",
+            Self::Fraction => "must be above 0 and below 1",
         }
     }
 }
@@ -90,6 +96,7 @@ impl schemars::transform::Transform for Bounds {
                 Rule::NotNegative | Rule::NotInsideSlider => &[("minimum", 0.0)],
                 Rule::Positive => &[("exclusiveMinimum", 0.0)],
                 Rule::QuarterTurn => &[("minimum", -FRAC_PI_2), ("maximum", FRAC_PI_2)],
+                Rule::Fraction => &[("exclusiveMinimum", 0.0), ("exclusiveMaximum", 1.0)],
             };
             for (keyword, bound) in bounds {
                 schema.insert((*keyword).to_owned(), (*bound).into());
@@ -111,6 +118,7 @@ mod tests {
             (Rule::NotNegative, [0.0, -0.0, f64::MAX], [-least, -1.0, f64::NAN]),
             (Rule::Positive, [least, 1.0, f64::MAX], [0.0, -0.0, f64::INFINITY]),
             (Rule::NotInsideSlider, [0.0, -0.0, 1.0], [-least, -1.0, f64::NAN]),
+            (Rule::Fraction, [least, 0.5, 1.0 - f64::EPSILON], [0.0, 1.0, f64::NAN]),
             (Rule::QuarterTurn, [FRAC_PI_2, -FRAC_PI_2, 0.0], [1.58, -1.58, f64::NAN]),
             (Rule::Finite, [0.0, -1.0, f64::MAX], [f64::NAN, f64::INFINITY, f64::NEG_INFINITY]),
         ] {

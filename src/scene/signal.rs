@@ -16,6 +16,15 @@ pub struct Signal {
     pub shape: Shape,
 }
 
+impl Signal {
+    /// Does it drive a friction coefficient? Those are held over a step by every integrator.
+    #[must_use]
+    pub fn drives_friction(&self) -> bool {
+        let last = self.input.rsplit('.').next().unwrap_or_default();
+        self.input.starts_with("friction.") || matches!(last, "friction" | "static_friction")
+    }
+}
+
 /// A function of the time t (s); values are in the unit of the input.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Shape {

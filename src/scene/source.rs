@@ -1,8 +1,8 @@
 //! What a scene is made from.
 
-#[cfg(feature = "tools")]
-use super::Method;
 use super::time_table::CSV_FILE;
+#[cfg(feature = "tools")]
+use super::{Method, Preset};
 use super::{TimeTable, text};
 #[cfg(feature = "tools")]
 use crate::Error;
@@ -33,20 +33,38 @@ impl Source {
     /// # Errors
     /// The file is not TOML, or has no table `[integrator]`.
     pub fn set_integrator(&mut self, method: Method, step: f64) -> Result<(), Error> {
+        self.set_keys([("method", word(method)?), ("step", step.into())])
+    }
+
+    /// Writes a preset in place of method and step into the scene file, as
+    /// [`set_integrator`](Self::set_integrator).
+    ///
+    /// # Errors
+    /// The same.
+    pub fn set_preset(&mut self, preset: Preset) -> Result<(), Error> {
+        self.set_keys([("preset", word(preset)?)])
+    }
+
+    /// Makes these the keys of `[integrator]`.
+    fn set_keys<const N: usize>(
+        &mut self,
+        keys: [(&str, toml_edit::Value); N],
+    ) -> Result<(), Error> {
         let mut document: toml_edit::DocumentMut =
             self.text.parse().map_err(|error| Error::scene(format!("{error}")))?;
         let table = document
             .get_mut("integrator")
             .and_then(toml_edit::Item::as_table_like_mut)
             .ok_or_else(|| Error::scene("[integrator] is missing"))?;
-        let method = Serialize::serialize(&method, toml_edit::ser::ValueSerializer::new())
-            .map_err(|error| Error::scene(error.to_string()))?;
-        for (key, value) in [("method", method), ("step", step.into())] {
+        for key in ["method", "step", "preset", "tolerance"] {
+            if keys.iter().all(|(kept, _)| *kept != key) {
+                table.remove(key);
+            }
+        }
+        for (key, mut value) in keys {
             // What stands behind the old value goes on to stand behind the new one.
             let old = table.get(key).and_then(toml_edit::Item::as_value);
-            let decor = old.map(|old| old.decor().clone());
-            let mut value: toml_edit::Value = value;
-            if let Some(decor) = decor {
+            if let Some(decor) = old.map(|old| old.decor().clone()) {
                 *value.decor_mut() = decor;
             }
             table.insert(key, value.into());
@@ -54,6 +72,14 @@ impl Source {
         self.text = document.to_string();
         Ok(())
     }
+}
+
+/// A word as a file has it.
+#[cfg(feature = "tools")]
+fn word(value: impl Serialize) -> Result<toml_edit::Value, Error> {
+    value
+        .serialize(toml_edit::ser::ValueSerializer::new())
+        .map_err(|error| Error::scene(error.to_string()))
 }
 
 /// The folder of a scene file, and what has been read there so far.
@@ -112,7 +138,7 @@ fn is_plain(name: &str) -> bool {
 mod tests {
     use super::*;
     #[cfg(feature = "tools")]
-    use crate::scene::{Scene, builtin, parse};
+    use crate::scene::{Scene, Selection, builtin, parse};
 
     #[cfg(feature = "tools")]
     #[test]
@@ -138,6 +164,22 @@ mod tests {
             assert!(source.text.contains("1e-4") || source.text.contains("0.0001"), "{source:?}");
             assert!(source.text.contains("forward-increment"), "{source:?}");
         }
+    }
+
+    #[cfg(feature = "tools")]
+    #[test]
+    fn a_preset_takes_the_place_of_method_and_step_and_gives_it_back() {
+        let set1 = builtin("set1").unwrap();
+        let mut source = Source::from(set1.text);
+        source.set_preset(Preset::Design).unwrap();
+        let chosen = parse("set1", &source.text).unwrap();
+        assert_eq!(chosen.selection, Selection::Preset(Preset::Design));
+        source.set_integrator(set1.scene().method, set1.scene().step).unwrap();
+        assert_eq!(parse("set1", &source.text).unwrap(), set1.scene());
+
+        let mut source = Source::from("integrator = { method = \"auto\", tolerance = 1e-3 }");
+        source.set_preset(Preset::Preview).unwrap();
+        assert!(source.text.contains("preview") && !source.text.contains("auto"), "{source:?}");
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! The catalogue of FMI variables (`modelDescription/`), and the variables of one scene.
 
-use crate::scene::{Scene, Structure};
+use crate::scene::{Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
@@ -197,10 +197,13 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
 }
 
 /// Locked degrees of freedom have no variables, v and µ of a contact have one only where the contact
-/// has its own, and static friction where there is some.
+/// has its own, static friction where there is some, the step where it is given.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
-    if template.quantity == Quantity::StaticFriction {
-        return scene.static_friction.is_some();
+    match template.quantity {
+        Quantity::StaticFriction => return scene.static_friction.is_some(),
+        // Where a tolerance chooses it, it is not for an importer to give.
+        Quantity::IntegratorStep => return scene.selection == Selection::Given,
+        _ => {}
     }
     let Some(network) = scene.network() else {
         let own = [Quantity::OwnVelocity, Quantity::OwnFriction, Quantity::OwnStaticFriction];

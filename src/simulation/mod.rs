@@ -25,7 +25,7 @@ pub use warning::{step_warning, warnings};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
-use crate::integrator::{self, Drive, Integrator, Motion, Statistics, StepFailure};
+use crate::integrator::{self, Drive, Integrator, Motion, Selected, Statistics, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering, OwnValues};
 use crate::scene::{Method, Scene, Structure};
@@ -42,6 +42,8 @@ pub struct Simulation {
     /// The values as they are given now: inputs and tunable parameters may have changed since the
     /// start.
     scene: Scene,
+    /// What a tolerance has chosen, when this simulation was made anew.
+    selected: Option<Selected>,
     /// The values that act, where the scene has signals.
     driven: Option<Driven>,
     model: LumpedModel,
@@ -84,12 +86,18 @@ struct Reference {
 }
 
 impl Simulation {
-    /// A simulation of the scene, at `start_time` (s) and in its initial position.
+    /// A simulation of the scene, at `start_time` (s) and in its initial position. Where the scene has a
+    /// tolerance in place of method and step, they are chosen now, for good.
     ///
     /// # Errors
     /// Impossible values, no equilibrium, or a step above the critical one.
-    pub fn new(scene: Scene, start_time: f64) -> Result<Self, Error> {
+    pub fn new(mut scene: Scene, start_time: f64) -> Result<Self, Error> {
         scene.check()?;
+        let tolerance = scene.selection.tolerance();
+        let selected = tolerance.map(|tolerance| integrator::select(&scene, tolerance));
+        if let Some(Selected { method, step, .. }) = selected {
+            (scene.method, scene.step) = (method, step);
+        }
         let clock = Clock::at(start_time);
         let mut driven = Driven::of(&scene);
         if let Some(driven) = &mut driven {
@@ -100,7 +108,8 @@ impl Simulation {
         let equilibrium = model::equilibrium(acting, &model)?;
         let reference = Reference { equilibrium, load: model.load.clone() };
         let motion = initial_motion(acting, &model);
-        Self::assemble(scene, driven, model, reference, motion, clock)
+        let made = Self::assemble(scene, driven, model, reference, motion, clock)?;
+        Ok(Self { selected, ..made })
     }
 
     fn assemble(
@@ -126,6 +135,7 @@ impl Simulation {
         let stale = Stale { drive: true, limit: false, contact_forces: true };
         Ok(Self {
             scene,
+            selected: None,
             driven,
             model,
             numbering,
@@ -157,6 +167,13 @@ impl Simulation {
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// What the scene's tolerance has chosen; `None` where method and step are given, and after
+    /// [`resume`](Self::resume), which goes on with what was chosen before.
+    #[must_use]
+    pub fn selected(&self) -> Option<Selected> {
+        self.selected
     }
 
     /// The values that act now: those given, and what signals add.

@@ -1,5 +1,7 @@
 //! A saved simulation, in memory or as bytes that another process can resume from.
 //!
+//! Method and step are among the values: where a tolerance has chosen them, a snapshot brings its choice along.
+//!
 //! The bytes: a mark, the format's version, the fingerprint of the FMU they belong to, the values
 //! (little-endian), and a CRC-32 of all that precedes it. No pointers, nothing of this machine.
 
@@ -120,7 +122,7 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 1;
+const VERSION: u8 = 2;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -162,7 +164,7 @@ pub(crate) fn from_bytes<T: for<'a> Deserialize<'a>>(bytes: &[u8], guid: &str) -
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::builtin;
+    use crate::scene::{Selection, builtin};
 
     fn running() -> Simulation {
         let mut scene = builtin("set1").unwrap().scene();
@@ -187,6 +189,27 @@ mod tests {
         }
         assert!(straight.statistics().state_changes > 10);
         assert_eq!(straight.save(), resumed.save());
+    }
+
+    #[test]
+    fn a_snapshot_brings_along_what_its_tolerance_chose() {
+        let scene = |tolerance| {
+            let mut scene = running().scene().clone();
+            scene.selection = Selection::Auto { tolerance };
+            (scene.experiment.stop_time, scene.experiment.output_interval) = (1e-3, 1e-4);
+            scene
+        };
+        let mut coarse = Simulation::new(scene(0.1), 0.0).unwrap();
+        coarse.advance_to(5e-4).unwrap();
+        let mut other = Simulation::new(scene(1e-8), 0.0).unwrap();
+        let chosen = |simulation: &Simulation| (simulation.scene().method, simulation.scene().step);
+        assert_ne!(chosen(&coarse), chosen(&other));
+        other.restore(&coarse.save()).unwrap();
+        assert_eq!(chosen(&coarse), chosen(&other));
+        for run in [&mut coarse, &mut other] {
+            run.advance_to(1e-3).unwrap();
+        }
+        assert_eq!(coarse.save(), other.save());
     }
 
     #[test]

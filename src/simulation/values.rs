@@ -111,6 +111,12 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     if let Some(output) = variables(scene).iter().find(|variable| variable.name == name) {
         return Err(Error::argument(format!("{} cannot be set: it is an output", output.name)));
     }
+    if name == "integrator.step" {
+        return Err(Error::argument(format!(
+            "integrator.step cannot be set: integrator.{} chooses it; give --integrator and --step",
+            scene.selection
+        )));
+    }
     if let Some(meant) = nearest(name, settable.iter().map(|variable| &*variable.name)) {
         return Err(Error::argument(format!(
             "there is no parameter or input {name}; did you mean {meant}?"

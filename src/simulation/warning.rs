@@ -2,7 +2,7 @@
 
 use super::Simulation;
 use crate::model::LumpedModel;
-use crate::scene::{Method, Pulse, Scene, Shape, Signal, Sine};
+use crate::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use crate::stability::critical_step;
 
 /// A critical step this many times the given one is more than accuracy asks for.
@@ -12,7 +12,8 @@ const SUSPICIOUS: f64 = 1e3;
 /// step, or above it. A stiffness or mass in other units than SI shows so.
 #[must_use]
 pub fn step_warning(scene: &Scene) -> Option<String> {
-    if scene.method != Method::ForwardIncrement {
+    // What a tolerance has chosen is as short as that asks for.
+    if scene.method != Method::ForwardIncrement || scene.selection != Selection::Given {
         return None;
     }
     let critical = critical_step(&LumpedModel::from(scene), scene.friction_coefficient).ok()?;
@@ -33,7 +34,11 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
 #[must_use]
 pub fn warnings(simulation: &Simulation) -> Vec<String> {
     let step = step_warning(simulation.acting()).into_iter();
-    step.chain(load_warnings(simulation)).chain(signal_warnings(simulation.scene())).collect()
+    let tolerance = simulation.selected().and_then(|selected| selected.shortfall());
+    let scene = simulation.scene();
+    // What a tolerance has chosen follows the signals as well as it asks for.
+    let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
+    step.chain(tolerance).chain(load_warnings(simulation)).chain(signals).collect()
 }
 
 /// Signals that change faster than the step can follow.

@@ -89,6 +89,15 @@ impl FrequencyBound {
     }
 }
 
+/// A frequency that no mode without friction exceeds, rad/s, in any contact state: contacts that hold only
+/// take freedom away. `None` for a full mass matrix. In a fixed order of plain operations, so that it is the
+/// same double on each machine.
+pub(super) fn frictionless(model: &LumpedModel) -> Option<f64> {
+    let mass = model.mass.as_diagonal()?;
+    let rows = collatz_wielandt(&model.stiffness, &mass, &vec![None; mass.len()], &[]);
+    Some(rows.iter().fold(0.0, |largest, row| f64::max(largest, row.0)).sqrt())
+}
+
 /// The normal degree of freedom and the contact of each degree of freedom that is a tangent, if all
 /// contacts lie along degrees of freedom of their own.
 fn uncoupled(model: &LumpedModel) -> Option<Vec<Option<(usize, usize)>>> {

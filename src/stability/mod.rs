@@ -24,6 +24,15 @@ mod frequency_bound;
 
 pub use critical_step::{CriticalStep, Origin, StepGuard, critical_step};
 
+use crate::model::LumpedModel;
+
+/// A frequency that no mode without friction exceeds, rad/s, in any contact state; `None` for a full mass
+/// matrix. The same double on each machine.
+#[must_use]
+pub fn highest_frequency(model: &LumpedModel) -> Option<f64> {
+    frequency_bound::frictionless(model)
+}
+
 #[cfg(feature = "tools")]
 pub mod candidates;
 #[cfg(feature = "tools")]

@@ -1,6 +1,7 @@
 //! What the command line understands.
 
-use amontons::scene::{Method, Scene};
+use amontons::Error;
+use amontons::scene::{Method, Preset, Rule, Scene, Selection};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -15,7 +16,7 @@ pub struct Arguments {
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written or a picture not \
 drawn, 2 the command line makes no sense (an unknown option, variable or built-in scene), 3 the \
 scene is impossible (its file, a value, no equilibrium, a step above the critical one), 4 the run \
-failed, 130 interrupted (accuracy prints what is done)";
+failed, 130 interrupted (accuracy prints what is done, export writes nothing)";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -41,6 +42,13 @@ pub struct Export {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub integrator: Integrator,
+    /// The relative error that is accepted: method and step are chosen by runs of this scene
+    #[arg(long, value_name = "ERROR", value_parser = tolerance, allow_hyphen_values = true,
+        conflicts_with_all = ["step", "integrator", "preset"])]
+    pub tolerance: Option<f64>,
+    /// Put the table of `amontons accuracy` into the FMU's documentation, without times
+    #[arg(long)]
+    pub with_accuracy: bool,
 }
 
 #[derive(Args)]
@@ -104,13 +112,22 @@ pub struct Integrator {
     /// How time goes on [default: the scene's]
     #[arg(long, value_enum)]
     pub integrator: Option<Method>,
+    /// Choose both by the relative error that is accepted
+    #[arg(long, value_enum, conflicts_with_all = ["step", "integrator"])]
+    pub preset: Option<Preset>,
 }
 
 impl Integrator {
     /// Gives the scene what the command line asks for.
-    pub fn apply(&self, scene: &mut Scene) {
-        scene.method = self.integrator.unwrap_or(scene.method);
-        scene.step = self.step.unwrap_or(scene.step);
+    ///
+    /// # Errors
+    /// A method without a step, or a step without a method, in place of what chooses both.
+    pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
+        match self.preset {
+            Some(preset) => scene.selection = Selection::Preset(preset),
+            None => scene.set_integrator(self.integrator, self.step)?,
+        }
+        Ok(())
     }
 }
 
@@ -138,6 +155,12 @@ fn positive(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("must be a number above zero, in seconds".to_owned()),
     }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let wish = "must be a relative error above 0 and below 1, such as 1e-4".to_owned();
+    let value = text.parse().map_err(|_| wish.clone())?;
+    Rule::TOLERANCE.broken_by(value).map_or(Ok(value), |_| Err(wish))
 }
 
 fn assignment(text: &str) -> Result<(String, f64), String> {

@@ -4,12 +4,13 @@ mod accuracy;
 mod arguments;
 mod draw;
 mod export;
+mod interrupt;
 mod scenes;
 mod simulate;
 
 use arguments::{Arguments, Command};
 use clap::Parser;
-use std::fmt;
+use interrupt::Interrupted;
 use std::process::ExitCode;
 
 /// Exit codes: what kind of thing went wrong (2 is clap's too).
@@ -21,18 +22,6 @@ mod exit {
     /// As shells have it for Ctrl-C.
     pub const INTERRUPTED: u8 = 130;
 }
-
-/// A person has ended a command before its end.
-#[derive(Debug)]
-struct Interrupted;
-
-impl fmt::Display for Interrupted {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str("interrupted")
-    }
-}
-
-impl std::error::Error for Interrupted {}
 
 fn main() -> ExitCode {
     match run(&Arguments::parse().command) {
@@ -46,7 +35,7 @@ fn main() -> ExitCode {
 
 fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
     match command {
-        Command::Export(arguments) => Ok(export::run(arguments)?),
+        Command::Export(arguments) => export::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Scenes { command } => scenes::run(command.as_ref()),

@@ -32,6 +32,11 @@ pub fn run(command: Option<&Scenes>) -> Result<(), Box<dyn error::Error>> {
     Ok(())
 }
 
+/// Refuses what cannot be run, before longer work on it.
+pub fn check(scene: &Scene) -> Result<(), Error> {
+    Simulation::new(scene.clone(), 0.0).map(|_| ())
+}
+
 /// A simulation of the scene, before anything is written; warns of what is hardly meant.
 pub fn start(scene: &Scene) -> Result<Simulation, Error> {
     let simulation = Simulation::new(scene.clone(), 0.0)?;

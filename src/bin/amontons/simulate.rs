@@ -3,7 +3,7 @@
 use crate::arguments::Simulate;
 use crate::scenes;
 use amontons::output::Pending;
-use amontons::scene::{self, Scene};
+use amontons::scene::{self, Experiment, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Inputs, Simulation, Variable, assign, is_close, variables};
 use indicatif::{ProgressBar, ProgressStyle};
@@ -11,7 +11,7 @@ use std::error::Error;
 use std::io::{BufWriter, ErrorKind, Write, stdout};
 
 pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
-    let mut scene = configured(arguments)?;
+    let (mut scene, experiment) = configured(arguments)?;
     let input = arguments.input.as_ref();
     let inputs = input.map(|path| Inputs::read(path, &scene)).transpose()?;
     if let Some(inputs) = &inputs {
@@ -22,16 +22,20 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
         inputs.assign(&mut scene, 0.0)?;
     }
     let simulation = scenes::start(&scene)?;
+    if let Some(selected) = simulation.selected() {
+        eprintln!("{}: {selected}", scene.name);
+    }
     let mut run = Run { simulation, inputs };
     match &arguments.output {
-        None => match write_run(&mut run, &scene, &mut BufWriter::new(stdout().lock())) {
+        None => match write_run(&mut run, &scene, experiment, &mut BufWriter::new(stdout().lock()))
+        {
             // Whoever reads has read enough (`| head`).
             Err(error) if is_broken_pipe(&*error) => Ok(()),
             result => result,
         },
         Some(path) => {
             let mut file = Pending::create(path)?;
-            if let Err(error) = write_run(&mut run, &scene, &mut file) {
+            if let Err(error) = write_run(&mut run, &scene, experiment, &mut file) {
                 if let Some(partial) = file.partial() {
                     eprintln!("the rows up to the failure are in {}", partial.display());
                 }
@@ -52,17 +56,20 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// The scene with the values of the command line.
-fn configured(arguments: &Simulate) -> Result<Scene, Box<dyn Error>> {
+/// The scene with the values of the command line, and what is to be run. A tolerance is one over the scene's
+/// own experiment, as in the FMU, however much of it is run.
+fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error>> {
     let (mut scene, _) = scene::find(&arguments.scene)?;
     for (name, value) in &arguments.set {
         assign(&mut scene, name, *value)?;
     }
-    scene.experiment.stop_time = arguments.stop_time.unwrap_or(scene.experiment.stop_time);
-    scene.experiment.output_interval =
-        arguments.output_interval.unwrap_or(scene.experiment.output_interval);
-    arguments.integrator.apply(&mut scene);
-    Ok(scene)
+    let experiment = Experiment {
+        stop_time: arguments.stop_time.unwrap_or(scene.experiment.stop_time),
+        output_interval: arguments.output_interval.unwrap_or(scene.experiment.output_interval),
+    };
+    Scene { experiment, ..scene.clone() }.check()?;
+    arguments.integrator.apply(&mut scene)?;
+    Ok((scene, experiment))
 }
 
 /// A simulation, and what changes its inputs.
@@ -91,7 +98,12 @@ impl Run {
 
 /// One row at the start, one every interval, one at the end, and one where inputs jump, as FMPy has
 /// it.
-fn write_run(run: &mut Run, scene: &Scene, out: &mut dyn Write) -> Result<(), Box<dyn Error>> {
+fn write_run(
+    run: &mut Run,
+    scene: &Scene,
+    experiment: Experiment,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
     let outputs: Vec<Variable> = variables(scene)
         .into_iter()
         .filter(|variable| variable.template.causality == Causality::Output)
@@ -102,8 +114,7 @@ fn write_run(run: &mut Run, scene: &Scene, out: &mut dyn Write) -> Result<(), Bo
     }
     writeln!(out)?;
 
-    let stop = scene.experiment.stop_time;
-    let interval = scene.experiment.output_interval;
+    let Experiment { stop_time: stop, output_interval: interval } = experiment;
     let progress = progress_bar(stop);
     let (mut intervals, mut time) = (0_u64, run.simulation.time());
     write_row(&mut run.simulation, time, &outputs, out)?;

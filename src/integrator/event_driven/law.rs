@@ -3,7 +3,7 @@
 use super::held::HeldContacts;
 use crate::contact::{ContactState, Friction};
 use crate::integrator::dynamics::Dynamics;
-use crate::model::Direction;
+use crate::model::{Contact, Direction};
 
 /// What acts on the masses, or one power of it in time.
 #[derive(Clone, Copy)]
@@ -39,26 +39,28 @@ pub(super) struct StateLaw {
     multipliers: Vec<[f64; 2]>,
 }
 
+/// Where N and T of each contact stand in a row, and how many places it has.
+pub(super) fn places(contacts: &[Contact], dofs: usize) -> (Vec<[usize; 2]>, usize) {
+    let mut is_taken = vec![false; dofs];
+    let mut width = dofs;
+    let mut place = |direction: &Direction| match direction.as_unit() {
+        Some(dof) if !is_taken[dof] => {
+            is_taken[dof] = true;
+            dof
+        }
+        _ => {
+            width += 1;
+            width - 1
+        }
+    };
+    let places = contacts.iter().map(|contact| [place(&contact.normal), place(&contact.tangent)]);
+    (places.collect(), width)
+}
+
 impl StateLaw {
     pub(super) fn new(dynamics: &Dynamics) -> Self {
         let (dofs, contacts) = (dynamics.acceleration.len(), dynamics.contacts.len());
-        let mut is_taken = vec![false; dofs];
-        let mut width = dofs;
-        let mut place = |direction: &Direction| match direction.as_unit() {
-            Some(dof) if !is_taken[dof] => {
-                is_taken[dof] = true;
-                dof
-            }
-            _ => {
-                width += 1;
-                width - 1
-            }
-        };
-        let places = dynamics
-            .contacts
-            .iter()
-            .map(|contact| [place(&contact.normal), place(&contact.tangent)])
-            .collect();
+        let (places, width) = places(&dynamics.contacts, dofs);
         Self {
             held: HeldContacts::new(dynamics),
             states: Vec::with_capacity(contacts),

@@ -23,8 +23,9 @@ use super::multipliers::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
-use crate::model::{Damping, Direction, LumpedModel, SparseMatrix};
+use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 use held::MAX_GROUP;
+use reduced::MOST_PLACES;
 use series::{ORDER, Polynomial, Series};
 use watch::Event;
 
@@ -68,6 +69,12 @@ pub struct EventDriven {
     frictionless: Vec<Friction>,
     /// What the outer forces would do in a step, m/s: beside it a velocity may be nothing.
     gained: f64,
+}
+
+/// The places of the full matrices that a structure gets; `None` for a large one, which gets none.
+pub(super) fn full_places(contacts: &[Contact], dofs: usize) -> Option<usize> {
+    let (_, width) = law::places(contacts, dofs);
+    (width <= MOST_PLACES).then(|| width.next_multiple_of(4).max(4))
 }
 
 impl EventDriven {

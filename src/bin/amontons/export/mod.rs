@@ -1,41 +1,81 @@
 //! `amontons export`.
 
+mod measured;
+
 use crate::arguments::Export;
 use crate::scenes;
 use amontons::Error;
+use amontons::accuracy::Choice;
+use amontons::integrator::tidy;
 use amontons::model::{Equilibrium, LumpedModel};
-use amontons::output::Pending;
+use amontons::output::{Pending, check_folder};
 use amontons::package;
-use amontons::scene::{self, Method, Scene, Structure};
+use amontons::scene::{self, Method, Scene, Selection, Structure};
 use amontons::simulation::catalogue::Causality;
-use amontons::simulation::variables;
+use amontons::simulation::{Simulation, variables};
 use amontons::stability::critical_step;
+use measured::Measured;
 use std::io::Write;
 use std::path::PathBuf;
 
-pub fn run(arguments: &Export) -> Result<(), Error> {
+pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     let (mut scene, mut source) = scene::find(&arguments.scene)?;
-    let (method, step) = (scene.method, scene.step);
-    arguments.integrator.apply(&mut scene);
-    if (scene.method, scene.step) != (method, step) {
-        source.set_integrator(scene.method, scene.step)?;
-    }
-    let simulation = scenes::start(&scene)?;
-    let fmu = package::fmu(&scene, &source)?;
+    let given = (scene.selection, scene.method, scene.step);
+    arguments.integrator.apply(&mut scene)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
+    // Before the work: what cannot be written, and what cannot be run. A step that is to be replaced may be
+    // what it likes.
+    check_folder(&path)?;
+    if arguments.tolerance.is_none() {
+        scenes::check(&scene)?;
+    }
+    let Measured { choice, page } =
+        measured::measure(&scene, arguments.tolerance, arguments.with_accuracy)?;
+    if let Some(choice) = &choice {
+        let rung = choice.taken.row.rung;
+        scene = scene.with_integrator(rung.method, tidy(rung.step));
+    }
+    if (scene.selection, scene.method, scene.step) != given {
+        match scene.selection {
+            Selection::Preset(preset) => source.set_preset(preset)?,
+            _ => source.set_integrator(scene.method, scene.step)?,
+        }
+    }
+    let simulation = scenes::start(&scene)?;
+    let fmu = package::fmu(&scene, &source, page.as_deref())?;
     let mut file = Pending::create(&path)?;
     file.write_all(&fmu).map_err(|error| Error::file(&path, &error))?;
     file.complete()?;
     println!("{}: {}", scene.name, scene.description);
-    print_contents(&scene, simulation.acting())?;
+    print_contents(&scene, &simulation)?;
+    if let (Some(choice), Some(tolerance)) = (&choice, arguments.tolerance) {
+        print_choice(choice, &scene, tolerance);
+    }
     print_equilibrium(&scene, simulation.reference());
     println!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
     Ok(())
 }
 
+/// Why the method and the step were taken.
+fn print_choice(choice: &Choice, scene: &Scene, tolerance: f64) {
+    let mut label = "tolerance";
+    for line in measured::reasons(choice, scene, tolerance) {
+        println!("  {label:13}  {line}");
+        label = "";
+    }
+    if !choice.taken.keeps(tolerance) {
+        let best = choice.taken.error.map_or_else(String::new, |error| format!(": {error:.1e}"));
+        eprintln!(
+            "warning: no method and step keep a relative error of {tolerance:e}; taken is the most accurate \
+             one{best}"
+        );
+    }
+}
+
 /// What went in: structure, variables, critical step of the values that act at the start.
-fn print_contents(scene: &Scene, acting: &Scene) -> Result<(), Error> {
+fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
+    let acting = simulation.acting();
     let model = LumpedModel::from(acting);
     let kind = match &scene.structure {
         Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
@@ -54,8 +94,11 @@ fn print_contents(scene: &Scene, acting: &Scene) -> Result<(), Error> {
         count(Causality::Output),
         count(Causality::Parameter)
     );
-    println!("  step           {:e} s", scene.step);
-    match scene.method {
+    if let Some(selected) = simulation.selected() {
+        println!("  chosen by      integrator.{}: {selected}", scene.selection);
+    }
+    println!("  step           {:e} s", acting.step);
+    match acting.method {
         Method::ForwardIncrement => {
             println!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
         }

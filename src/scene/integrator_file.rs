@@ -1,0 +1,112 @@
+//! The table `[integrator]` of a scene file.
+
+#[cfg(feature = "tools")]
+use super::Rule;
+use super::{Method, Preset, Problem, Selection};
+use serde::Deserialize;
+
+/// How time goes on.
+#[derive(Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+// What the reader says in words, for editors.
+#[cfg_attr(feature = "tools", schemars(extend(
+    "if" = {
+        "anyOf": [
+            { "required": ["preset"] },
+            { "required": ["method"], "properties": { "method": { "const": "auto" } } },
+        ],
+    },
+    "then" = { "not": { "required": ["step"] } },
+    "else" = { "required": ["step"] },
+)))]
+#[serde(deny_unknown_fields)]
+pub(super) struct Integrator {
+    /// How time goes on: the paper's scheme unless given.
+    method: Option<Way>,
+    /// Internal time step h, s.
+    ///
+    /// To be given unless a tolerance chooses it.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
+    step: Option<f64>,
+    /// Chooses method and step by a relative error: preview 1e-2, design 1e-4, reference 1e-9.
+    preset: Option<Preset>,
+    /// The relative error by which method "auto" chooses where an importer gives none; 1e-4 unless given.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::TOLERANCE.bounds()))]
+    tolerance: Option<f64>,
+}
+
+/// A method, or that one is to be chosen.
+#[derive(Clone, Copy, Deserialize, PartialEq, Eq)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(rename_all = "kebab-case")]
+enum Way {
+    /// The paper's scheme: forward increment Lagrange multipliers, of first order.
+    ForwardIncrement,
+    /// Exact motion from one change of contact state to the next.
+    EventDriven,
+    /// Method and step as an importer's tolerance asks for.
+    Auto,
+}
+
+impl Integrator {
+    /// Where method and step come from, and what they are so far as they are given; what is wrong with
+    /// the table goes to `problems`.
+    pub(super) fn read(
+        &self,
+        problems: &mut Vec<Problem>,
+    ) -> (Selection, Option<Method>, Option<f64>) {
+        let is_auto = self.method == Some(Way::Auto);
+        let mut report = |key: &str, message: String, help: &str| {
+            problems.push(Problem::new(format!("integrator.{key}"), message).help(help));
+        };
+        if let Some(preset) = self.preset {
+            let others = [
+                ("method", self.method.is_some()),
+                ("step", self.step.is_some()),
+                ("tolerance", self.tolerance.is_some()),
+            ];
+            let others = others.into_iter().filter(|(_, is_given)| *is_given);
+            let others: Vec<String> = others.map(|(key, _)| format!("`{key}`")).collect();
+            if !others.is_empty() {
+                let message = format!(
+                    "chooses method and step by a tolerance of {:e}; beside it there is {}",
+                    preset.tolerance(),
+                    others.join(" and ")
+                );
+                report("preset", message, "give either a preset or method and step");
+            }
+        } else if is_auto && self.step.is_some() {
+            report(
+                "step",
+                "is chosen by method = \"auto\"".to_owned(),
+                "leave it out, or give a method that has one: \"forward-increment\", \"event-driven\"",
+            );
+        } else if self.tolerance.is_some() && !is_auto {
+            report(
+                "tolerance",
+                "is what method = \"auto\" chooses by, and this is another method".to_owned(),
+                "leave it out, or give method = \"auto\" and no step",
+            );
+        }
+        let needs_step = !is_auto && self.preset.is_none();
+        if needs_step && self.step.is_none() {
+            let help = "add `step = …` (Internal time step h, s), or `preset = \"design\"`, which \
+                        chooses method and step";
+            problems.push(Problem::new("integrator", "lacks `step`").help(help));
+        }
+        let selection = match (self.preset, is_auto) {
+            (Some(preset), _) => Selection::Preset(preset),
+            (None, true) => {
+                let tolerance = self.tolerance.unwrap_or(Preset::Design.tolerance());
+                Selection::Auto { tolerance }
+            }
+            (None, false) => Selection::Given,
+        };
+        let method = match self.method {
+            Some(Way::ForwardIncrement) => Some(Method::ForwardIncrement),
+            Some(Way::EventDriven) => Some(Method::EventDriven),
+            Some(Way::Auto) | None => None,
+        };
+        (selection, method, self.step)
+    }
+}
