@@ -7,7 +7,7 @@ mod judge;
 use amontons::contact::ContactState::{Detached, Slide, Stick};
 use amontons::integrator::{Drive, Motion, Statistics, choose};
 use amontons::model::LumpedModel;
-use amontons::scene::{Method, Module, Ramp, Scene, Shape, Signal, builtin, parse};
+use amontons::scene::{Method, Module, Ramp, Scene, Shape, Signal, Structure, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons::stability::critical_step;
 use judge::blocks::{STIFFNESS, block, pads, start};
@@ -357,15 +357,49 @@ fn a_contact_that_opens_just_before_a_step_ends_opens_once() {
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
     simulation.advance_to(8.0 * step).unwrap();
     let start = simulation.save();
-    let (mut last, mut opened) = (Slide, 0);
+    let (mut last, mut opened) = (simulation.contact_forces().unwrap()[0].state, 0);
     for part in 1..20_000 {
         simulation.restore(&start).unwrap();
         simulation.advance_to((8.0 + f64::from(part) / 20_000.0) * step).unwrap();
         let state = simulation.contact_forces().unwrap()[0].state;
-        opened += u32::from(state == Detached && last == Slide);
+        opened += u32::from(state == Detached && last != Detached);
         last = state;
     }
     assert_eq!(opened, 1);
+}
+
+/// Two states each led to the other without an end: a slip that had stopped was left with a rounding error
+/// of some direction, since only contacts along a degree of freedom were put to rest.
+#[test]
+fn pads_that_bind_at_a_friction_of_seven_come_to_rest() {
+    let mut disc_brake = builtin("disc_brake").unwrap().scene();
+    let Structure::Network(network) = &mut disc_brake.structure else { unreachable!() };
+    let stiffness = [3076.5535201977814, 1e3, 1e3, 7650466.184260128, 461115.1138640625, 1e3];
+    for (spring, stiffness) in network.springs.iter_mut().zip(stiffness.iter().cycle()) {
+        spring.stiffness = *stiffness;
+        if spring.name.ends_with("strut") {
+            spring.direction = -0.238545754358139;
+        }
+    }
+    let [mass, load] = [
+        [0.183305856563989, 1.8175562864327168, 1.8627616087772376],
+        [1.0, 276.2164318399124, 0.0],
+    ];
+    for (i, part) in network.masses.iter_mut().enumerate() {
+        part.mass = mass[i];
+        if part.name != "disc" {
+            part.load[1] = load[i].copysign(part.load[1]);
+            part.velocity = [0.0, -f64::from(u8::from(i == 1))];
+        }
+    }
+    network.contacts.iter_mut().for_each(|contact| contact.velocity = None);
+    (disc_brake.friction_coefficient, disc_brake.slider.velocity) = (7.0398013464884714, 0.0);
+    let critical = critical_step(&LumpedModel::from(&disc_brake), 7.0398013464884714).unwrap();
+    disc_brake.step = 9.5 * critical.step;
+    let mut run = Run::new(disc_brake, Method::EventDriven);
+    let until = 2000.0 * run.h();
+    run.judged_until(until);
+    let _ = std::mem::take(&mut run.let_off);
 }
 
 #[test]

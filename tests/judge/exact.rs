@@ -59,10 +59,20 @@ impl Count {
 }
 
 /// The state of a step that began in `start` after `t` (s).
+#[derive(Clone)]
 struct Look {
     t: f64,
     count: Count,
+    states: Vec<ContactState>,
     place: Place,
+}
+
+impl Look {
+    /// Has nothing happened between the two? Whether a slip that just touches zero is an event may differ
+    /// between a step and parts of it, so counts alone do not tell.
+    fn is_same(&self, other: &Self) -> bool {
+        self.count == other.count && self.states == other.states
+    }
 }
 
 impl Run {
@@ -78,7 +88,8 @@ impl Run {
         let place = [probe.displacement(), probe.velocity()].map(DVector::from_column_slice);
         let count = Count::of(probe);
         let forces = probe.contact_forces().unwrap().to_vec();
-        (Look { t, count, place }, forces)
+        let states = forces.iter().map(|force| force.state).collect();
+        (Look { t, count, states, place }, forces)
     }
 
     /// Judges the last step of an integrator whose motion is exact.
@@ -88,25 +99,24 @@ impl Run {
         self.changes.clear();
         self.segments.clear();
         let span = self.span(self.time() - h);
-        let end = Look { t: h, count: Count::of(&self.simulation), place: self.now.clone() };
+        let (count, states) = (Count::of(&self.simulation), self.states());
+        let end = Look { t: h, count, states, place: self.now.clone() };
         self.let_off.steps += 1;
         let (_, states, count) = self.start.as_ref().unwrap();
         let mut states = states.clone();
-        let mut from = Look { t: 0.0, count: *count, place: self.before.clone() };
-        if !span.is_straight && from.count != end.count {
+        let place = self.before.clone();
+        let mut from = Look { t: 0.0, count: *count, states: states.clone(), place };
+        if !span.is_straight && !from.is_same(&end) {
             // Parts of the step would have the slider on other ways.
             self.let_off.bent += 1;
             return;
         }
         for _ in 0..MOST_CHANGES {
-            // Whether a slip that just touches zero is an event may differ between a step and parts of it.
-            let (middle, _) = self.look((0.5 * (from.t + h)).max(SHORTEST * h));
-            if from.count == end.count && middle.count == end.count {
+            if from.is_same(&end) {
                 self.judge_segment(&span, &from, &end, &mut states);
                 return;
             }
-            let until = if from.count == end.count { &middle } else { &end };
-            let [before, mut after] = self.bracket(&from, until);
+            let [before, mut after] = self.bracket(&from, &end);
             self.forget_flicker(&mut after, &end);
             if before.t > from.t {
                 self.judge_segment(&span, &from, &before, &mut states);
@@ -170,8 +180,7 @@ impl Run {
 
     /// The last time known to be before the next change of state, and the first known to be after it.
     fn bracket(&mut self, from: &Look, end: &Look) -> [Look; 2] {
-        let copy = |look: &Look| Look { place: look.place.clone(), ..*look };
-        let (mut before, mut after) = (copy(from), copy(end));
+        let (mut before, mut after) = (from.clone(), end.clone());
         // Signals take a time that is as near to an edge of theirs for the edge.
         let nearest = if self.signals.is_empty() { NEAREST } else { SHORTEST };
         let (shortest, longest) = (SHORTEST * self.h(), (1.0 - nearest) * self.h());
@@ -182,7 +191,7 @@ impl Run {
                 break;
             }
             let (look, _) = self.look(middle);
-            if look.count == from.count {
+            if look.is_same(from) {
                 before = look;
             } else {
                 after = look;

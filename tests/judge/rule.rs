@@ -88,6 +88,14 @@ impl Run {
         (limit * normal - direction * tangential - (1.0 + limit) * nothing[1], true)
     }
 
+    /// Does another contact share masses with this one?
+    pub(super) fn shares_masses(&self, contact: usize) -> bool {
+        let rows = self.directions.columns(2 * contact, 2);
+        let delassus = rows.transpose() * &self.inverse_mass * &self.directions;
+        let others = (0..delassus.ncols()).filter(|column| column / 2 != contact);
+        others.fold(0.0, |most: f64, column| most.max(delassus.column(column).amax())) > 0.0
+    }
+
     /// The least distance of a vector, as forces on the masses, from what contacts can give that are not open
     /// and slip as told, each with the limits of its friction backward and forward: a distance from a cone,
     /// to which the nearest point is a sum of at most as many of its edges as there are degrees of freedom.

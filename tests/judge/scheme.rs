@@ -115,14 +115,6 @@ impl Run {
         Some(pairs)
     }
 
-    /// Does another contact share masses with this one?
-    fn shares_masses(&self, contact: usize) -> bool {
-        let rows = self.directions.columns(2 * contact, 2);
-        let delassus = rows.transpose() * &self.inverse_mass * &self.directions;
-        let others = (0..delassus.ncols()).filter(|column| column / 2 != contact);
-        others.fold(0.0, |most: f64, column| most.max(delassus.column(column).amax())) > 0.0
-    }
-
     /// How a contact was before the last step, at the end of which its slider had this velocity.
     fn was(&self, contact: usize, slider: f64) -> Before {
         let slip = slider - self.directions.column(2 * contact + 1).dot(&self.before[1]);

@@ -31,7 +31,7 @@ use watch::Event;
 
 /// More events than this for each contact in one internal step are a loop that leads nowhere.
 const MAX_EVENTS: u64 = 10_000;
-/// And this many at one instant.
+/// And this many at one instant, or as near to it as [`NOISE`] of a step.
 const MAX_STANDSTILL: u64 = 16;
 /// How often [`NOISE`] is doubled at one instant before that.
 const MOST_DOUBLINGS: u64 = 16;
@@ -52,8 +52,9 @@ pub struct EventDriven {
     series: Series,
     /// Does any contact hold more than one degree of freedom at a time?
     is_inclined: bool,
-    /// |G_N M⁻¹ K| of each contact, 1/s²: what springs make of displacements where it is open, term by term.
-    pulls: Vec<Direction>,
+    /// |G M⁻¹ K| along normal and tangent of each contact, 1/s²: what springs make of displacements where
+    /// nothing holds it, term by term.
+    pulls: Vec<[Direction; 2]>,
     /// The polynomial at hand.
     polynomial: Polynomial,
     /// The outer forces, N, and the velocities of the sliders, m/s, at the instant that was reached.
@@ -134,8 +135,10 @@ impl EventDriven {
             let event = self.next_event(motion, drive, self.doubt(standstill));
             let part = event.unwrap_or(1.0);
             let passed = part * reach;
-            if passed > 0.0 {
+            if passed > NOISE * h {
                 standstill = 0;
+            }
+            if passed > 0.0 {
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
@@ -414,17 +417,17 @@ fn frictionless(is_closed: bool) -> ContactState {
     if is_closed { ContactState::Slide } else { ContactState::Detached }
 }
 
-/// |G_N M⁻¹ K| of each contact.
-fn pulls(dynamics: &Dynamics) -> Vec<Direction> {
+/// |G M⁻¹ K| along normal and tangent of each contact.
+fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
     let dofs = dynamics.acceleration.len();
-    let of_contact = |[normal, _]: &[Direction; 2]| {
-        let terms = normal.0.iter().flat_map(|&(dof, response)| {
+    let along = |response: &Direction| {
+        let terms = response.0.iter().flat_map(|&(dof, response)| {
             dynamics.stiffness.row(dof).map(move |(other, k)| (other, 0, (response * k).abs()))
         });
         let column = SparseMatrix::from_entries(dofs, terms.collect());
         Direction(column.entries().map(|(dof, _, value)| (dof, value)).collect())
     };
-    dynamics.responses.iter().map(of_contact).collect()
+    dynamics.responses.iter().map(|two| two.each_ref().map(along)).collect()
 }
 
 /// The largest of some values, by size: of velocities, the fastest.

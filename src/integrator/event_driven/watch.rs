@@ -60,7 +60,11 @@ impl EventDriven {
         let span = self.series.span();
         let acceleration = 2.0 * bend / (span * span);
         let own = self.dynamics.multipliers.delassus.own(contact);
-        let force = || self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
+        let pulled = |row| self.pulled(contact, row);
+        let force = || {
+            let size = self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
+            size + pulled(0) / own[0] + pulled(1) / own[3]
+        };
         let friction = drive.friction[contact].static_;
         // Gaps and slips between masses are differences of larger values, which lose digits. Putting them
         // where they belong passes that on to all contacts that share masses.
@@ -71,7 +75,7 @@ impl EventDriven {
                 // A velocity that an impact has left may be nothing in the rounding of the gap: the gap
                 // then begins at zero, and opens for as long as that velocity says. What an impact has
                 // thrown off is something, however soon it comes back: else it would land again at once.
-                let bends = 2.0 * bend + self.pulled(contact);
+                let bends = 2.0 * bend + span * span * pulled(0);
                 let fastest = self.series.largest(1).max(NOISE * self.gained * span);
                 let slow = bends.min(0.5 * THROWN / NOISE * fastest);
                 [
@@ -110,12 +114,13 @@ impl EventDriven {
         }
     }
 
-    /// What the springs' forces, each for itself, would make of a gap, m, in parts of [`NOISE`]: where they
-    /// hold each other, that is far more than the masses bend.
-    fn pulled(&self, contact: usize) -> f64 {
-        let (span, place) = (self.series.span(), self.series.power(0));
-        let terms = self.pulls[contact].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
-        DIFFERENCE * span * span * terms.fold(0.0, |sum, term| sum + term)
+    /// What the springs' forces, each for itself, would make of an acceleration along the normal (0) or the
+    /// tangent (1) of a contact, m/s², in parts of [`NOISE`]: where they hold each other, that is far more
+    /// than what the masses do.
+    fn pulled(&self, contact: usize, row: usize) -> f64 {
+        let place = self.series.power(0);
+        let terms = self.pulls[contact][row].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
+        DIFFERENCE * terms.fold(0.0, |sum, term| sum + term)
     }
 
     /// Writes what must not become negative as a polynomial; its number of terms.

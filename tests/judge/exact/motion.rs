@@ -206,7 +206,7 @@ impl Run {
             + t * loads * self.inverse_mass.amax();
         // Times are known to the last digit of the time since the start, those at which contacts land as
         // near as their gaps are, which are differences of displacements.
-        let gap = f64::EPSILON * from[0].amax();
+        let gap = 4.0 * f64::EPSILON * from[0].amax();
         let ended = SLOW * self.scales.velocity;
         let approaches = (0..state.states.len()).map(|i| {
             let normal = self.directions.column(2 * i);
