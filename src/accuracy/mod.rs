@@ -16,6 +16,7 @@ mod grid;
 mod run;
 
 pub use cycle::Cycle;
+pub(crate) use cycle::half_range;
 pub use grid::{Grid, Rung};
 pub use run::Change;
 

@@ -95,8 +95,9 @@ pub trait FrictionLaw<V: Lanes = f64>: Copy {
 pub struct Coulomb<V = f64>(pub V);
 
 /// Of two that are alike.
-impl From<Friction> for Coulomb {
-    fn from(friction: Friction) -> Self {
+impl<V> From<Friction<V>> for Coulomb<V> {
+    #[inline(always)]
+    fn from(friction: Friction<V>) -> Self {
         Self(friction.kinetic)
     }
 }

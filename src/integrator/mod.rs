@@ -10,6 +10,8 @@ mod forward_increment;
 mod multipliers;
 
 pub use event_driven::EventDriven;
+#[cfg(feature = "tools")]
+pub use forward_increment::{RingBatch, Width};
 pub use forward_increment::{RingForwardIncrement, SparseForwardIncrement};
 
 use crate::Error;

@@ -6,6 +6,7 @@ mod draw;
 mod export;
 mod scenes;
 mod simulate;
+mod sweep;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

@@ -1,6 +1,10 @@
 //! The scheme on a ring of modules: diagonal mass, one contact a module, links to the neighbours.
 
+#[cfg(feature = "tools")]
+pub(super) mod batch;
 mod step;
+#[cfg(feature = "tools")]
+mod wide;
 
 use crate::contact::{ContactForce, Coulomb, Friction, FrictionLaw};
 use crate::integrator::{Drive, Integrator, Motion, StepFailure};

@@ -74,12 +74,12 @@ pub(super) struct Fixed<'a, B, X, S> {
 }
 
 /// What does: one item a module.
-pub(super) struct Moving<'a, V: Lanes, X> {
+pub(super) struct Moving<'a, X, C> {
     pub(super) x: &'a mut [X],
     pub(super) v: &'a mut [X],
     /// x + β ẋ, on which K acts for springs and dampers at once.
     pub(super) strained: &'a mut [X],
-    pub(super) contacts: &'a mut [V::States],
+    pub(super) contacts: &'a mut [C],
     /// One a lane; state changes and touch-downs are counted here.
     pub(super) statistics: &'a mut [Statistics],
 }
@@ -132,10 +132,15 @@ impl<V: Lanes> Block<V> {
 impl<V: Lanes> StepConstants<V> {
     /// Takes `count` steps of all modules.
     #[inline(always)]
-    pub(super) fn steps<X: BorrowMut<Vector<V>>, B: Borrow<Block<V>>, S: Surfaces<V>>(
+    pub(super) fn steps<
+        B: Borrow<Block<V>>,
+        S: Surfaces<V>,
+        X: BorrowMut<Vector<V>>,
+        C: BorrowMut<V::States>,
+    >(
         &self,
         fixed: &Fixed<'_, B, X, S>,
-        moving: &mut Moving<'_, V, X>,
+        moving: &mut Moving<'_, X, C>,
         count: u64,
     ) {
         // In slices of one length no index needs a check.
@@ -151,7 +156,8 @@ impl<V: Lanes> StepConstants<V> {
                 let own = *w[i].borrow();
                 let after = if i + 1 < modules { linked(w[i + 1].borrow()) } else { first };
                 let (block, load): (&Block<V>, &Vector<V>) = (blocks[i].borrow(), load[i].borrow());
-                let old = (*x[i].borrow(), *v[i].borrow(), contacts[i]);
+                let was: V::States = *contacts[i].borrow();
+                let old = (*x[i].borrow(), *v[i].borrow(), was);
                 let links = [before, after];
                 let (moved, moving_on, state) =
                     self.step_module(block, load, &own, links, &fixed.surfaces.of(i), old);
@@ -159,16 +165,16 @@ impl<V: Lanes> StepConstants<V> {
                 *v[i].borrow_mut() = moving_on;
                 *w[i].borrow_mut() = strain(&moved, &moving_on, self.beta);
                 before = linked(&own);
-                let changed = V::changed(contacts[i], state);
+                let changed = V::changed(was, state);
                 if V::any(changed) {
                     for (lane, statistics) in moving.statistics.iter_mut().enumerate() {
                         if V::lane(changed, lane) {
-                            let was = V::state(contacts[i], lane);
+                            let landed = V::state(was, lane) == ContactState::Detached;
                             statistics.state_changes += 1;
-                            statistics.touch_downs += u64::from(was == ContactState::Detached);
+                            statistics.touch_downs += u64::from(landed);
                         }
                     }
-                    contacts[i] = state;
+                    *contacts[i].borrow_mut() = state;
                 }
             }
         }

@@ -1,0 +1,113 @@
+//! `amontons simulate --sweep`.
+
+use crate::Interrupted;
+use crate::arguments::Simulate;
+use crate::simulate::is_broken_pipe;
+use amontons::accuracy::dof_named;
+use amontons::output::Pending;
+use amontons::scene::Scene;
+use amontons::sweep::{Summary, View, sweep};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::error::Error;
+use std::io::{BufWriter, Write, stdout};
+use std::ops::ControlFlow::{Break, Continue};
+use std::sync::atomic::{AtomicBool, Ordering};
+
+static STOP: AtomicBool = AtomicBool::new(false);
+
+pub fn run(
+    arguments: &Simulate,
+    scene: &Scene,
+    name: &str,
+    values: &[f64],
+) -> Result<(), Box<dyn Error>> {
+    if arguments.set.iter().any(|(set, _)| set == name) {
+        eprintln!("note: {name} takes the values of --sweep, not that of --set");
+    }
+    let dofs = match &arguments.of {
+        Some(name) => vec![dof_named(scene, name)?],
+        None => (0..scene.dof_names().len()).collect(),
+    };
+    let window = arguments.window.unwrap_or(scene.experiment.stop_time / 4.0);
+    let view = View { dofs, window };
+    let mut file = arguments.output.as_deref().map(Pending::create).transpose()?;
+    // Without a handler Ctrl-C ends the program at once, as ever.
+    let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
+    let bar = progress_bar();
+    let outcomes = sweep(scene, name, values, &view, &|passed| {
+        bar.set_position(ticks(passed));
+        if STOP.load(Ordering::Relaxed) { Break(()) } else { Continue(()) }
+    });
+    bar.finish_and_clear();
+    let outcomes = outcomes?;
+    let is_complete = outcomes.iter().all(Option::is_some);
+    let mut rows = Vec::new();
+    for (value, outcome) in values.iter().zip(outcomes.into_iter()) {
+        match outcome {
+            Some(Ok(summary)) => rows.push((*value, summary)),
+            Some(Err(error)) if values.len() == 1 => return Err(error.into()),
+            Some(Err(error)) => eprintln!("note: {name} = {value:?} is left out: {error}"),
+            None => {}
+        }
+    }
+    let names = scene.dof_names();
+    let names: Vec<&str> = view.dofs.iter().map(|dof| &*names[*dof]).collect();
+    match &mut file {
+        Some(file) => write(file, name, &names, &rows)?,
+        None => match write(&mut BufWriter::new(stdout().lock()), name, &names, &rows) {
+            // Whoever reads has read enough (`| head`).
+            Err(error) if is_broken_pipe(&*error) => {}
+            result => result?,
+        },
+    }
+    if !is_complete {
+        eprintln!("note: interrupted: {} of {} values", rows.len(), values.len());
+        if let Some(partial) = file.as_ref().and_then(Pending::partial) {
+            eprintln!("their rows are in {}", partial.display());
+        }
+        return Err(Box::new(Interrupted));
+    }
+    file.map_or(Ok(()), |file| Ok(file.complete()?))
+}
+
+fn write(
+    out: &mut dyn Write,
+    name: &str,
+    displacements: &[&str],
+    rows: &[(f64, Summary)],
+) -> Result<(), Box<dyn Error>> {
+    write!(out, "{name}")?;
+    for displacement in displacements {
+        write!(out, ",amplitude.{displacement}")?;
+    }
+    writeln!(out, ",frequency,share.slide,share.reverse_slide,share.stick,share.detached")?;
+    for (value, Summary { amplitudes, frequency, shares }) in rows {
+        write!(out, "{value:?}")?;
+        for amplitude in amplitudes {
+            write!(out, ",{amplitude:?}")?;
+        }
+        write!(
+            out,
+            ",{}",
+            frequency.map_or_else(String::new, |frequency| format!("{frequency:?}"))
+        )?;
+        for share in shares {
+            write!(out, ",{share:?}")?;
+        }
+        writeln!(out)?;
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// A bar on standard error, shown only to a person.
+fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
+        .expect("the template is fixed");
+    ProgressBar::new(1000).with_style(style)
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn ticks(part: f64) -> u64 {
+    (1e3 * part) as u64
+}
