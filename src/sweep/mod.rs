@@ -46,7 +46,7 @@ pub struct Summary {
 /// ended, which is told how much of the work is done, from 0 to 1, by all cores.
 ///
 /// # Errors
-/// A name that is no parameter or input, or a value that it cannot have.
+/// A name that is no parameter or input, a value that it cannot have, or a window without two rows.
 pub fn sweep(
     scene: &Scene,
     name: &str,
@@ -54,11 +54,10 @@ pub fn sweep(
     view: &View,
     watch: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Option<Result<Summary, Error>>>, Error> {
-    let begin = view.begin(&scene.experiment);
-    if !scene.experiment.row_times().any(|(time, is_whole)| is_whole && time >= begin) {
-        let interval = scene.experiment.output_interval;
+    let interval = scene.experiment.output_interval;
+    if view.window < interval {
         return Err(Error::argument(format!(
-            "there is no row in a window of {} s; an output interval has {interval} s",
+            "a window of {} s is shorter than the output interval, {interval} s",
             view.window
         )));
     }

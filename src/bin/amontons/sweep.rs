@@ -41,11 +41,13 @@ pub fn run(
     bar.finish_and_clear();
     let outcomes = outcomes?;
     let is_complete = outcomes.iter().all(Option::is_some);
+    if let Some(Err(error)) = outcomes[0].as_ref().filter(|_| outcomes.iter().all(has_failed)) {
+        return Err(error.clone().into());
+    }
     let mut rows = Vec::new();
-    for (value, outcome) in values.iter().zip(outcomes.into_iter()) {
+    for (value, outcome) in values.iter().zip(outcomes) {
         match outcome {
             Some(Ok(summary)) => rows.push((*value, summary)),
-            Some(Err(error)) if values.len() == 1 => return Err(error.into()),
             Some(Err(error)) => eprintln!("note: {name} = {value:?} is left out: {error}"),
             None => {}
         }
@@ -68,6 +70,10 @@ pub fn run(
         return Err(Box::new(Interrupted));
     }
     file.map_or(Ok(()), |file| Ok(file.complete()?))
+}
+
+fn has_failed<T, E>(outcome: &Option<Result<T, E>>) -> bool {
+    matches!(outcome, Some(Err(_)))
 }
 
 fn write(
