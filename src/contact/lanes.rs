@@ -1,7 +1,7 @@
 //! Numbers that go through the law of contact together: one, or a vector of them.
 
 use super::ContactState;
-use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 
 /// One number of each of several independent simulations, its *lanes*. A plain `f64` is the lane of a
 /// single one.
@@ -14,7 +14,10 @@ pub trait Lanes:
     Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
 {
     /// A yes or no of each lane.
-    type Mask: Copy + BitAnd<Output = Self::Mask> + BitOr<Output = Self::Mask>;
+    type Mask: Copy
+        + BitAnd<Output = Self::Mask>
+        + BitOr<Output = Self::Mask>
+        + Not<Output = Self::Mask>;
     /// The state of a contact in each lane.
     type States: Copy;
 
@@ -33,10 +36,13 @@ pub trait Lanes:
     /// `yes` where the mask says so, `no` elsewhere.
     #[must_use]
     fn select(mask: Self::Mask, yes: Self, no: Self) -> Self;
-    /// Do all lanes say yes?
-    fn all(mask: Self::Mask) -> bool;
-    /// Does any lane?
+    /// Does any lane say yes?
     fn any(mask: Self::Mask) -> bool;
+    /// Do all lanes?
+    #[inline(always)]
+    fn all(mask: Self::Mask) -> bool {
+        !Self::any(!mask)
+    }
     /// Does this lane (from 0)?
     fn lane(mask: Self::Mask, lane: usize) -> bool;
 
@@ -84,11 +90,6 @@ impl Lanes for f64 {
     #[inline(always)]
     fn select(mask: bool, yes: Self, no: Self) -> Self {
         if mask { yes } else { no }
-    }
-
-    #[inline(always)]
-    fn all(mask: bool) -> bool {
-        mask
     }
 
     #[inline(always)]

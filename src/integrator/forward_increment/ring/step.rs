@@ -226,16 +226,20 @@ impl<V: Lanes> StepConstants<V> {
             let detached = zero.in_state(ContactState::Detached);
             if V::any(closed) {
                 // N as seen from the beginning of the step.
-                let impact = v[NORMAL] * self.retained + x[NORMAL] * self.per_step;
-                let pressing = -(force[NORMAL] + block.mass[1] * impact * self.per_step);
-                let pressing = V::select(zero.is_below(pressing), pressing, zero);
-                let pressing = V::select(resting, -force[NORMAL], pressing);
+                let (mut pressing, mut landing) = (-force[NORMAL], zero);
+                if V::any(closed & !resting) {
+                    landing = (zero - x[NORMAL]) * self.per_step;
+                    let impact = v[NORMAL] * self.retained + x[NORMAL] * self.per_step;
+                    let lands = -(force[NORMAL] + block.mass[1] * impact * self.per_step);
+                    let lands = V::select(zero.is_below(lands), lands, zero);
+                    pressing = V::select(resting, pressing, lands);
+                }
                 let contact = self.contact(block, &force, pressing, &v, surface, before);
                 let dragged = force[TANGENT] + contact.slipping;
                 let pull = V::select(closed, dragged, force[TANGENT]);
                 let slips = self.predicted(block, TANGENT, &v, pull);
                 tangential = V::select(contact.sticks & closed, surface.velocity, slips);
-                normal = V::select(closed, (zero - x[NORMAL]) * self.per_step, free);
+                normal = V::select(closed, landing, free);
                 gap = V::select(closed, zero, reached);
                 state = V::select_states(closed, contact.state, detached);
             } else {

@@ -4,7 +4,7 @@ use crate::contact::{ContactState, Lanes};
 use pulp::Simd;
 use pulp::bytemuck::{bytes_of, cast_slice, cast_slice_mut};
 use std::borrow::{Borrow, BorrowMut};
-use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Sub};
+use std::ops::{Add, BitAnd, BitOr, Mul, Neg, Not, Sub};
 use std::slice::{from_mut, from_ref};
 
 /// A vector of the processor's, whose kind is S.
@@ -94,6 +94,15 @@ impl<S: Simd> BitOr for Mask<S> {
     }
 }
 
+impl<S: Simd> Not for Mask<S> {
+    type Output = Self;
+
+    #[inline(always)]
+    fn not(self) -> Self {
+        Self(self.0, self.0.not_m64s(self.1))
+    }
+}
+
 /// States are kept as their numbers, which compare like all others.
 impl<S: Simd> Lanes for Wide<S> {
     type Mask = Mask<S>;
@@ -127,11 +136,6 @@ impl<S: Simd> Lanes for Wide<S> {
     #[inline(always)]
     fn select(mask: Mask<S>, yes: Self, no: Self) -> Self {
         Self(mask.0, mask.0.select_f64s(mask.1, yes.1, no.1))
-    }
-
-    #[inline(always)]
-    fn all(mask: Mask<S>) -> bool {
-        !Self::any(Mask(mask.0, mask.0.not_m64s(mask.1)))
     }
 
     #[inline(always)]
@@ -172,8 +176,7 @@ impl<S: Simd> Lanes for Wide<S> {
 
     #[inline(always)]
     fn changed(before: Self, after: Self) -> Mask<S> {
-        let Mask(simd, same) = before.is(after);
-        Mask(simd, simd.not_m64s(same))
+        !before.is(after)
     }
 
     fn state(states: Self, lane: usize) -> ContactState {
