@@ -146,7 +146,7 @@ fn batches() {
         let times = shortest(
             SLICES,
             &mut [&mut || alone.iter_mut().for_each(|ring| ring.advance(STEPS / 4)), &mut || {
-                batch.advance(step, STEPS / 4)
+                batch.advance(step, STEPS / 4);
             }],
         );
         for (lane, ring) in alone.iter().enumerate() {

@@ -87,12 +87,15 @@ trait Batch: Send {
     fn store(&self, lane: usize, motion: &mut Motion);
 }
 
+/// A surface with both coefficients of friction.
+type AnySurface<S> = Aligned<Surface<Wide<S>, Friction<Wide<S>>>>;
+
 /// One item a module; what is in no lane is zero, and rests.
 struct Lockstep<S: Simd> {
     simd: S,
     blocks: Vec<Aligned<Block<Wide<S>>>>,
     forces: Vec<Aligned<Vector<Wide<S>>>>,
-    surfaces: Vec<Aligned<(Wide<S>, Friction<Wide<S>>)>>,
+    surfaces: Vec<AnySurface<S>>,
     damping: [Wide<S>; 2],
     x: Vec<Aligned<Vector<Wide<S>>>>,
     v: Vec<Aligned<Vector<Wide<S>>>>,
@@ -123,12 +126,14 @@ impl<S: Simd> Lockstep<S> {
                 after: from_fn(|r| lanes(&|block| block.after[r])),
             })
         };
+        let law = Friction { kinetic: zero, static_: zero };
+        let at_rest = Surface { velocity: zero, law };
         let zeros = vec![Aligned([zero; MODULE_DOFS]); modules];
         Self {
             simd,
             blocks: (0..modules).map(block).collect(),
             forces: zeros.clone(),
-            surfaces: vec![Aligned((zero, Friction { kinetic: zero, static_: zero })); modules],
+            surfaces: vec![Aligned(at_rest); modules],
             damping: [zero; 2],
             x: zeros.clone(),
             v: zeros.clone(),
@@ -167,7 +172,7 @@ impl<S: Simd> Lockstep<S> {
 }
 
 /// Surfaces with a law of this kind.
-struct InLanes<'a, S: Simd, L>(&'a [Aligned<(Wide<S>, Friction<Wide<S>>)>], PhantomData<L>);
+struct InLanes<'a, S: Simd, L>(&'a [AnySurface<S>], PhantomData<L>);
 
 impl<S: Simd, L: FrictionLaw<Wide<S>> + From<Friction<Wide<S>>>> Surfaces<Wide<S>>
     for InLanes<'_, S, L>
@@ -176,8 +181,8 @@ impl<S: Simd, L: FrictionLaw<Wide<S>> + From<Friction<Wide<S>>>> Surfaces<Wide<S
 
     #[inline(always)]
     fn of(&self, module: usize) -> Surface<Wide<S>, L> {
-        let (velocity, friction) = self.0[module].0;
-        Surface { velocity, law: L::from(friction) }
+        let Surface { velocity, law } = self.0[module].0;
+        Surface { velocity, law: L::from(law) }
     }
 }
 
@@ -227,10 +232,10 @@ impl<S: Simd> Batch for Lockstep<S> {
         self.damping[0].set(lane, damping.alpha);
         self.damping[1].set(lane, damping.beta);
         let drives = drive.slider_velocity.iter().zip(&drive.friction);
-        for (Aligned((velocity, friction)), (v, mu)) in self.surfaces.iter_mut().zip(drives) {
+        for (Aligned(Surface { velocity, law }), (v, mu)) in self.surfaces.iter_mut().zip(drives) {
             velocity.set(lane, *v);
-            friction.kinetic.set(lane, mu.kinetic);
-            friction.static_.set(lane, mu.static_);
+            law.kinetic.set(lane, mu.kinetic);
+            law.static_.set(lane, mu.static_);
         }
         self.drops[lane] = drive.friction.iter().any(|mu| mu.static_ != mu.kinetic);
     }
