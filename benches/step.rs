@@ -1,9 +1,12 @@
-//! What a step costs: `cargo bench --bench step` prints four small tables, all from one run.
+//! What a step costs: `cargo bench --bench step` prints five small tables, all from one run.
 //!
 //! * Set 1 at µ = 1.96 and h = 1 µs, on its limit cycle, against the same scheme written down
 //!   plainly in C with full matrices (`dense_loop.c`, compiled here with `cc -O3`). Both take model
 //!   and motion from the same place and must arrive at the same motion, or the run fails.
-//! * Longer rings: the time a module and step should hardly grow with the ring.
+//! * Many of them: Set 1 with as many friction coefficients as a vector has lanes, in one batch against each
+//!   by itself, for every width of vectors that the processor has.
+//! * Longer rings: time and memory of a module should hardly grow with the ring, until it is too large for the
+//!   processor's caches.
 //! * Event by event, with steps of 1 ms: a second of motion against the paper's scheme at the scene's
 //!   own step.
 //! * What is paid once: a simulation (what initializing an FMU costs) and an FMU.
@@ -12,20 +15,22 @@
 //! slices, which take turns with those that they are compared to, and the shortest counts. Read the
 //! ratio first: it carries over to another machine better than the times do.
 
-#![allow(unsafe_code)] // The C loop comes from a shared library.
+#![allow(unsafe_code)] // The C loop comes from a shared library, and allocations are counted.
 
 use amontons::contact::ContactState;
-use amontons::integrator::{self, Drive, Integrator, Motion, Statistics};
+use amontons::integrator::{self, Drive, Integrator, Motion, RingBatch, Statistics, Width};
 use amontons::model::{self, LumpedModel};
 use amontons::package;
 use amontons::scene::{Builtin, Method, Scene, builtin};
 use amontons::simulation::Simulation;
 use libloading::Library;
+use std::alloc::{GlobalAlloc, Layout, System};
 use std::array::from_fn;
 use std::env::consts::DLL_SUFFIX;
 use std::hint::black_box;
 use std::path::Path;
 use std::process::Command;
+use std::sync::atomic::{AtomicUsize, Ordering};
 use std::time::{Duration, Instant};
 
 /// Slices of a run, and what is in one: steps of Set 1, steps times modules of a ring. A slice of
@@ -36,8 +41,32 @@ const MODULE_STEPS: u64 = 100_000;
 /// Steps after which the two loops are compared number by number.
 const SHORT_RUN: u32 = 20_000;
 
+/// Bytes that are allocated now.
+static LIVE: AtomicUsize = AtomicUsize::new(0);
+
+struct Counting;
+
+// SAFETY: every call is passed on unchanged to the system's allocator.
+unsafe impl GlobalAlloc for Counting {
+    unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
+        LIVE.fetch_add(layout.size(), Ordering::Relaxed);
+        // SAFETY: the caller's contract is the one of this function.
+        unsafe { System.alloc(layout) }
+    }
+
+    unsafe fn dealloc(&self, pointer: *mut u8, layout: Layout) {
+        LIVE.fetch_sub(layout.size(), Ordering::Relaxed);
+        // SAFETY: the caller's contract is the one of this function.
+        unsafe { System.dealloc(pointer, layout) }
+    }
+}
+
+#[global_allocator]
+static ALLOCATOR: Counting = Counting;
+
 fn main() {
     against_c();
+    batches();
     rings();
     event_by_event();
     paid_once();
@@ -96,29 +125,70 @@ fn check_agreement(ours: &Ring, theirs: &Ring) {
     check(&a.displacement, &b.displacement, displacement);
 }
 
+fn batches() {
+    println!("Set 1 in batches    lanes   ns a step of one   alone / in a batch");
+    for width in Width::available() {
+        let ring = |lane: usize| {
+            let mut scene = set("set1").scene();
+            scene.modules_mut()[0].velocity = [0.01, 0.0, 0.0, 0.0];
+            scene.friction_coefficient = 1.9 + 0.12 * lane as f64 / width.lanes() as f64;
+            let mut ring = Ring::new(&scene);
+            ring.advance(5_000_000);
+            ring
+        };
+        let mut alone: Vec<Ring> = (0..width.lanes()).map(ring).collect();
+        let models = alone.iter().map(|ring| &ring.model);
+        let mut batch = RingBatch::new(models, width).expect("they are rings");
+        for (lane, Ring { motion, drive, model, .. }) in alone.iter().enumerate() {
+            batch.load(lane, motion, drive, model.damping);
+        }
+        let step = alone[0].step;
+        let times = shortest(
+            SLICES,
+            &mut [&mut || alone.iter_mut().for_each(|ring| ring.advance(STEPS / 4)), &mut || {
+                batch.advance(step, STEPS / 4);
+            }],
+        );
+        for (lane, ring) in alone.iter().enumerate() {
+            let mut motion = ring.motion.clone();
+            batch.store(lane, &mut motion);
+            assert_eq!(motion, ring.motion, "a lane does not move as the run by itself");
+        }
+        let lanes = width.lanes();
+        let time = nanoseconds(times[1], STEPS / 4 * lanes as u64);
+        let ratio = times[0].as_secs_f64() / times[1].as_secs_f64();
+        println!("{:15} {lanes:9} {time:18.2} {ratio:20.2}", format!("{width:?}"));
+    }
+    println!();
+}
+
 fn rings() {
-    println!("Rings    ns a module and step   state changes");
-    let [mut a, mut b, mut c] = [12, 64, 1024].map(|modules| {
+    println!("Rings    ns a module and step   bytes a module   state changes");
+    let mut rings = [2, 12, 64, 1024, 10_000, 100_000].map(|modules| {
         let mut scene = set("ring12").scene();
         let module = scene.modules()[0];
         scene.modules_mut().resize(modules, module);
         for (i, module) in scene.modules_mut().iter_mut().enumerate() {
             module.velocity[1] = 0.1 * (i as f64).sin();
         }
+        let before = LIVE.load(Ordering::Relaxed);
         let mut ring = Ring::new(&scene);
-        ring.advance(100_000);
+        let bytes = LIVE.load(Ordering::Relaxed) - before;
+        ring.advance(100_000.min(10_000_000 / ring.modules()));
         ring.motion.statistics = Statistics::default();
-        ring
+        (ring, bytes)
     });
-    let slice = |ring: &mut Ring| ring.advance(MODULE_STEPS / ring.modules());
-    let times = shortest(
-        SLICES,
-        &mut [&mut || slice(&mut a), &mut || slice(&mut b), &mut || slice(&mut c)],
-    );
-    for (ring, time) in [a, b, c].iter().zip(times) {
+    // A few steps at least, as a call does something before the first.
+    let steps = |ring: &Ring| (MODULE_STEPS / ring.modules()).max(10);
+    let mut turns = rings.each_mut().map(|(ring, _)| || ring.advance(steps(ring)));
+    let mut turns = turns.each_mut().map(|turn| turn as &mut dyn FnMut());
+    let times = shortest(SLICES, &mut turns);
+    for ((ring, bytes), time) in rings.iter().zip(times) {
         let modules = ring.modules();
-        let time = nanoseconds(time, MODULE_STEPS / modules * modules);
-        println!("{modules:4} {time:24.2} {:15}", ring.motion.statistics.state_changes);
+        let time = nanoseconds(time, steps(ring) * modules);
+        let bytes = *bytes as f64 / modules as f64;
+        let changes = ring.motion.statistics.state_changes;
+        println!("{modules:6} {time:22.2} {bytes:16.0} {changes:15}");
     }
     println!();
 }

@@ -13,6 +13,7 @@
 //! | [`integrator`] | forward increment Lagrange multipliers |
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
 //! | [`accuracy`] | how far each method and step is from a proven reference (feature `tools`) |
+//! | [`sweep`] | many runs over the values of a parameter (feature `tools`) |
 //! | `fmi2` | the C interface of FMI 2.0 for co-simulation |
 //! | [`package`] | the FMU as an archive (feature `tools`) |
 //! | [`picture`] | charts, maps, moving mode shapes and structures as SVG or PNG (feature `tools`) |
@@ -35,5 +36,7 @@ pub mod picture;
 pub mod scene;
 pub mod simulation;
 pub mod stability;
+#[cfg(feature = "tools")]
+pub mod sweep;
 
 pub use error::Error;

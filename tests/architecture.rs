@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 12] = [
+const ROOMS: [&str; 13] = [
     "error",
     "output",
     "scene",
@@ -14,6 +14,7 @@ const ROOMS: [&str; 12] = [
     "integrator",
     "simulation",
     "accuracy",
+    "sweep",
     "fmi2",
     "package",
     "picture",

@@ -24,9 +24,13 @@ pub struct Cycle {
 
 impl Cycle {
     /// The cycle in the last half of a history, in steps of `interval` (s).
-    #[allow(clippy::cast_precision_loss)]
     pub(super) fn of(history: &[f64], interval: f64) -> Self {
-        let last = &history[history.len() / 2..];
+        Self::over(&history[history.len() / 2..], interval)
+    }
+
+    /// The cycle in a whole history.
+    #[allow(clippy::cast_precision_loss)]
+    pub(crate) fn over(last: &[f64], interval: f64) -> Self {
         let fine = half_range(last);
         if fine <= 0.0 {
             return Self::default();
@@ -47,7 +51,7 @@ impl Cycle {
 }
 
 /// Half of what lies between the smallest and the largest value, turns between the values included.
-fn half_range(values: &[f64]) -> f64 {
+pub(crate) fn half_range(values: &[f64]) -> f64 {
     let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
     for &value in values {
         (least, most) = (least.min(value), most.max(value));

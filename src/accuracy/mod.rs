@@ -21,6 +21,7 @@ mod table;
 
 pub use choice::{Choice, Compared};
 pub use cycle::Cycle;
+pub(crate) use cycle::half_range;
 pub use grid::{Grid, Rung};
 pub use run::Change;
 pub use table::{COLUMNS, LEGEND, short};

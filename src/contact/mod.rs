@@ -6,10 +6,12 @@
 //! a static coefficient besides, that one stands in the last of the three ([`Friction`]).
 
 mod friction;
+mod lanes;
 mod local;
 pub mod residual;
 
 pub use friction::{Coulomb, Friction, FrictionLaw, FrictionRange};
+pub use lanes::Lanes;
 pub use local::{LocalProblem, LocalSolution};
 
 use crate::Error;
@@ -145,13 +147,12 @@ impl ContactForce {
         slip_velocity: f64,
         holding_force: f64,
     ) -> Self {
-        let limit = friction.kinetic * normal_force;
-        let (friction_force, state) = if slip_velocity > 0.0 {
-            (limit, ContactState::Slide)
-        } else if slip_velocity < 0.0 {
-            (-limit, ContactState::ReverseSlide)
+        let (friction_force, state) = if slip_velocity.abs() > 0.0 {
+            friction.slip(slip_velocity, normal_force)
+        } else if friction.holds(holding_force, normal_force, ContactState::Stick) {
+            (holding_force, ContactState::Stick)
         } else {
-            friction.friction(holding_force, normal_force, ContactState::Stick)
+            friction.slip(holding_force, normal_force)
         };
         Self { state, normal_force, friction_force, slip_velocity }
     }

@@ -13,6 +13,8 @@ mod select;
 
 pub use cost::Cost;
 pub use event_driven::EventDriven;
+#[cfg(feature = "tools")]
+pub use forward_increment::{RingBatch, Width};
 pub use forward_increment::{RingForwardIncrement, SparseForwardIncrement};
 pub use select::{Selected, select, tidy};
 

@@ -163,6 +163,28 @@ pub struct Experiment {
     pub output_interval: f64,
 }
 
+impl Experiment {
+    /// When a run has rows after that of its start, s: after each output interval, and at the end; with
+    /// whether the row ends a whole interval.
+    #[cfg(feature = "tools")]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn row_times(self) -> impl Iterator<Item = (f64, bool)> {
+        let Self { stop_time: stop, output_interval: interval } = self;
+        let mut intervals = 0_u64;
+        let mut is_over = stop <= 0.0;
+        std::iter::from_fn(move || {
+            if is_over {
+                return None;
+            }
+            intervals += 1;
+            let next = intervals as f64 * interval;
+            // The stop time may be a whole number of intervals but for rounding.
+            is_over = next >= stop - 1e-9 * interval;
+            Some((if is_over { stop } else { next }, next <= stop + 1e-9 * interval))
+        })
+    }
+}
+
 impl Default for Experiment {
     fn default() -> Self {
         Self { stop_time: 1.0, output_interval: 1e-3 }

@@ -23,8 +23,9 @@ pub(crate) struct Clock {
 pub(super) struct Leg {
     /// Length of a step, s.
     pub(super) step: f64,
-    /// How many.
+    /// How many, and how many of them have been taken.
     pub(super) count: u64,
+    pub(super) done: u64,
     /// Where step 0 of its grid begins, s, and the number of its first step there.
     origin: f64,
     first: u64,
@@ -33,22 +34,35 @@ pub(super) struct Leg {
 }
 
 impl Leg {
+    pub(super) fn take(&mut self, steps: u64) {
+        self.done += steps;
+    }
+
+    pub(super) fn is_done(&self) -> bool {
+        self.done == self.count
+    }
+
+    /// When the next step begins and ends, s.
+    pub(super) fn next_step(&self) -> [f64; 2] {
+        [self.time(self.done), self.time(self.done + 1)]
+    }
+
     /// When one of its steps (from 0) begins, s; that of the count is the end.
     #[allow(clippy::cast_precision_loss)]
-    pub(super) fn time(&self, step: u64) -> f64 {
+    fn time(&self, step: u64) -> f64 {
         if step == self.count {
             return self.arrival.grid_time(self.step);
         }
         self.origin + (self.first + step) as f64 * self.step
     }
 
-    /// How many steps from this one (from 0) on end before time `until` (s); at least the step
-    /// itself, at most those that are left.
+    /// How many steps from the next one on end before time `until` (s); at least that one, at most those
+    /// that are left.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    pub(super) fn steps_before(&self, until: f64, step: u64) -> u64 {
+    pub(super) fn steps_before(&self, until: f64) -> u64 {
         // One less than fit in leaves the last one's end a step before that time. Casts saturate.
-        let count = ((until - self.time(step)) / self.step).floor() as u64;
-        count.saturating_sub(1).clamp(1, self.count - step)
+        let count = ((until - self.time(self.done)) / self.step).floor() as u64;
+        count.saturating_sub(1).clamp(1, self.count - self.done)
     }
 }
 
@@ -96,13 +110,14 @@ impl Clock {
             let steps = (((target - self.start) / step).round() as u64).max(self.steps);
             let arrival = Self { steps, asked: target, ..self };
             let (origin, first) = (self.start, self.steps);
-            return Some(Leg { step, count: steps - self.steps, origin, first, arrival });
+            let count = steps - self.steps;
+            return Some(Leg { step, count, done: 0, origin, first, arrival });
         }
         let origin = self.grid_time(step);
         let span = target - origin;
         let count = (span / step - TOLERANCE).ceil().max(1.0);
         let (step, count, arrival) = (span / count, count as u64, Self::at(target));
-        Some(Leg { step, count, origin, first: 0, arrival })
+        Some(Leg { step, count, done: 0, origin, first: 0, arrival })
     }
 }
 

@@ -1,5 +1,7 @@
 //! A model and its motion together: advance, read, write, save, restore.
 
+#[cfg(feature = "tools")]
+mod batch;
 pub mod catalogue;
 mod clock;
 mod fingerprint;
@@ -11,6 +13,10 @@ mod values;
 #[cfg(feature = "tools")]
 mod warning;
 
+#[cfg(feature = "tools")]
+pub use batch::Batch;
+#[cfg(feature = "tools")]
+pub(crate) use batch::attempt;
 pub use catalogue::{Variable, variables};
 pub use fingerprint::fingerprint;
 #[cfg(feature = "tools")]
@@ -30,7 +36,7 @@ use crate::model::ring::MODULE_DOFS;
 use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering, OwnValues};
 use crate::scene::{Method, Scene, Structure};
 use crate::stability::StepGuard;
-use clock::Clock;
+use clock::{Clock, Leg};
 use serde::{Deserialize, Serialize};
 use signals::Driven;
 
@@ -220,31 +226,50 @@ impl Simulation {
     /// one; a step that fails, or leaves the range of numbers; signals that lead to an impossible
     /// value. Then the motion is not to be used.
     pub fn advance_to(&mut self, target: f64) -> Result<(), Error> {
-        let leg = self.clock.way_to(target, self.scene.step).ok_or_else(|| {
-            Error::step(format!("cannot go from {} s to {target} s", self.time()))
-        })?;
-        let mut done = 0;
-        let mut unchecked = 0;
-        while done < leg.count {
-            let (time, end) = (leg.time(done), leg.time(done + 1));
-            self.update_drive([time, end])?;
-            self.update_rates([time, end], leg.step);
-            self.check_limit(time)?;
-            let constant_until =
-                self.driven.as_ref().map_or(f64::INFINITY, |driven| driven.constant_until(time));
-            let count = leg.steps_before(constant_until, done).min(CHUNK - unchecked);
+        let mut leg = self.leg_to(target)?;
+        while let Some(count) = self.prepare(&leg)? {
             self.integrator
                 .advance(&mut self.motion, &self.drive, leg.step, count)
                 .map_err(|failure| self.failed(failure, target))?;
-            done += count;
-            unchecked = (unchecked + count) % CHUNK;
-            if unchecked == 0 || done == leg.count {
-                self.check_finite(target)?;
-            }
+            leg.take(count);
+            self.check_taken(&leg)?;
         }
+        self.arrive(&leg);
+        Ok(())
+    }
+
+    /// The way to time `target` (s).
+    fn leg_to(&self, target: f64) -> Result<Leg, Error> {
+        self.clock
+            .way_to(target, self.scene.step)
+            .ok_or_else(|| Error::step(format!("cannot go from {} s to {target} s", self.time())))
+    }
+
+    /// Brings everything up to date for the next steps of a leg; how many can be taken alike, if any are left.
+    fn prepare(&mut self, leg: &Leg) -> Result<Option<u64>, Error> {
+        if leg.is_done() {
+            return Ok(None);
+        }
+        let [time, end] = leg.next_step();
+        self.update_drive([time, end])?;
+        self.update_rates([time, end], leg.step);
+        self.check_limit(time)?;
+        let constant_until =
+            self.driven.as_ref().map_or(f64::INFINITY, |driven| driven.constant_until(time));
+        Ok(Some(leg.steps_before(constant_until).min(CHUNK - leg.done % CHUNK)))
+    }
+
+    /// Looks now and then, and at the end, whether the motion is still finite.
+    fn check_taken(&self, leg: &Leg) -> Result<(), Error> {
+        if leg.done.is_multiple_of(CHUNK) || leg.is_done() {
+            self.check_finite(leg.arrival.time())?;
+        }
+        Ok(())
+    }
+
+    fn arrive(&mut self, leg: &Leg) {
         self.clock = leg.arrival;
         self.stale.contact_forces = true;
-        Ok(())
     }
 
     /// State and forces of every contact, now.

@@ -48,7 +48,7 @@ pub mod map;
 #[cfg(feature = "tools")]
 mod modes;
 #[cfg(feature = "tools")]
-mod parallel;
+pub(crate) mod parallel;
 #[cfg(feature = "tools")]
 mod spectrum;
 #[cfg(feature = "tools")]

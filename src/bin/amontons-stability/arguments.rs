@@ -1,6 +1,7 @@
 //! What the command line understands.
 
 use amontons::Error;
+use amontons::sweep::range::{decimal, grid, number, three};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -146,13 +147,6 @@ pub struct Values(pub Vec<f64>);
 /// The most values of a parameter, or points of two.
 pub const MAX_VALUES: f64 = 1e6;
 
-fn number(text: &str) -> Result<f64, String> {
-    match text.trim().parse::<f64>() {
-        Ok(value) if value.is_finite() => Ok(value),
-        _ => Err(format!("{text} is not a number")),
-    }
-}
-
 fn assignment(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
     Ok((name.trim().to_owned(), number(value)?))
@@ -163,17 +157,6 @@ fn range(text: &str) -> Result<[f64; 2], String> {
     let (first, last) = (number(first)?, number(last)?);
     if first < last {
         Ok([first, last])
-    } else {
-        Err("the first value must be below the last".into())
-    }
-}
-
-fn three(text: &str, wish: &str) -> Result<[f64; 3], String> {
-    let parts: Vec<&str> = text.split(':').collect();
-    let [first, last, third] = parts[..] else { return Err(wish.to_owned()) };
-    let [first, last, third] = [number(first)?, number(last)?, number(third)?];
-    if first < last {
-        Ok([first, last, third])
     } else {
         Err("the first value must be below the last".into())
     }
@@ -197,11 +180,6 @@ fn steps(text: &str) -> Result<Values, String> {
     Ok(Values(values))
 }
 
-/// A number without the last digits, which rounding made: 0.3, not 0.30000000000000004.
-fn decimal(value: f64) -> f64 {
-    format!("{value:.13e}").parse().unwrap_or(value)
-}
-
 fn named<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<(String, T), String> {
     let (name, values) = text.split_once('=').ok_or("write it as NAME=A:B:…")?;
     Ok((name.trim().to_owned(), parse(values)?))
@@ -211,14 +189,6 @@ fn named_steps(text: &str) -> Result<(String, Values), String> {
     named(text, steps)
 }
 
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn named_grid(text: &str) -> Result<(String, Values), String> {
-    named(text, |values| {
-        let [first, last, count] = three(values, "write it as A:B:N, such as 0:3.5:100")?;
-        if count.fract() != 0.0 || !(2.0..=10_000.0).contains(&count) {
-            return Err("N must be a whole number from 2 to 10000".to_owned());
-        }
-        let at = |i: usize| decimal(first + (last - first) * (i as f64 / (count - 1.0)));
-        Ok(Values((0..count as usize).map(at).collect()))
-    })
+    named(text, |values| grid(values).map(Values))
 }

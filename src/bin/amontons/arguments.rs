@@ -2,6 +2,7 @@
 
 use amontons::Error;
 use amontons::scene::{Method, Preset, Rule, Scene, Selection};
+use amontons::sweep::range::grid;
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -16,7 +17,7 @@ pub struct Arguments {
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written or a picture not \
 drawn, 2 the command line makes no sense (an unknown option, variable or built-in scene), 3 the \
 scene is impossible (its file, a value, no equilibrium, a step above the critical one), 4 the run \
-failed, 130 interrupted (accuracy prints what is done, export writes nothing)";
+failed, 130 interrupted (accuracy and --sweep print what is done, export writes nothing)";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -70,6 +71,18 @@ pub struct Simulate {
     /// before each output interval and held over it, as importers do; linear between rows
     #[arg(long, value_name = "FILE.csv")]
     pub input: Option<PathBuf>,
+    /// Run N values from A to B of a parameter or input on all cores; the CSV then has a row a value: amplitude
+    /// of each displacement (m, half of peak to peak), frequency of the one that moves most (Hz), and how
+    /// much of the time contacts are in each state. The course of a value is that of --set NAME=VALUE
+    #[arg(long, value_name = "NAME=A:B:N", value_parser = range, conflicts_with = "input")]
+    pub sweep: Option<(String, Values)>,
+    /// The only displacement whose amplitude and frequency a sweep looks at [default: all]
+    #[arg(long, value_name = "NAME", requires = "sweep")]
+    pub of: Option<String>,
+    /// How long before the end of a run a sweep looks at it, s [default: the last quarter]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true,
+        requires = "sweep")]
+    pub window: Option<f64>,
     /// Where to write the CSV [default: standard output]
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
@@ -169,4 +182,13 @@ fn assignment(text: &str) -> Result<(String, f64), String> {
     let number =
         value.parse().map_err(|_| format!("{value} is not a number; write it as {name}=0.5"))?;
     Ok((name.trim().to_owned(), number))
+}
+
+/// Values of a parameter, ascending.
+#[derive(Clone, Debug)]
+pub struct Values(pub Vec<f64>);
+
+fn range(text: &str) -> Result<(String, Values), String> {
+    let (name, values) = text.split_once('=').ok_or("write it as NAME=A:B:N")?;
+    Ok((name.trim().to_owned(), Values(grid(values)?)))
 }

@@ -7,6 +7,7 @@ mod export;
 mod interrupt;
 mod scenes;
 mod simulate;
+mod sweep;
 
 use arguments::{Arguments, Command};
 use clap::Parser;

@@ -1,7 +1,7 @@
 //! `amontons simulate`.
 
 use crate::arguments::Simulate;
-use crate::scenes;
+use crate::{scenes, sweep};
 use amontons::output::Pending;
 use amontons::scene::{self, Experiment, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
@@ -12,6 +12,9 @@ use std::io::{BufWriter, ErrorKind, Write, stdout};
 
 pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
     let (mut scene, experiment) = configured(arguments)?;
+    if let Some((name, values)) = &arguments.sweep {
+        return sweep::run(arguments, scene, experiment, name, &values.0);
+    }
     let input = arguments.input.as_ref();
     let inputs = input.map(|path| Inputs::read(path, &scene)).transpose()?;
     if let Some(inputs) = &inputs {
@@ -114,19 +117,13 @@ fn write_run(
     }
     writeln!(out)?;
 
-    let Experiment { stop_time: stop, output_interval: interval } = experiment;
-    let progress = progress_bar(stop);
-    let (mut intervals, mut time) = (0_u64, run.simulation.time());
+    let progress = progress_bar(experiment.stop_time);
+    let mut time = run.simulation.time();
     write_row(&mut run.simulation, time, &outputs, out)?;
-    while time < stop {
-        #[allow(clippy::cast_precision_loss)]
-        let next = (intervals + 1) as f64 * interval;
-        // The stop time may be a whole number of intervals but for rounding.
-        let target = if next >= stop - 1e-9 * interval { stop } else { next };
-        time = run.advance_towards(target)?;
-        write_row(&mut run.simulation, time, &outputs, out)?;
-        if time == target {
-            intervals += 1;
+    for (intervals, (target, _)) in experiment.row_times().enumerate() {
+        while time < target {
+            time = run.advance_towards(target)?;
+            write_row(&mut run.simulation, time, &outputs, out)?;
         }
         if intervals.is_multiple_of(64) {
             progress.set_position(ticks(time));
@@ -168,6 +165,6 @@ fn ticks(time: f64) -> u64 {
     (1e3 * time).ceil() as u64
 }
 
-fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
+pub fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
     error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
 }

@@ -19,4 +19,6 @@ mod ring;
 mod sparse;
 
 pub use ring::RingForwardIncrement;
+#[cfg(feature = "tools")]
+pub use ring::batch::{RingBatch, Width};
 pub use sparse::SparseForwardIncrement;

@@ -1,0 +1,125 @@
+//! `amontons simulate --sweep`.
+
+use crate::arguments::Simulate;
+use crate::interrupt::{self, Interrupted};
+use crate::simulate::is_broken_pipe;
+use amontons::accuracy::dof_named;
+use amontons::integrator::select;
+use amontons::output::Pending;
+use amontons::scene::{Experiment, Scene, Selection};
+use amontons::sweep::{Summary, View, sweep};
+use indicatif::{ProgressBar, ProgressStyle};
+use std::error::Error;
+use std::io::{BufWriter, Write, stdout};
+
+pub fn run(
+    arguments: &Simulate,
+    mut scene: Scene,
+    experiment: Experiment,
+    name: &str,
+    values: &[f64],
+) -> Result<(), Box<dyn Error>> {
+    // A tolerance chooses once, for the scene as it is given: so all values have the same step.
+    if let Some(tolerance) = scene.selection.tolerance() {
+        let selected = select(&scene, tolerance);
+        eprintln!("{}: {selected}", scene.name);
+        (scene.method, scene.step, scene.selection) =
+            (selected.method, selected.step, Selection::Given);
+    }
+    scene.experiment = experiment;
+    let scene = &scene;
+    if arguments.set.iter().any(|(set, _)| set == name) {
+        eprintln!("note: {name} takes the values of --sweep, not that of --set");
+    }
+    let dofs = match &arguments.of {
+        Some(name) => vec![dof_named(scene, name)?],
+        None => (0..scene.dof_names().len()).collect(),
+    };
+    let window = arguments.window.unwrap_or(scene.experiment.stop_time / 4.0);
+    let view = View { dofs, window };
+    let mut file = arguments.output.as_deref().map(Pending::create).transpose()?;
+    interrupt::listen();
+    let bar = progress_bar();
+    let outcomes = sweep(scene, name, values, &view, &|passed| {
+        bar.set_position(ticks(passed));
+        interrupt::stopped()
+    });
+    bar.finish_and_clear();
+    let outcomes = outcomes?;
+    let is_complete = outcomes.iter().all(Option::is_some);
+    if let Some(Err(error)) = outcomes[0].as_ref().filter(|_| outcomes.iter().all(has_failed)) {
+        return Err(error.clone().into());
+    }
+    let mut rows = Vec::new();
+    for (value, outcome) in values.iter().zip(outcomes) {
+        match outcome {
+            Some(Ok(summary)) => rows.push((*value, summary)),
+            Some(Err(error)) => eprintln!("note: {name} = {value:?} is left out: {error}"),
+            None => {}
+        }
+    }
+    let names = scene.dof_names();
+    let names: Vec<&str> = view.dofs.iter().map(|dof| &*names[*dof]).collect();
+    match &mut file {
+        Some(file) => write(file, name, &names, &rows)?,
+        None => match write(&mut BufWriter::new(stdout().lock()), name, &names, &rows) {
+            // Whoever reads has read enough (`| head`).
+            Err(error) if is_broken_pipe(&*error) => {}
+            result => result?,
+        },
+    }
+    if !is_complete {
+        eprintln!("note: interrupted: {} of {} values", rows.len(), values.len());
+        if let Some(partial) = file.as_ref().and_then(Pending::partial) {
+            eprintln!("their rows are in {}", partial.display());
+        }
+        return Err(Box::new(Interrupted));
+    }
+    file.map_or(Ok(()), |file| Ok(file.complete()?))
+}
+
+fn has_failed<T, E>(outcome: &Option<Result<T, E>>) -> bool {
+    matches!(outcome, Some(Err(_)))
+}
+
+fn write(
+    out: &mut dyn Write,
+    name: &str,
+    displacements: &[&str],
+    rows: &[(f64, Summary)],
+) -> Result<(), Box<dyn Error>> {
+    write!(out, "{name}")?;
+    for displacement in displacements {
+        write!(out, ",amplitude.{displacement}")?;
+    }
+    writeln!(out, ",frequency,share.slide,share.reverse_slide,share.stick,share.detached")?;
+    for (value, Summary { amplitudes, frequency, shares }) in rows {
+        write!(out, "{value:?}")?;
+        for amplitude in amplitudes {
+            write!(out, ",{amplitude:?}")?;
+        }
+        write!(
+            out,
+            ",{}",
+            frequency.map_or_else(String::new, |frequency| format!("{frequency:?}"))
+        )?;
+        for share in shares {
+            write!(out, ",{share:?}")?;
+        }
+        writeln!(out)?;
+    }
+    out.flush()?;
+    Ok(())
+}
+
+/// A bar on standard error, shown only to a person.
+fn progress_bar() -> ProgressBar {
+    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
+        .expect("the template is fixed");
+    ProgressBar::new(1000).with_style(style)
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn ticks(part: f64) -> u64 {
+    (1e3 * part) as u64
+}

@@ -1,0 +1,280 @@
+//! Sweeps: what moves in the lanes of vectors is what moves alone, and what a sweep says of it is true.
+#![cfg(feature = "tools")]
+
+mod program;
+
+use amontons::integrator::Width;
+use amontons::scene::{Method, Scene, builtin, parse};
+use amontons::simulation::{Batch, Simulation, assign};
+use amontons::sweep::{View, sweep};
+use program::{assert_refused, folder, run, text};
+use std::f64::consts::TAU;
+use std::fs;
+use std::ops::ControlFlow;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::Duration;
+
+fn amontons(folder: &Path, arguments: &[&str]) -> Output {
+    run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
+}
+
+/// A built-in ring that sticks, slips and lifts off within some hundredths of a second.
+fn ring(name: &str) -> Scene {
+    let mut scene = builtin(name).unwrap().scene();
+    scene.step = 1e-5;
+    for (i, module) in scene.modules_mut().iter_mut().enumerate() {
+        module.velocity = [0.3, 0.1 * (i as f64).sin(), 0.0, 0.0];
+    }
+    scene
+}
+
+fn driven() -> Scene {
+    let set1 = builtin("set1").unwrap();
+    let signals = "[[signal]]\ninput = \"slider.velocity\"\n\
+        sine = { amplitude = 0.1, frequency = 40.0 }\n\
+        [[signal]]\ninput = \"module[1].f1\"\npulse = { value = 20.0, start = 0.01, end = 0.0201 }\n";
+    let mut scene = parse("driven", &format!("{}\n{signals}", set1.text)).unwrap();
+    scene.step = 1e-5;
+    scene
+}
+
+/// Every double and count of a simulation.
+fn bits(simulation: &Simulation) -> (Vec<u64>, Vec<u8>, String) {
+    let numbers = simulation.displacement().iter().chain(simulation.velocity());
+    let states = simulation.contact_states().iter().map(|state| *state as u8);
+    let counted = format!("{:?} {}", simulation.statistics(), simulation.time());
+    (numbers.map(|number| number.to_bits()).collect(), states.collect(), counted)
+}
+
+#[test]
+fn each_lane_has_the_doubles_of_the_run_by_itself() {
+    let mut drops = ring("set1");
+    drops.static_friction = Some(2.2);
+    let cases = [
+        (ring("set1"), "friction.coefficient", [0.3, 2.4]),
+        (ring("set1"), "slider.velocity", [-0.2, 0.2]),
+        (ring("set1"), "slider.angle", [-0.3, 0.6]),
+        (ring("set1"), "module[1].k2", [2e4, 9e4]),
+        (ring("set1"), "module[2].m2", [0.3, 1.2]),
+        (ring("set1"), "module[1].preload", [1e-4, 6e-3]),
+        (ring("set1"), "module[2].f4", [-5.0, 40.0]),
+        (ring("set1"), "damping.alpha", [0.0, 30.0]),
+        (ring("set1"), "damping.beta", [0.0, 1e-4]),
+        (ring("set1"), "initial.module[1].x4", [0.0, 1e-3]),
+        (ring("set2"), "initial.module[1].v2", [-0.5, 0.5]),
+        (drops.clone(), "friction.static", [1.96, 3.0]),
+        (drops, "friction.coefficient", [0.5, 2.1]),
+        (ring("ring12"), "friction.coefficient", [0.2, 1.5]),
+        (driven(), "friction.coefficient", [0.5, 2.4]),
+    ];
+    let widths = Width::available();
+    let (mut landed, mut changed) = (0, 0);
+    for (scene, name, [first, last]) in cases {
+        for &width in &widths {
+            // A full batch, one with a lane to spare, and a single run.
+            for count in [width.lanes(), width.lanes() - 1, 1] {
+                let simulation = |i: usize| {
+                    let mut scene = scene.clone();
+                    let value = first + (last - first) * i as f64 / width.lanes() as f64;
+                    assign(&mut scene, name, value).unwrap();
+                    Simulation::new(scene, 0.0).unwrap()
+                };
+                let mut alone: Vec<Simulation> = (0..count).map(simulation).collect();
+                assert_eq!(Batch::size(&alone[0], Some(width)), width.lanes());
+                let mut batch = Batch::new((0..count).map(simulation).collect(), Some(width));
+                // The second time is on no step, and the last farther than signals stay as they are.
+                for time in [0.007, 0.007_123_4, 0.05] {
+                    batch.advance_to(time);
+                    for (lane, alone) in alone.iter_mut().enumerate() {
+                        alone.advance_to(time).unwrap();
+                        let together = batch.simulations()[lane].as_ref().unwrap();
+                        assert!(bits(alone) == bits(together), "{name}, lane {lane} at {time} s");
+                    }
+                }
+                landed += alone.iter().map(|alone| alone.statistics().touch_downs).sum::<u64>();
+                changed += alone.iter().map(|alone| alone.statistics().state_changes).sum::<u64>();
+            }
+        }
+    }
+    // Else the comparison would say little.
+    assert!(widths.is_empty() || (landed > 100 && changed > 1000), "{landed} {changed}");
+}
+
+#[test]
+fn a_lane_that_leaves_the_range_of_numbers_leaves_the_others_alone() {
+    let Some(width) = Width::available().into_iter().next() else { return };
+    let simulation = |force: f64| {
+        let mut scene = ring("set1");
+        assign(&mut scene, "module[1].f1", force).unwrap();
+        Simulation::new(scene, 0.0).unwrap()
+    };
+    let mut batch =
+        Batch::new(vec![simulation(1.0), simulation(1e308), simulation(2.0)], Some(width));
+    batch.advance_to(0.01);
+    batch.advance_to(0.02);
+    let mut alone = simulation(2.0);
+    alone.advance_to(0.01).unwrap();
+    alone.advance_to(0.02).unwrap();
+    let simulations = batch.simulations();
+    assert!(simulations[1].as_ref().is_err_and(|error| error.to_string().contains("range")));
+    assert!(bits(simulations[2].as_ref().unwrap()) == bits(&alone) && simulations[0].is_ok());
+}
+
+#[test]
+fn what_is_no_ring_of_the_papers_scheme_is_run_by_itself() {
+    let width = Width::available().into_iter().next();
+    for scene in [
+        Scene { method: Method::EventDriven, step: 1e-4, ..ring("set1") },
+        builtin("disc_brake").unwrap().scene(),
+    ] {
+        let simulation = Simulation::new(scene, 0.0).unwrap();
+        assert_eq!(Batch::size(&simulation, width), 1);
+    }
+    // Nor are runs with different steps.
+    let simulation = |step: f64| Simulation::new(Scene { step, ..ring("set1") }, 0.0).unwrap();
+    let mut batch = Batch::new(vec![simulation(1e-5), simulation(2e-5)], width);
+    batch.advance_to(0.01);
+    let steps = batch.simulations().iter().map(|s| s.as_ref().unwrap().statistics().steps);
+    assert_eq!(steps.collect::<Vec<u64>>(), [1000, 500]);
+}
+
+/// A mass on a spring.
+const OSCILLATOR: &str = "[[mass]]\nname = \"a\"\nmass = 0.5\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
+    between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n[[initial]]\nmass = \"a\"\n\
+    vx = 0.3\n[integrator]\nstep = 1e-4\n[experiment]\nstop_time = 8.0\noutput_interval = 0.01\n";
+
+#[test]
+fn the_amplitude_and_frequency_of_an_oscillator_are_those_of_its_closed_form() {
+    for method in [Method::ForwardIncrement, Method::EventDriven] {
+        let scene = Scene { method, ..parse("oscillator", OSCILLATOR).unwrap() };
+        let view = View { dofs: vec![0], window: 4.0 };
+        let values = [100.0, 200.0, 300.0];
+        let watch = |_| ControlFlow::Continue(());
+        let found = sweep(&scene, "spring.k.stiffness", &values, &view, &watch).unwrap();
+        for (stiffness, found) in values.into_iter().zip(found) {
+            let found = found.unwrap().unwrap();
+            let omega = f64::sqrt(stiffness / 0.5);
+            // The scheme is of first order: ωh is 0.25 % at most.
+            let tolerance = if method == Method::EventDriven { 1e-5 } else { 2e-3 };
+            assert!((found.amplitudes[0] / (0.3 / omega) - 1.0).abs() < tolerance, "{found:?}");
+            let frequency = found.frequency.unwrap();
+            // Nine periods make a line of the spectrum wide; where it peaks is known to its thousandth.
+            assert!((frequency / (omega / TAU) - 1.0).abs() < 1e-4, "{frequency}");
+        }
+    }
+}
+
+#[test]
+fn a_sweep_says_what_the_runs_of_its_values_say() {
+    let folder = folder();
+    // A number of values that fills no whole number of vectors.
+    let common = ["simulate", "set1", "--stop-time", "0.2", "--set", "initial.module[1].v1=0.3"];
+    let coarse = ["--step", "1e-5", "--output-interval", "1e-3"];
+    let sweep = ["--sweep", "friction.coefficient=0.5:2.5:11", "--window", "0.05", "-o", "all.csv"];
+    let output = amontons(folder.path(), &[&common[..], &coarse, &sweep].concat());
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let all = fs::read_to_string(folder.path().join("all.csv")).unwrap();
+    let mut reader = csv::Reader::from_reader(all.as_bytes());
+    let header: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+    assert_eq!(header[..2], ["friction.coefficient", "amplitude.module[1].x1"]);
+    assert_eq!(
+        header[9..],
+        ["frequency", "share.slide", "share.reverse_slide", "share.stick", "share.detached"]
+    );
+    let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+    assert_eq!(rows.len(), 11);
+    assert_eq!((&rows[0][0], &rows[4][0], &rows[10][0]), ("0.5", "1.3", "2.5"));
+    let mut stuck = 0.0;
+    for row in &rows {
+        let number = |i: usize| row[i].parse::<f64>().unwrap();
+        let value = format!("friction.coefficient={}", &row[0]);
+        let output = amontons(folder.path(), &[&common[..], &coarse, &["--set", &value]].concat());
+        let printed = text(&output.stdout);
+        let mut reader = csv::Reader::from_reader(printed.as_bytes());
+        let names: Vec<String> = reader.headers().unwrap().iter().map(str::to_owned).collect();
+        let run: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
+        let column = |name: &str| {
+            let i = names.iter().position(|known| known == name).unwrap();
+            // The last fifty intervals.
+            run[150..].iter().map(|row| row[i].parse::<f64>().unwrap()).collect::<Vec<f64>>()
+        };
+        for (i, name) in header.iter().enumerate().take(9).skip(1) {
+            let values = column(name.strip_prefix("amplitude.").unwrap());
+            let most = values.iter().fold(f64::NEG_INFINITY, |most, value| most.max(*value));
+            let least = values.iter().fold(f64::INFINITY, |least, value| least.min(*value));
+            let half = 0.5 * (most - least);
+            // With what lies between the rows, of which there are at least four a period.
+            assert!(half <= number(i) && number(i) <= 1.5 * half, "{name}: {half} {}", &row[i]);
+        }
+        let states = [column("contact[1].state"), column("contact[2].state")].concat();
+        for state in 1..=4_u32 {
+            let is_it = |value: &&f64| **value == f64::from(state);
+            let share = states.iter().filter(is_it).count() as f64 / states.len() as f64;
+            assert_eq!(share, number(9 + state as usize), "{value}: state {state}");
+        }
+        stuck += number(12);
+    }
+    assert!(stuck > 0.0 && rows.iter().any(|row| &row[10] == "1.0"));
+
+    let one = ["--sweep", "friction.coefficient=0.5:2.5:2", "--of", "module[2].x3"];
+    let printed = text(&amontons(folder.path(), &[&common[..], &one].concat()).stdout);
+    assert!(
+        printed.starts_with("friction.coefficient,amplitude.module[2].x3,frequency,"),
+        "{printed}"
+    );
+}
+
+#[test]
+fn a_value_that_cannot_run_is_left_out_with_its_reason() {
+    let folder = folder();
+    // At this angle Set 1 jams from 3.577 on.
+    let jams = ["simulate", "set1", "--stop-time", "0.01", "--set", "slider.angle=-0.5"];
+    let some = ["--sweep", "friction.coefficient=3:4:3"];
+    let output = amontons(folder.path(), &[&jams[..], &some].concat());
+    let (printed, notes) = (text(&output.stdout), text(&output.stderr));
+    assert!(output.status.success() && printed.lines().count() == 3, "{printed}{notes}");
+    assert!(notes.contains("friction.coefficient = 4.0 is left out") && notes.contains("jams"));
+    let none = ["--sweep", "friction.coefficient=3.8:4:3", "-o", "none.csv"];
+    let output = amontons(folder.path(), &[&jams[..], &none].concat());
+    assert_refused(&output, 3, &["no equilibrium", "jams"]);
+    assert!(!folder.path().join("none.csv").exists());
+}
+
+#[test]
+fn sweeps_that_make_no_sense_are_refused_with_what_would() {
+    let folder = folder();
+    let refused = |arguments: &[&str], code, words: &[&str]| {
+        let all = [&["simulate", "set1", "--stop-time", "0.01", "--sweep"], arguments].concat();
+        assert_refused(&amontons(folder.path(), &all), code, words);
+    };
+    refused(&["friction.coeficient=0:1:3"], 2, &["did you mean friction.coefficient?"]);
+    refused(&["module[1].x1=0:1:3"], 2, &["module[1].x1", "output"]);
+    refused(&["module[1].m1=0:1:3"], 3, &["module[1].m1 = 0", "above zero"]);
+    refused(&["friction.coefficient"], 2, &["NAME=A:B:N"]);
+    refused(&["friction.coefficient=0:1"], 2, &["A:B:N"]);
+    refused(&["friction.coefficient=0:1:1"], 2, &["whole number from 2"]);
+    refused(&["friction.coefficient=1:0:3"], 2, &["first value must be below the last"]);
+    refused(&["friction.coefficient=0:1:3", "--of", "module[1].x5"], 2, &["module[1].x"]);
+    refused(&["friction.coefficient=0:1:3", "--window", "1e-5"], 2, &["shorter", "0.0002 s"]);
+    refused(&["friction.coefficient=0:1:3", "--input", "in.csv"], 2, &["--input"]);
+    refused(&["friction.coefficient=0:1:3", "-o", "no/such/place.csv"], 1, &["place.csv"]);
+}
+
+#[test]
+fn an_interrupted_sweep_leaves_no_file_that_looks_complete() {
+    let folder = folder();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_amontons"));
+    command.current_dir(folder.path());
+    command.args(["simulate", "set1", "--stop-time", "20", "-o", "all.csv"]);
+    command.args(["--sweep", "friction.coefficient=0.5:2.5:1000"]);
+    let child = command.stderr(Stdio::piped()).spawn().unwrap();
+    std::thread::sleep(Duration::from_secs(2));
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_refused(&output, 130, &["interrupted", "of 1000 values", "all.csv.partial"]);
+    assert!(!folder.path().join("all.csv").exists());
+    let partial = fs::read_to_string(folder.path().join("all.csv.partial")).unwrap();
+    assert!(partial.starts_with("friction.coefficient,") && partial.ends_with('\n'));
+}
