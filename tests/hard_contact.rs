@@ -357,7 +357,7 @@ fn a_contact_that_opens_just_before_a_step_ends_opens_once() {
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
     simulation.advance_to(8.0 * step).unwrap();
     let start = simulation.save();
-    let (mut last, mut opened) = (Slide, 0);
+    let (mut last, mut opened) = (Detached, 0);
     for part in 1..20_000 {
         simulation.restore(&start).unwrap();
         simulation.advance_to((8.0 + f64::from(part) / 20_000.0) * step).unwrap();
