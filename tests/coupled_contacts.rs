@@ -138,7 +138,8 @@ proptest! {
         velocity in prop::collection::vec(-0.02..0.02, 6),
         stuck in any::<bool>(),
         force in prop::collection::vec(-100.0..60.0, 6),
-        kinetic in 0.0..1.0,
+        // Where more friction couples them, Gauss–Seidel may not converge, and says so.
+        kinetic in 0.0..0.5,
         part in 1.0..3.0,
     ) {
         let model = model(contacts, &coupling);

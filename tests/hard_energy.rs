@@ -366,7 +366,6 @@ fn assert_balanced(scene: &Scene, end: f64, landings: u64) {
             // fastest mode; each quadrature and each event adds up to as much of what it counts.
             let turned = given + work.slider.abs() + work.friction + work.damping;
             let allowed = off(method, 2.0 * h / limit * turned, 1e-12 * turned);
-            println!("{method:?} {h} {:e} {worst:e} of {allowed:e} {statistics:?}", worst / turned);
             assert!(worst <= allowed, "{worst} J of {work:?}, allowed {allowed} J");
         }
     }

@@ -8,6 +8,7 @@
 use super::Run;
 use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};
 use amontons::contact::Friction;
+use nalgebra::{DMatrix, DVector};
 
 /// How a contact was before.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -101,7 +102,7 @@ impl Run {
     /// to which the nearest point is a sum of at most as many of its edges as there are degrees of freedom.
     pub(super) fn distance_from_cone(
         &self,
-        vector: &nalgebra::DVector<f64>,
+        vector: &DVector<f64>,
         limits: &[Option<[f64; 2]>],
     ) -> f64 {
         let mut edges = Vec::new();
@@ -123,7 +124,7 @@ impl Run {
             }
             let all = edges.iter().enumerate();
             let columns = all.filter(|(i, _)| chosen >> i & 1 == 1).map(|(_, edge)| edge.clone());
-            let matrix = nalgebra::DMatrix::from_columns(&columns.collect::<Vec<_>>());
+            let matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
             let Ok(inverse) = matrix.clone().pseudo_inverse(1e-12) else { continue };
             let parts = inverse * vector;
             if parts.iter().all(|part| *part >= 0.0) {
