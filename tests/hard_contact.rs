@@ -371,7 +371,7 @@ fn a_contact_that_opens_just_before_a_step_ends_opens_once() {
 /// Two states each led to the other without an end: a slip that had stopped was left with a rounding error
 /// of some direction, since only contacts along a degree of freedom were put to rest.
 #[test]
-fn pads_that_bind_at_a_friction_of_seven_come_to_rest() {
+fn pads_that_bind_at_a_friction_of_seven_obey_the_law() {
     let mut disc_brake = builtin("disc_brake").unwrap().scene();
     let Structure::Network(network) = &mut disc_brake.structure else { unreachable!() };
     let stiffness = [3076.5535201977814, 1e3, 1e3, 7650466.184260128, 461115.1138640625, 1e3];
@@ -396,10 +396,13 @@ fn pads_that_bind_at_a_friction_of_seven_come_to_rest() {
     (disc_brake.friction_coefficient, disc_brake.slider.velocity) = (7.0398013464884714, 0.0);
     let critical = critical_step(&LumpedModel::from(&disc_brake), 7.0398013464884714).unwrap();
     disc_brake.step = 9.5 * critical.step;
+    // At its limit all the way, a contact sticks and slips for no longer than rounding says: the parts of a
+    // step that the judge of motions takes again are others each time. The law holds at the end of each.
     let mut run = Run::new(disc_brake, Method::EventDriven);
-    let until = 2000.0 * run.h();
-    run.judged_until(until);
-    let _ = std::mem::take(&mut run.let_off);
+    for _ in 0..2000 {
+        run.step();
+        run.judge_report();
+    }
 }
 
 #[test]

@@ -223,10 +223,14 @@ impl EventDriven {
         }
     }
 
-    /// The fastest velocity, m/s, which others are nothing beside. Where all stand, what is left of it is
-    /// rounding of what the forces do.
+    /// The fastest velocity, m/s, which others are nothing beside.
     fn speed(&self, motion: &Motion) -> f64 {
-        largest(&motion.velocity).max(NOISE * self.gained)
+        largest(&motion.velocity).max(self.slowest())
+    }
+
+    /// Where all stand, m/s: what is thrown off with [`THROWN`] of it is back within the last digit of a step.
+    fn slowest(&self) -> f64 {
+        f64::EPSILON / THROWN * self.gained
     }
 
     /// A motion may be started with closed contacts that approach: an impact too.

@@ -4,6 +4,10 @@ use super::{EventDriven, NOISE};
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Motion};
 
+/// A motion goes on in a state until its forces miss the law by more than rounding, which is this often
+/// [`NOISE`] at a limit that they stay at.
+const CLOSE: f64 = 16.0;
+
 impl EventDriven {
     /// Writes the forces that hold the motion in its present states; `false` if those break the law of
     /// contact, as they may when an input was changed since the last step.
@@ -16,37 +20,44 @@ impl EventDriven {
         drive: &Drive,
         forces: &mut [ContactForce],
     ) -> bool {
-        let Self { dynamics, series, .. } = self;
-        dynamics.free_acceleration(motion, &drive.force);
-        let law = &mut series.law;
-        law.set(dynamics, &motion.contacts, &drive.friction);
-        let found = law.forces(dynamics, &drive.slider_acceleration);
-        for (i, (out, &[normal_force, friction_force])) in forces.iter_mut().zip(found).enumerate()
-        {
+        self.dynamics.free_acceleration(motion, &drive.force);
+        let law = &mut self.series.law;
+        law.set(&self.dynamics, &motion.contacts, &drive.friction);
+        let found = law.forces(&self.dynamics, &drive.slider_acceleration);
+        for (out, &[normal_force, friction_force]) in forces.iter_mut().zip(found) {
+            (out.normal_force, out.friction_force) = (normal_force, friction_force);
+        }
+        for (i, out) in forces.iter_mut().enumerate() {
             let state = motion.contacts[i];
-            let tangent = &dynamics.contacts[i].tangent;
+            let &mut ContactForce { normal_force, friction_force, .. } = out;
+            let tangent = &self.dynamics.contacts[i].tangent;
             let (along, surface) = (tangent.dot(&motion.velocity), drive.slider_velocity[i]);
             let slip = surface - along;
             let terms = tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
-            let size = terms.fold(surface.abs(), f64::max);
+            let still = NOISE * terms.fold(surface.abs(), f64::max);
+            let own = self.dynamics.multipliers.delassus.own(i);
+            let pulled = |row| self.pulled(i, row, &motion.displacement);
+            let size = normal_force.abs() + pulled(0) / own[0] + pulled(1) / own[3];
+            let nothing = CLOSE * NOISE * size;
             let is_lawful = match state {
                 ContactState::Detached => true,
                 ContactState::Stick => {
-                    let limit = drive.friction[i].static_ * normal_force;
-                    slip.abs() <= NOISE * size
-                        && friction_force.abs() <= limit * (1.0 + NOISE)
-                        && normal_force >= 0.0
+                    let friction = drive.friction[i].static_;
+                    slip.abs() <= still
+                        && friction_force.abs()
+                            <= friction * normal_force + (1.0 + friction) * nothing
+                        && normal_force >= -nothing
                 }
                 _ => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
-                    direction * slip >= -NOISE * size && normal_force >= 0.0
+                    direction * slip >= -still && normal_force >= -nothing
                 }
             };
             if !is_lawful {
                 return false;
             }
             let slip_velocity = if state == ContactState::Stick { 0.0 } else { slip };
-            *out = ContactForce { state, normal_force, friction_force, slip_velocity };
+            *out = ContactForce { state, slip_velocity, ..*out };
         }
         true
     }

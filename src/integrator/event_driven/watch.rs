@@ -60,7 +60,7 @@ impl EventDriven {
         let span = self.series.span();
         let acceleration = 2.0 * bend / (span * span);
         let own = self.dynamics.multipliers.delassus.own(contact);
-        let pulled = |row| self.pulled(contact, row);
+        let pulled = |row| self.pulled(contact, row, self.series.power(0));
         let force = || {
             let size = self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
             size + pulled(0) / own[0] + pulled(1) / own[3]
@@ -76,7 +76,7 @@ impl EventDriven {
                 // then begins at zero, and opens for as long as that velocity says. What an impact has
                 // thrown off is something, however soon it comes back: else it would land again at once.
                 let bends = 2.0 * bend + span * span * pulled(0);
-                let fastest = self.series.largest(1).max(NOISE * self.gained * span);
+                let fastest = self.series.largest(1).max(self.slowest() * span);
                 let slow = bends.min(0.5 * THROWN / NOISE * fastest);
                 [
                     Some((Event::Touch, [slow + moved + place, slow + moved, bends + moved])),
@@ -115,10 +115,9 @@ impl EventDriven {
     }
 
     /// What the springs' forces, each for itself, would make of an acceleration along the normal (0) or the
-    /// tangent (1) of a contact, m/s², in parts of [`NOISE`]: where they hold each other, that is far more
-    /// than what the masses do.
-    fn pulled(&self, contact: usize, row: usize) -> f64 {
-        let place = self.series.power(0);
+    /// tangent (1) of a contact at these displacements (m), m/s², in parts of [`NOISE`]: where they hold each
+    /// other, that is far more than what the masses do.
+    pub(super) fn pulled(&self, contact: usize, row: usize, place: &[f64]) -> f64 {
         let terms = self.pulls[contact][row].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
         DIFFERENCE * terms.fold(0.0, |sum, term| sum + term)
     }
