@@ -11,10 +11,12 @@
 //! the motion is.
 
 mod held;
+mod impact;
 mod law;
 mod reduced;
 mod report;
 mod roots;
+mod rounding;
 mod series;
 mod watch;
 
@@ -23,9 +25,11 @@ use super::multipliers::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
-use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
+use crate::model::{Contact, Damping, Direction, LumpedModel};
 use held::MAX_GROUP;
+use impact::frictionless;
 use reduced::MOST_PLACES;
+use rounding::{NOISE, THROWN, pulls};
 use series::{ORDER, Polynomial, Series};
 use watch::Event;
 
@@ -33,14 +37,8 @@ use watch::Event;
 const MAX_EVENTS: u64 = 10_000;
 /// And this many at one instant, or as near to it as [`NOISE`] of a step.
 const MAX_STANDSTILL: u64 = 16;
-/// How often [`NOISE`] is doubled at one instant before that.
-const MOST_DOUBLINGS: u64 = 16;
 /// A series that covers no more than this part of what is left of a step will not end it.
 const SHORTEST: f64 = 1e-12;
-/// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
-const NOISE: f64 = 1e-13;
-/// A contact is thrown off by an impact that gives it this part of the fastest velocity; less is rounding.
-const THROWN: f64 = 1e-11;
 
 /// Exact motion, event by event.
 ///
@@ -160,14 +158,6 @@ impl EventDriven {
         Ok(())
     }
 
-    /// How much more than usual counts as rounding, after so many events at one instant. Where the sign of
-    /// a difference is decided by rounding, two states may each lead to the other: the doubt is doubled
-    /// until the changes that the difference goes through decide.
-    fn doubt(&self, standstill: u64) -> f64 {
-        let often = standstill.saturating_sub(2 * self.events.len() as u64);
-        f64::from(1_u32 << often.min(MOST_DOUBLINGS))
-    }
-
     /// Takes note of what drives the motion with `left` (s) of a step of length `h` to go.
     fn reach(&mut self, drive: &Drive, h: f64, left: f64) {
         for (force, (start, rate)) in
@@ -221,16 +211,6 @@ impl EventDriven {
                 motion.statistics.state_changes += 1;
             }
         }
-    }
-
-    /// The fastest velocity, m/s, which others are nothing beside.
-    fn speed(&self, motion: &Motion) -> f64 {
-        largest(&motion.velocity).max(self.slowest())
-    }
-
-    /// Where all stand, m/s: what is thrown off with [`THROWN`] of it is back within the last digit of a step.
-    fn slowest(&self) -> f64 {
-        f64::EPSILON / THROWN * self.gained
     }
 
     /// A motion may be started with closed contacts that approach: an impact too.
@@ -329,114 +309,6 @@ impl EventDriven {
         self.settle(motion, drive);
         Ok(())
     }
-
-    /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
-    fn stop(&mut self, motion: &mut Motion) {
-        let stops = |event: &Option<Event>| *event == Some(Event::Stop);
-        if self.is_inclined && self.events.iter().any(stops) {
-            self.kept.clone_from(&motion.contacts);
-            for (state, event) in self.kept.iter_mut().zip(&self.events) {
-                if stops(event) {
-                    *state = ContactState::Stick;
-                }
-            }
-            let law = &mut self.series.law;
-            law.set(&self.dynamics, &self.kept, &self.frictionless);
-            law.mend_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
-        }
-        for (i, event) in self.events.iter().enumerate() {
-            if let (true, Some(dof)) = (stops(event), self.dynamics.contacts[i].tangent.as_unit()) {
-                motion.velocity[dof] = self.surface[i];
-            }
-        }
-    }
-
-    /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
-    /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
-    /// there: else two that throw each other off would go on to do so.
-    fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
-        let Dynamics { contacts, multipliers, responses, .. } = &mut self.dynamics;
-        for (i, contact) in contacts.iter().enumerate() {
-            let state = motion.contacts[i];
-            if self.events[i] == Some(Event::Touch) {
-                self.closed[i] = frictionless(true);
-                motion.statistics.touch_downs += u64::from(state == ContactState::Detached);
-            }
-            multipliers.freedom[i] = match self.closed[i] {
-                ContactState::Detached => Freedom::Open,
-                _ => Freedom::Law(drive.friction[i].range(state)),
-            };
-            let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
-            multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
-        }
-        motion.statistics.count_sweeps(multipliers.solve()?);
-        for (impulse, responses) in multipliers.forces.iter().zip(&*responses) {
-            for (&impulse, response) in impulse.iter().zip(responses) {
-                response.add_to(&mut motion.velocity, impulse);
-            }
-        }
-        self.stand(motion);
-        Ok(())
-    }
-
-    /// Takes away what rounding has left of the gaps of contacts in an impact, and of the normal
-    /// velocities of those that it does not throw off: it would be another touch-down where they open.
-    fn stand(&mut self, motion: &mut Motion) {
-        let least = THROWN * self.speed(motion);
-        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
-            let is_closed = self.closed[i] != ContactState::Detached;
-            let is_kept = is_closed && contact.normal.dot(&motion.velocity) <= least;
-            // Those that the impact has stopped have no slip either, not even that of rounding.
-            self.kept[i] = match self.dynamics.multipliers.states[i] {
-                ContactState::Stick if is_kept => ContactState::Stick,
-                _ => frictionless(is_kept),
-            };
-        }
-        if self.is_inclined {
-            // All at once: what is taken from one is given to its neighbours.
-            let (law, dynamics) = (&mut self.series.law, &self.dynamics);
-            law.set(dynamics, &self.closed, &self.frictionless);
-            law.mend_gaps(dynamics, &mut motion.displacement);
-            law.set(dynamics, &self.kept, &self.frictionless);
-            law.mend_velocities(dynamics, &self.surface, &mut motion.velocity);
-        }
-        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
-            if let Some(dof) = contact.normal.as_unit() {
-                if self.closed[i] != ContactState::Detached {
-                    motion.displacement[dof] = 0.0;
-                }
-                if self.kept[i] != ContactState::Detached {
-                    motion.velocity[dof] = 0.0;
-                }
-            }
-            if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), self.kept[i]) {
-                motion.velocity[dof] = self.surface[i];
-            }
-        }
-    }
-}
-
-/// A contact that nothing holds but its normal, or that is open.
-fn frictionless(is_closed: bool) -> ContactState {
-    if is_closed { ContactState::Slide } else { ContactState::Detached }
-}
-
-/// |G M⁻¹ K| along normal and tangent of each contact.
-fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
-    let dofs = dynamics.acceleration.len();
-    let along = |response: &Direction| {
-        let terms = response.0.iter().flat_map(|&(dof, response)| {
-            dynamics.stiffness.row(dof).map(move |(other, k)| (other, 0, (response * k).abs()))
-        });
-        let column = SparseMatrix::from_entries(dofs, terms.collect());
-        Direction(column.entries().map(|(dof, _, value)| (dof, value)).collect())
-    };
-    dynamics.responses.iter().map(|two| two.each_ref().map(along)).collect()
-}
-
-/// The largest of some values, by size: of velocities, the fastest.
-fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }
 
 impl Integrator for EventDriven {

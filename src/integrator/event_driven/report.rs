@@ -1,6 +1,7 @@
 //! The contact forces of the states that the motion is in.
 
-use super::{EventDriven, NOISE};
+use super::EventDriven;
+use super::rounding::NOISE;
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Motion};
 

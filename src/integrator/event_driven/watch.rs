@@ -1,11 +1,9 @@
 //! What must not become negative while the contact states stay, and when it does.
 
-use super::{EventDriven, NOISE, THROWN, roots};
+use super::rounding::{DIFFERENCE, NOISE, THROWN};
+use super::{EventDriven, roots};
 use crate::contact::ContactState;
 use crate::integrator::{Drive, Motion};
-
-/// What a difference loses by rounding, as a part of its terms and of [`NOISE`].
-const DIFFERENCE: f64 = 0.02;
 
 /// Why a contact may not stay as it is.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -112,14 +110,6 @@ impl EventDriven {
                 ]
             }
         }
-    }
-
-    /// What the springs' forces, each for itself, would make of an acceleration along the normal (0) or the
-    /// tangent (1) of a contact at these displacements (m), m/s², in parts of [`NOISE`]: where they hold each
-    /// other, that is far more than what the masses do.
-    pub(super) fn pulled(&self, contact: usize, row: usize, place: &[f64]) -> f64 {
-        let terms = self.pulls[contact][row].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
-        DIFFERENCE * terms.fold(0.0, |sum, term| sum + term)
     }
 
     /// Writes what must not become negative as a polynomial; its number of terms.

@@ -1,0 +1,100 @@
+//! Instants at which velocities end or jump: slips that stop, and impacts.
+
+use super::rounding::THROWN;
+use super::watch::Event;
+use super::{Drive, EventDriven, Motion, StepFailure};
+use crate::contact::ContactState;
+use crate::integrator::dynamics::Dynamics;
+use crate::integrator::multipliers::Freedom;
+
+impl EventDriven {
+    /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
+    pub(super) fn stop(&mut self, motion: &mut Motion) {
+        let stops = |event: &Option<Event>| *event == Some(Event::Stop);
+        if self.is_inclined && self.events.iter().any(stops) {
+            self.kept.clone_from(&motion.contacts);
+            for (state, event) in self.kept.iter_mut().zip(&self.events) {
+                if stops(event) {
+                    *state = ContactState::Stick;
+                }
+            }
+            let law = &mut self.series.law;
+            law.set(&self.dynamics, &self.kept, &self.frictionless);
+            law.mend_velocities(&self.dynamics, &self.surface, &mut motion.velocity);
+        }
+        for (i, event) in self.events.iter().enumerate() {
+            if let (true, Some(dof)) = (stops(event), self.dynamics.contacts[i].tangent.as_unit()) {
+                motion.velocity[dof] = self.surface[i];
+            }
+        }
+    }
+
+    /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
+    /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
+    /// there: else two that throw each other off would go on to do so.
+    pub(super) fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+        let Dynamics { contacts, multipliers, responses, .. } = &mut self.dynamics;
+        for (i, contact) in contacts.iter().enumerate() {
+            let state = motion.contacts[i];
+            if self.events[i] == Some(Event::Touch) {
+                self.closed[i] = frictionless(true);
+                motion.statistics.touch_downs += u64::from(state == ContactState::Detached);
+            }
+            multipliers.freedom[i] = match self.closed[i] {
+                ContactState::Detached => Freedom::Open,
+                _ => Freedom::Law(drive.friction[i].range(state)),
+            };
+            let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
+            multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
+        }
+        motion.statistics.count_sweeps(multipliers.solve()?);
+        for (impulse, responses) in multipliers.forces.iter().zip(&*responses) {
+            for (&impulse, response) in impulse.iter().zip(responses) {
+                response.add_to(&mut motion.velocity, impulse);
+            }
+        }
+        self.stand(motion);
+        Ok(())
+    }
+
+    /// Takes away what rounding has left of the gaps of contacts in an impact, and of the normal
+    /// velocities of those that it does not throw off: it would be another touch-down where they open.
+    pub(super) fn stand(&mut self, motion: &mut Motion) {
+        let least = THROWN * self.speed(motion);
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            let is_closed = self.closed[i] != ContactState::Detached;
+            let is_kept = is_closed && contact.normal.dot(&motion.velocity) <= least;
+            // Those that the impact has stopped have no slip either, not even that of rounding.
+            self.kept[i] = match self.dynamics.multipliers.states[i] {
+                ContactState::Stick if is_kept => ContactState::Stick,
+                _ => frictionless(is_kept),
+            };
+        }
+        if self.is_inclined {
+            // All at once: what is taken from one is given to its neighbours.
+            let (law, dynamics) = (&mut self.series.law, &self.dynamics);
+            law.set(dynamics, &self.closed, &self.frictionless);
+            law.mend_gaps(dynamics, &mut motion.displacement);
+            law.set(dynamics, &self.kept, &self.frictionless);
+            law.mend_velocities(dynamics, &self.surface, &mut motion.velocity);
+        }
+        for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            if let Some(dof) = contact.normal.as_unit() {
+                if self.closed[i] != ContactState::Detached {
+                    motion.displacement[dof] = 0.0;
+                }
+                if self.kept[i] != ContactState::Detached {
+                    motion.velocity[dof] = 0.0;
+                }
+            }
+            if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), self.kept[i]) {
+                motion.velocity[dof] = self.surface[i];
+            }
+        }
+    }
+}
+
+/// A contact that nothing holds but its normal, or that is open.
+pub(super) fn frictionless(is_closed: bool) -> ContactState {
+    if is_closed { ContactState::Slide } else { ContactState::Detached }
+}

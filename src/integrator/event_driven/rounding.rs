@@ -1,0 +1,61 @@
+//! What counts as nothing: in which sizes rounding is measured.
+
+use super::EventDriven;
+use crate::integrator::Motion;
+use crate::integrator::dynamics::Dynamics;
+use crate::model::{Direction, SparseMatrix};
+
+/// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
+pub(super) const NOISE: f64 = 1e-13;
+/// A contact is thrown off by an impact that gives it this part of the fastest velocity; less is rounding.
+pub(super) const THROWN: f64 = 1e-11;
+/// What a difference loses by rounding, as a part of its terms and of [`NOISE`].
+pub(super) const DIFFERENCE: f64 = 0.02;
+/// The most often that [`NOISE`] is doubled at one instant.
+const MOST_DOUBLINGS: u64 = 16;
+
+impl EventDriven {
+    /// The fastest velocity, m/s, which others are nothing beside.
+    pub(super) fn speed(&self, motion: &Motion) -> f64 {
+        largest(&motion.velocity).max(self.slowest())
+    }
+
+    /// Where all stand, m/s: what is thrown off with [`THROWN`] of it is back within the last digit of a step.
+    pub(super) fn slowest(&self) -> f64 {
+        f64::EPSILON / THROWN * self.gained
+    }
+
+    /// How much more than usual counts as rounding, after so many events at one instant. Where the sign of
+    /// a difference is decided by rounding, two states may each lead to the other: the doubt is doubled
+    /// until the changes that the difference goes through decide.
+    pub(super) fn doubt(&self, standstill: u64) -> f64 {
+        let often = standstill.saturating_sub(2 * self.events.len() as u64);
+        f64::from(1_u32 << often.min(MOST_DOUBLINGS))
+    }
+
+    /// What the springs' forces, each for itself, would make of an acceleration along the normal (0) or the
+    /// tangent (1) of a contact at these displacements (m), m/s², in parts of [`NOISE`]: where they hold each
+    /// other, that is far more than what the masses do.
+    pub(super) fn pulled(&self, contact: usize, row: usize, place: &[f64]) -> f64 {
+        let terms = self.pulls[contact][row].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
+        DIFFERENCE * terms.fold(0.0, |sum, term| sum + term)
+    }
+}
+
+/// |G M⁻¹ K| along normal and tangent of each contact.
+pub(super) fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
+    let dofs = dynamics.acceleration.len();
+    let along = |response: &Direction| {
+        let terms = response.0.iter().flat_map(|&(dof, response)| {
+            dynamics.stiffness.row(dof).map(move |(other, k)| (other, 0, (response * k).abs()))
+        });
+        let column = SparseMatrix::from_entries(dofs, terms.collect());
+        Direction(column.entries().map(|(dof, _, value)| (dof, value)).collect())
+    };
+    dynamics.responses.iter().map(|two| two.each_ref().map(along)).collect()
+}
+
+/// The largest of some values, by size: of velocities, the fastest.
+pub(super) fn largest(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
+}
