@@ -39,7 +39,7 @@ pub struct Choice {
 impl Study {
     /// A row with the error that a tolerance is held against: the rms error or, where the reference itself
     /// does not keep its phase ([`is_chaotic`](Self::is_chaotic)), the larger one of amplitude and frequency.
-    /// What does not move has none.
+    /// What does not move is exact; what has lost the frequency that the reference has, no match for it.
     #[must_use]
     pub fn compared(&self, row: Row) -> Compared {
         let errors = row.errors;
@@ -47,7 +47,14 @@ impl Study {
             (None, _) => Some(0.0),
             (Some(_), false) => errors.rms,
             (Some(_), true) => {
-                errors.amplitude.map(|error| error.max(errors.frequency.unwrap_or(0.0)))
+                let frequency = match self.cycle.frequency {
+                    Some(_) => errors.frequency,
+                    None => Some(0.0),
+                };
+                errors
+                    .amplitude
+                    .zip(frequency)
+                    .map(|(amplitude, frequency)| amplitude.max(frequency))
             }
         };
         #[allow(clippy::cast_precision_loss)]

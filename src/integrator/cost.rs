@@ -48,10 +48,17 @@ impl Cost {
         let dofs = model.dofs();
         let entries = model.stiffness.entries().count() + model.dampers.entries().count() + dofs;
         let entries = entries as f64;
-        let sharing = model.contacts.iter().enumerate().filter(|(i, contact)| {
-            let others = model.contacts.iter().enumerate().filter(|(j, _)| i != j);
-            others.map(|(_, other)| other).any(|other| share_masses(contact, other))
-        });
+        let mut users = vec![0_u32; dofs];
+        let parts = |contact: &Contact| {
+            let mut parts: Vec<usize> =
+                contact.normal.0.iter().chain(&contact.tangent.0).map(|part| part.0).collect();
+            parts.sort_unstable();
+            parts.dedup();
+            parts
+        };
+        model.contacts.iter().flat_map(parts).for_each(|dof| users[dof] += 1);
+        let shares = |contact: &&Contact| parts(contact).iter().any(|dof| users[*dof] > 1);
+        let sharing = model.contacts.iter().filter(shares);
         let scheme_step = match RingForwardIncrement::new(model) {
             Some(_) => RING_DOF * dofs as f64,
             None => {
@@ -91,15 +98,6 @@ fn powers(angle: f64) -> f64 {
         term *= angle / power;
     }
     power
-}
-
-/// Do two contacts act on a common degree of freedom?
-fn share_masses(a: &Contact, b: &Contact) -> bool {
-    let of = |contact: &Contact| -> Vec<usize> {
-        contact.normal.0.iter().chain(&contact.tangent.0).map(|part| part.0).collect()
-    };
-    let others = of(b);
-    of(a).iter().any(|dof| others.contains(dof))
 }
 
 #[cfg(test)]

@@ -35,12 +35,16 @@ pub struct Summary {
     /// Half of what lies between the smallest and the largest value of each degree of freedom, turns between
     /// the rows included, m.
     pub amplitudes: Vec<f64>,
-    /// Of the one with the largest amplitude, Hz; `None` if it does not oscillate.
+    /// Of the one with the largest amplitude, Hz; `None` if it does not oscillate, or for fewer than
+    /// [`FEWEST_PERIODS`].
     pub frequency: Option<f64>,
     /// How much of the time contacts are in each state, all contacts together, in the order of
     /// [`ContactState::ALL`](crate::contact::ContactState::ALL).
     pub shares: [f64; 4],
 }
+
+/// A window with fewer periods of an oscillation does not tell its frequency.
+pub const FEWEST_PERIODS: f64 = 3.0;
 
 /// The run of each value, in their order: its summary or why it has none; `None` for runs that the watch
 /// ended, which is told how much of the work is done, from 0 to 1, by all cores.
@@ -54,11 +58,12 @@ pub fn sweep(
     view: &View,
     watch: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Option<Result<Summary, Error>>>, Error> {
-    let interval = scene.experiment.output_interval;
-    if view.window < interval {
+    let begin = view.begin(&scene.experiment);
+    let rows = scene.experiment.row_times().filter(|(time, is_whole)| *is_whole && *time >= begin);
+    if rows.count() < 2 {
         return Err(Error::argument(format!(
-            "a window of {} s is shorter than the output interval, {interval} s",
-            view.window
+            "a window of {} s has no two rows, which are {} s apart; a longer --window or --stop-time has",
+            view.window, scene.experiment.output_interval
         )));
     }
     let with = |value: &f64| {
@@ -130,7 +135,7 @@ struct Record {
     /// One history a degree of freedom, m.
     histories: Vec<Vec<f64>>,
     /// How often contacts were in each state.
-    states: [u32; 4],
+    states: [u64; 4],
 }
 
 impl Record {
@@ -149,17 +154,20 @@ impl Record {
         Ok(())
     }
 
+    #[allow(clippy::cast_precision_loss)]
     fn summary(&self, interval: f64) -> Summary {
         let amplitudes: Vec<f64> =
             self.histories.iter().map(|history| half_range(history)).collect();
         let largest =
             (0..amplitudes.len()).rev().max_by(|&a, &b| amplitudes[a].total_cmp(&amplitudes[b]));
         let cycle = largest.map(|i| Cycle::over(&self.histories[i], interval));
-        let all = self.states.iter().sum::<u32>().max(1);
+        let all = self.states.iter().sum::<u64>().max(1);
+        let window = self.histories.first().map_or(0.0, |history| history.len() as f64 * interval);
+        let is_clear = |frequency: &f64| frequency * window >= FEWEST_PERIODS;
         Summary {
             amplitudes,
-            frequency: cycle.and_then(|cycle| cycle.frequency),
-            shares: self.states.map(|count| f64::from(count) / f64::from(all)),
+            frequency: cycle.and_then(|cycle| cycle.frequency).filter(is_clear),
+            shares: self.states.map(|count| count as f64 / all as f64),
         }
     }
 }

@@ -27,6 +27,12 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
     let simulation = scenes::start(&scene)?;
     if let Some(selected) = simulation.selected() {
         eprintln!("{}: {selected}", scene.name);
+        if experiment.stop_time > scene.experiment.stop_time {
+            eprintln!(
+                "note: that is for the scene's {} s; for {} s give them in its [experiment]",
+                scene.experiment.stop_time, experiment.stop_time
+            );
+        }
     }
     let mut run = Run { simulation, inputs };
     match &arguments.output {

@@ -60,6 +60,8 @@ pub struct EventDriven {
     surface: Vec<f64>,
     /// The events at one instant.
     events: Vec<Option<Event>>,
+    /// How often each contact has had one at the present instant.
+    repeats: Vec<u32>,
     before: Vec<ContactState>,
     /// Which contacts were closed at some time of one instant: those take part in its impacts.
     closed: Vec<ContactState>,
@@ -101,6 +103,7 @@ impl EventDriven {
             force: vec![0.0; model.dofs()],
             surface: vec![0.0; contacts],
             events: vec![None; contacts],
+            repeats: vec![0; contacts],
             before: vec![ContactState::Detached; contacts],
             closed: vec![ContactState::Detached; contacts],
             kept: vec![ContactState::Detached; contacts],
@@ -113,6 +116,7 @@ impl EventDriven {
     fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
         motion.statistics.steps += 1;
         let (mut left, mut events, mut standstill) = (h, 0, 0);
+        self.repeats.fill(0);
         self.reach(drive, h, left);
         self.follow_slider(motion, h);
         self.note_closed(motion);
@@ -130,11 +134,12 @@ impl EventDriven {
                 motion.displacement.fill(f64::NAN);
                 return Ok(());
             }
-            let event = self.next_event(motion, drive, self.doubt(standstill));
+            let event = self.next_event(motion, drive);
             let part = event.unwrap_or(1.0);
             let passed = part * reach;
             if passed > NOISE * h {
                 standstill = 0;
+                self.repeats.fill(0);
             }
             if passed > 0.0 {
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
@@ -145,6 +150,9 @@ impl EventDriven {
                 self.note_closed(motion);
             }
             if event.is_some() {
+                for (repeats, event) in self.repeats.iter_mut().zip(&self.events) {
+                    *repeats += u32::from(event.is_some());
+                }
                 self.change(motion, drive, standstill > 0)?;
                 events += 1;
                 standstill += 1;

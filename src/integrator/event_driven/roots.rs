@@ -92,7 +92,7 @@ fn first_root(p: &[f64]) -> Option<f64> {
 fn value_and_slope(p: &[f64], t: f64) -> [f64; 2] {
     let square = t * t;
     let (pairs, last) = p.as_chunks::<2>();
-    let (mut value, mut slope) = ([last.first().copied().unwrap_or(0.0), 0.0], [0.0; 3]);
+    let (mut value, mut slope) = ([last.first().copied().unwrap_or(0.0), 0.0], [0.0; 2]);
     for pair in pairs.iter().rev() {
         for i in 0..2 {
             slope[i] = slope[i] * square + value[i];
@@ -145,6 +145,10 @@ mod tests {
         assert_eq!(first_negative(&[0.0, -1.0], [0.0; 3]), Some(0.0));
         assert_eq!(first_negative(&[1e-15, -1e-15, 1.0], [1e-14; 3]), None);
         assert_eq!(first_negative(&[0.0; 5], [0.0; 3]), None);
+        // A slope may be nothing where a value or a curvature of that size is not.
+        assert_eq!(first_negative(&[0.0, -1e-12, 1.0], [0.0, 1e-11, 0.0]), None);
+        assert_eq!(first_negative(&[0.0, 1e-12, -1e-12], [0.0, 1e-11, 1e-13]), Some(0.0));
+        assert_eq!(first_negative(&[0.0, -1e-12, 1.0], [1e-11, 0.0, 1e-11]), Some(0.0));
         // Up and back again.
         let found = first_negative(&[0.0, 1.0, -4.0], [0.0; 3]).unwrap();
         assert!((found - 0.25).abs() < 1e-15);

@@ -11,8 +11,10 @@ pub(super) const NOISE: f64 = 1e-13;
 pub(super) const THROWN: f64 = 1e-11;
 /// What a difference loses by rounding, as a part of its terms and of [`NOISE`].
 pub(super) const DIFFERENCE: f64 = 0.02;
-/// The most often that [`NOISE`] is doubled at one instant.
-const MOST_DOUBLINGS: u64 = 16;
+/// From so many events of one contact at one instant on, [`NOISE`] is doubled for it with each.
+const UNDOUBTED: u32 = 2;
+/// The most often.
+const MOST_DOUBLINGS: u32 = 12;
 
 impl EventDriven {
     /// The fastest velocity, m/s, which others are nothing beside.
@@ -25,11 +27,11 @@ impl EventDriven {
         f64::EPSILON / THROWN * self.gained
     }
 
-    /// How much more than usual counts as rounding, after so many events at one instant. Where the sign of
-    /// a difference is decided by rounding, two states may each lead to the other: the doubt is doubled
-    /// until the changes that the difference goes through decide.
-    pub(super) fn doubt(&self, standstill: u64) -> f64 {
-        let often = standstill.saturating_sub(2 * self.events.len() as u64);
+    /// How much more than usual counts as rounding at a contact. Where the sign of a difference is decided
+    /// by rounding, two states may each lead to the other at one instant: the doubt is doubled until the
+    /// changes that the difference goes through decide.
+    pub(super) fn doubt(&self, contact: usize) -> f64 {
+        let often = self.repeats[contact].saturating_sub(UNDOUBTED);
         f64::from(1_u32 << often.min(MOST_DOUBLINGS))
     }
 

@@ -19,9 +19,8 @@ pub(super) enum Event {
 }
 
 impl EventDriven {
-    /// The next event, in parts of the series' span, and in `events` what happens then; with so many times
-    /// the usual noise.
-    pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive, doubt: f64) -> Option<f64> {
+    /// The next event, in parts of the series' span, and in `events` what happens then.
+    pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive) -> Option<f64> {
         self.events.fill(None);
         let mut first = None;
         let bend = self.series.largest_bend();
@@ -30,7 +29,7 @@ impl EventDriven {
             for (event, size) in watched.into_iter().flatten() {
                 let terms = self.fill(i, event, drive);
                 let p = &self.polynomial[..terms];
-                let noise = size.map(|size| doubt * NOISE * size);
+                let noise = size.map(|size| NOISE * size);
                 let Some(time) = roots::first_negative(p, noise) else { continue };
                 // Those that are apart by rounding alone are one.
                 let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON;
@@ -58,10 +57,11 @@ impl EventDriven {
         let span = self.series.span();
         let acceleration = 2.0 * bend / (span * span);
         let own = self.dynamics.multipliers.delassus.own(contact);
+        let doubt = self.doubt(contact);
         let pulled = |row| self.pulled(contact, row, self.series.power(0));
         let force = || {
             let size = self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
-            size + pulled(0) / own[0] + pulled(1) / own[3]
+            doubt * (size + pulled(0) / own[0] + pulled(1) / own[3])
         };
         let friction = drive.friction[contact].static_;
         // Gaps and slips between masses are differences of larger values, which lose digits. Putting them
@@ -73,14 +73,10 @@ impl EventDriven {
                 // A velocity that an impact has left may be nothing in the rounding of the gap: the gap
                 // then begins at zero, and opens for as long as that velocity says. What an impact has
                 // thrown off is something, however soon it comes back: else it would land again at once.
-                let bends = 2.0 * bend + span * span * pulled(0);
+                let bends = doubt * (2.0 * bend + span * span * pulled(0) + moved);
                 let fastest = self.series.largest(1).max(self.slowest() * span);
                 let slow = bends.min(0.5 * THROWN / NOISE * fastest);
-                [
-                    Some((Event::Touch, [slow + moved + place, slow + moved, bends + moved])),
-                    None,
-                    None,
-                ]
+                [Some((Event::Touch, [slow + doubt * place, slow, bends])), None, None]
             }
             ContactState::Stick => {
                 let least = friction * self.series.least_normal_force(contact);
@@ -100,8 +96,9 @@ impl EventDriven {
                 // What is nothing to friction is nothing to the slip that it makes: else a contact at its
                 // limit slips and stops without an end.
                 let bits = (1.0 + friction) * force() * (own[3] + friction * own[1].abs());
-                let bend = 2.0 * bend + bits * span * span;
-                let distance = (span * self.surface[contact].abs()).max(bend) + moved;
+                let bend = doubt * 2.0 * bend + bits * span * span;
+                let along = doubt * span * self.surface[contact].abs();
+                let distance = along.max(bend) + doubt * moved;
                 let may_lift = self.series.least_normal_force(contact) <= 0.0;
                 [
                     may_lift.then(|| (Event::Lift, [force(); 3])),

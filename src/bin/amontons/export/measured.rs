@@ -92,7 +92,7 @@ pub fn reasons(choice: &Choice, scene: &Scene, tolerance: f64) -> Vec<String> {
     lines.extend(choice.other.as_ref().map(|other| {
         let verdict = match (other.keeps(tolerance), choice.taken.keeps(tolerance)) {
             (true, _) => ": dearer",
-            (false, true) => ": not accurate enough, and shorter steps are dearer",
+            (false, true) => ": not accurate enough",
             (false, false) => ": not accurate enough",
         };
         line(other, verdict)
