@@ -58,6 +58,15 @@ impl Count {
     }
 }
 
+impl Count {
+    /// Has less happened than so much?
+    fn is_fewer(self, than: Self) -> bool {
+        self.changes < than.changes
+            || self.touch_downs < than.touch_downs
+            || self.events < than.events
+    }
+}
+
 /// The state of a step that began in `start` after `t` (s).
 #[derive(Clone)]
 struct Look {
@@ -120,6 +129,12 @@ impl Run {
             self.forget_flicker(&mut after, &end);
             if before.t > from.t {
                 self.judge_segment(&span, &from, &before, &mut states);
+            }
+            if after.count.is_fewer(before.count) {
+                // One bounce or change more in the shorter part: two motions that both obey the law.
+                self.let_off.flickers += 1;
+                from = after;
+                continue;
             }
             self.judge_event(&span, &before, &after, &states);
             self.changes.push(Change {

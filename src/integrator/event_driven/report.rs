@@ -1,7 +1,7 @@
 //! The contact forces of the states that the motion is in.
 
 use super::EventDriven;
-use super::rounding::NOISE;
+use super::rounding::{NOISE, largest};
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Motion};
 
@@ -28,14 +28,15 @@ impl EventDriven {
         for (out, &[normal_force, friction_force]) in forces.iter_mut().zip(found) {
             (out.normal_force, out.friction_force) = (normal_force, friction_force);
         }
+        let fastest = largest(&motion.velocity);
         for (i, out) in forces.iter_mut().enumerate() {
             let state = motion.contacts[i];
             let &mut ContactForce { normal_force, friction_force, .. } = out;
             let tangent = &self.dynamics.contacts[i].tangent;
             let (along, surface) = (tangent.dot(&motion.velocity), drive.slider_velocity[i]);
             let slip = surface - along;
-            let terms = tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
-            let still = NOISE * terms.fold(surface.abs(), f64::max);
+            // Of a slider that stands only the other masses say what rounding is.
+            let still = NOISE * surface.abs().max(fastest);
             let own = self.dynamics.multipliers.delassus.own(i);
             let pulled = |row| self.pulled(i, row, &motion.displacement);
             let size = normal_force.abs() + pulled(0) / own[0] + pulled(1) / own[3];

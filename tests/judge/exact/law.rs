@@ -6,7 +6,7 @@ use super::{Count, Look, SLOW};
 use crate::judge::rule::{Before, Doing, state_of};
 use crate::judge::{ROUNDING, Run};
 use amontons::contact::ContactForce;
-use amontons::contact::ContactState::{self, ReverseSlide, Slide, Stick};
+use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};
 use amontons::contact::Friction;
 use amontons::contact::residual::{Instant, Scales, residual};
 use nalgebra::DVector;
@@ -275,7 +275,12 @@ impl Run {
             .collect();
         // Several impacts that are not told apart add up to impulses of which no more is known than that
         // they press, and that friction is within its limits.
-        let is_merged = passed > self.near() && landed + u64::from(approaches) > 1;
+        // That of a start with closed contacts that approach is one more.
+        let starts = (0..states.len()).any(|i| {
+            let normal = self.directions.column(2 * i);
+            states[i] != Detached && normal.dot(&before.place[1]) < -STANDS * fastest
+        });
+        let is_merged = passed > self.near() && landed + u64::from(starts) > 1;
         self.let_off.merged += u64::from(is_merged);
         let Some(fit) = self.fit.as_ref().filter(|_| !is_merged) else {
             let limits = contacts.map(|i| {
