@@ -159,15 +159,15 @@ fn write_row(
     Ok(())
 }
 
-/// Simulated milliseconds on standard error, shown only to a person and only on longer runs.
-fn progress_bar(stop: f64) -> ProgressBar {
+/// A bar up to `stop`, a time in s or a part of the work, on standard error; shown only to a person.
+pub fn progress_bar(stop: f64) -> ProgressBar {
     let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
         .expect("the template is fixed");
     ProgressBar::new(ticks(stop)).with_style(style)
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn ticks(time: f64) -> u64 {
+pub fn ticks(time: f64) -> u64 {
     (1e3 * time).ceil() as u64
 }
 

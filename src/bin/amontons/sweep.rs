@@ -2,13 +2,12 @@
 
 use crate::arguments::Simulate;
 use crate::interrupt::{self, Interrupted};
-use crate::simulate::is_broken_pipe;
+use crate::simulate::{is_broken_pipe, progress_bar, ticks};
 use amontons::accuracy::dof_named;
 use amontons::integrator::select;
 use amontons::output::Pending;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::sweep::{Summary, View, sweep};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 
@@ -39,7 +38,8 @@ pub fn run(
     let view = View { dofs, window };
     let mut file = arguments.output.as_deref().map(Pending::create).transpose()?;
     interrupt::listen();
-    let bar = progress_bar();
+    // Its length is a part of the work, from 0 to 1.
+    let bar = progress_bar(1.0);
     let outcomes = sweep(scene, name, values, &view, &|passed| {
         bar.set_position(ticks(passed));
         interrupt::stopped()
@@ -110,16 +110,4 @@ fn write(
     }
     out.flush()?;
     Ok(())
-}
-
-/// A bar on standard error, shown only to a person.
-fn progress_bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
-        .expect("the template is fixed");
-    ProgressBar::new(1000).with_style(style)
-}
-
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn ticks(part: f64) -> u64 {
-    (1e3 * part) as u64
 }
