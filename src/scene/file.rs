@@ -1,6 +1,7 @@
 //! The scene file as its user writes it (TOML), turned into a [`Scene`].
 
 use super::check::{Part, with_key};
+use super::effects_file::EffectsTable;
 use super::initial_file::{self, Initial};
 use super::integrator_file::Integrator;
 use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
@@ -41,6 +42,8 @@ struct File {
     friction: Option<Friction>,
     #[serde(default)]
     damping: Damping,
+    #[serde(default)]
+    effects: EffectsTable,
     /// The ring of modules; each value once for all modules, or a list with one a module.
     ring: Option<ring_file::Ring>,
     /// The masses of a network.
@@ -147,6 +150,7 @@ impl File {
             friction_coefficient: self.friction.as_ref().map_or(0.0, |f| f.coefficient),
             static_friction: self.friction.and_then(|f| f.static_),
             damping: self.damping,
+            effects: self.effects.effects(),
             structure,
             signals: signals.into(),
             selection,

@@ -5,6 +5,7 @@
 //! | file | what it holds |
 //! | --- | --- |
 //! | `file`, `initial_file` | the file as a whole; its initial values |
+//! | `effects`, `effects_file` | what is simulated besides masses and springs; that part of a file |
 //! | `selection`, `integrator_file` | method and step given, or a tolerance in their place; that part of a file |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
@@ -17,6 +18,8 @@
 
 mod builtin;
 mod check;
+mod effects;
+mod effects_file;
 mod file;
 mod initial_file;
 mod integrator_file;
@@ -41,6 +44,7 @@ mod time_table;
 pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find, named};
 #[cfg(feature = "tools")]
 pub(crate) use check::meant_input;
+pub use effects::Effects;
 #[cfg(feature = "tools")]
 pub use file::schema;
 pub use file::{parse, read};
@@ -76,6 +80,8 @@ pub struct Scene {
     pub static_friction: Option<f64>,
     /// Rayleigh damping, C = α M + β K.
     pub damping: Damping,
+    /// What is simulated besides masses and springs.
+    pub effects: Effects,
     /// Masses, springs and contacts.
     pub structure: Structure,
     /// What changes inputs over time. A saved state goes without: it belongs to a scene that has them.
@@ -283,6 +289,7 @@ impl Scene {
     #[must_use]
     pub fn has_parts_of(&self, other: &Self) -> bool {
         self.static_friction.is_some() == other.static_friction.is_some()
+            && self.effects == other.effects
             && match (&self.structure, &other.structure) {
                 (Structure::Ring(a), Structure::Ring(b)) => a.len() == b.len(),
                 (Structure::Network(a), Structure::Network(b)) => a.has_parts_of(b),

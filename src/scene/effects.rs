@@ -1,0 +1,26 @@
+//! Which effects a scene calls for.
+
+use serde::{Deserialize, Serialize};
+
+/// What is simulated of a scene besides its masses and springs.
+///
+/// A contact comes with the whole law of contact, for anything less is an idealisation that has to be asked
+/// for; everything else is off unless the scene asks for it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Effects {
+    /// May a contact stick? If not, friction keeps the direction that it has in uniform sliding, as the
+    /// linearised analysis assumes.
+    pub sticking: bool,
+    /// May a contact open? If not, it holds in both directions: x_N = 0, N of either sign.
+    pub detachment: bool,
+    /// Is energy accounted for?
+    pub energy: bool,
+    /// Is the present contact state's stability looked at?
+    pub stability: bool,
+}
+
+impl Default for Effects {
+    fn default() -> Self {
+        Self { sticking: true, detachment: true, energy: false, stability: false }
+    }
+}

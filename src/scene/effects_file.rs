@@ -1,0 +1,34 @@
+//! The table `[effects]` of a scene file.
+
+use super::Effects;
+use serde::Deserialize;
+
+/// What is simulated besides masses and springs.
+#[derive(Default, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct EffectsTable {
+    /// May contacts stick? Unless false; then friction keeps the direction that it has in uniform sliding.
+    sticking: Option<bool>,
+    /// May contacts open? Unless false; then they hold in both directions.
+    detachment: Option<bool>,
+    /// Account for energy: kinetic, elastic, dissipated, and the work that is done.
+    #[serde(default)]
+    energy: bool,
+    /// Watch the stability of the present contact state: its largest growth rate, and that mode's frequency.
+    #[serde(default)]
+    stability: bool,
+}
+
+impl EffectsTable {
+    /// What the scene calls for.
+    pub(super) fn effects(&self) -> Effects {
+        let whole = Effects::default();
+        Effects {
+            sticking: self.sticking.unwrap_or(whole.sticking),
+            detachment: self.detachment.unwrap_or(whole.detachment),
+            energy: self.energy,
+            stability: self.stability,
+        }
+    }
+}
