@@ -6,8 +6,8 @@
 //! | --- | --- |
 //! | [`error`] | the one error type |
 //! | [`output`] | files that appear whole or not at all (feature `tools`) |
-//! | [`scene`] | the file as its user writes it, checked |
 //! | [`contact`] | contact states and the Signorini–Coulomb law of one contact |
+//! | [`scene`] | the file as its user writes it, checked |
 //! | [`model`] | mass, stiffness, load and contact directions; equilibrium; reduced matrices |
 //! | [`stability`] | the critical step, from the eigenvalues of the contact states |
 //! | [`integrator`] | forward increment Lagrange multipliers |

@@ -7,8 +7,8 @@ use std::path::Path;
 const ROOMS: [&str; 13] = [
     "error",
     "output",
-    "scene",
     "contact",
+    "scene",
     "model",
     "stability",
     "integrator",

@@ -1,6 +1,6 @@
 //! Orders, invariants and limits of the scheme, against closed forms.
 
-use amontons::contact::ContactState;
+use amontons::contact::{ContactLaw, ContactState};
 use amontons::integrator::{Drive, Integrator, Motion, SparseForwardIncrement, Statistics};
 use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 use amontons::scene::{Scene, builtin};
@@ -95,6 +95,7 @@ fn row_of_masses(damping: Damping) -> LumpedModel {
         dampers: SparseMatrix::zero(3),
         load: vec![0.0; 3],
         contacts: vec![],
+        law: ContactLaw::default(),
     }
 }
 
@@ -164,6 +165,7 @@ fn free_mass(weight: f64) -> (LumpedModel, Drive) {
         dampers: SparseMatrix::zero(2),
         load: vec![0.0; 2],
         contacts: vec![Contact::new(Direction::unit(1), Direction::unit(0))],
+        law: ContactLaw::default(),
     };
     (model, Drive::uniform(vec![0.0, -weight], 1, 0.0, 0.3))
 }

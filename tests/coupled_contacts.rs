@@ -1,7 +1,7 @@
 //! Gauss–Seidel over contacts that masses couple, against a brute-force search of all contact
 //! states, and the general integrator against the one for rings.
 
-use amontons::contact::{ContactState, Friction, all_states};
+use amontons::contact::{ContactLaw, ContactState, Friction, all_states};
 use amontons::integrator::{
     Drive, Integrator, Motion, RingForwardIncrement, SparseForwardIncrement, Statistics,
 };
@@ -35,6 +35,7 @@ fn model(contacts: usize, coupling: &[f64]) -> LumpedModel {
         contacts: (0..contacts)
             .map(|i| Contact::new(Direction::unit(2 * i + 1), Direction::unit(2 * i)))
             .collect(),
+        law: ContactLaw::default(),
     }
 }
 
@@ -59,7 +60,7 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
     let (x, v) =
         (DVector::from(motion.displacement.clone()), DVector::from(motion.velocity.clone()));
     let impulse = (DVector::from(drive.force.clone()) - damping * &v - stiffness * x) * STEP;
-    let Friction { kinetic, static_ } = drive.friction[0];
+    let Friction { kinetic, static_, .. } = drive.friction[0];
     all_states(u32::try_from(m).unwrap())
         .filter_map(|states| {
             // Unknowns: v⁺, then N and T of each contact.
@@ -148,7 +149,7 @@ proptest! {
             motion.velocity.chunks_exact_mut(2).for_each(|v| v[0] = 0.005);
             motion.contacts.fill(ContactState::Stick);
         }
-        let friction = Friction { kinetic, static_: part * kinetic };
+        let friction = Friction::with_static(kinetic, part * kinetic);
         let drive = Drive::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
         let candidates = by_enumeration(&model, &motion, &drive);
         let mut integrator = SparseForwardIncrement::new(&model).unwrap();
@@ -175,6 +176,7 @@ fn two_contacts_that_hold_one_mass_in_a_groove_converge_and_keep_it_there() {
             Contact::new(Direction(vec![(0, s), (1, c)]), Direction(vec![(0, c), (1, -s)])),
             Contact::new(Direction(vec![(0, -s), (1, c)]), Direction(vec![(0, c), (1, s)])),
         ],
+        law: ContactLaw::default(),
     };
     let drive = Drive::uniform(vec![3.0, -20.0], 2, 0.0, 0.3);
     let mut motion = Motion {

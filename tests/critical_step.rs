@@ -1,7 +1,7 @@
 //! The critical step of random scenes against the spectral radius of one step of the scheme, built
 //! here from the printed equations for each contact state.
 
-use amontons::contact::{ContactState, all_states};
+use amontons::contact::{ContactLaw, ContactState, all_states};
 use amontons::model::LumpedModel;
 use amontons::scene::{Module, builtin};
 use amontons::stability::{Origin, critical_step};
@@ -109,6 +109,7 @@ proptest! {
             dampers: amontons::model::SparseMatrix::zero(20),
             load: vec![0.0; 20],
             contacts: contacts.collect(),
+law: ContactLaw::default(),
         };
         let bound = critical_step(&five, mu).unwrap();
         prop_assert_eq!(&bound.origin, &Origin::Bound);

@@ -3,6 +3,7 @@
 
 mod judge;
 
+use amontons::contact::ContactLaw;
 use amontons::contact::ContactState::{self, Detached, Slide, Stick};
 use amontons::integrator::{Drive, Motion, Statistics, choose};
 use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
@@ -30,6 +31,7 @@ fn rod(mass: f64, weight: f64) -> LumpedModel {
         dampers: SparseMatrix::zero(3),
         load: vec![-0.5 * weight, -0.5 * weight, 0.0],
         contacts: vec![end(0), end(1)],
+        law: ContactLaw::default(),
     }
 }
 
@@ -124,6 +126,7 @@ fn in_coordinates(model: &LumpedModel, p: &DMatrix<f64>) -> LumpedModel {
         dampers: transformed(&model.dampers),
         load: (p.transpose() * DVector::from_column_slice(&model.load)).as_slice().to_vec(),
         contacts: model.contacts.iter().map(contact).collect(),
+        law: ContactLaw::default(),
     }
 }
 

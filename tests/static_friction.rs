@@ -86,7 +86,7 @@ fn set1(method: Method, step: f64) -> Scene {
 
 #[test]
 fn contacts_hold_up_to_static_friction_slip_under_kinetic_and_keep_the_law_throughout() {
-    let friction = Friction { kinetic: 1.96, static_: 2.4 };
+    let friction = Friction::with_static(1.96, 2.4);
     for method in METHODS {
         let scene = set1(method, if method == Method::EventDriven { 1e-4 } else { 1e-5 });
         let mut simulation = Simulation::new(scene, 0.0).unwrap();
@@ -271,8 +271,8 @@ fn the_common_static_coefficient_belongs_to_the_common_kinetic_one() {
         ("friction = 0.7\nstatic_friction = 0.9", [0.7, 0.9]),
     ] {
         let model = amontons::model::LumpedModel::from(&pad(contact));
-        let common = Friction { kinetic: 0.4, static_: 0.6 };
-        let Friction { kinetic, static_ } = model.contacts[0].coefficients(common);
+        let common = Friction::with_static(0.4, 0.6);
+        let Friction { kinetic, static_, .. } = model.contacts[0].coefficients(common);
         assert_eq!([kinetic, static_], expected, "{contact}");
     }
 }

@@ -7,7 +7,7 @@
 #![cfg(feature = "tools")]
 
 use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};
-use amontons::contact::all_states;
+use amontons::contact::{ContactLaw, all_states};
 use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 use amontons::stability::{Spectrum, StateClasses, modes};
 
@@ -28,6 +28,7 @@ fn corner() -> LumpedModel {
             Contact::new(Direction::unit(1), Direction::unit(0)),
             Contact::new(Direction::unit(0), Direction(vec![(1, -1.0)])),
         ],
+        law: ContactLaw::default(),
     }
 }
 

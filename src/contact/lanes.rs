@@ -27,6 +27,9 @@ pub trait Lanes:
     /// Its size.
     #[must_use]
     fn abs(self) -> Self;
+    /// f of each number with that of the other in its lane.
+    #[must_use]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self;
     /// self < other.
     fn is_below(self, other: Self) -> Self::Mask;
     /// self ≤ other.
@@ -70,6 +73,11 @@ impl Lanes for f64 {
     #[inline(always)]
     fn abs(self) -> Self {
         self.abs()
+    }
+
+    #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        f(self, other)
     }
 
     #[inline(always)]

@@ -72,37 +72,87 @@ impl LocalProblem {
         }
         (stiffness > 0.0).then(|| {
             let normal = -free_normal / stiffness;
-            let state =
-                if direction > 0.0 { ContactState::Slide } else { ContactState::ReverseSlide };
-            LocalSolution { force: [normal, slope * normal], state }
+            LocalSolution { force: [normal, slope * normal], state: slipping(direction) }
         })
     }
 
-    /// The multipliers that hold the contact, if friction can.
-    fn stick(
+    /// As [`solve`](Self::solve), of a contact that holds in both directions: a_N = 0, N of either sign, and
+    /// friction follows |N|. `None` where it wedges.
+    #[must_use]
+    pub fn solve_held(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
+        let force = self.hold(free);
+        let [normal, tangential] = force;
+        if range.holds(tangential, normal.abs()) {
+            return Some(LocalSolution { force, state: ContactState::Stick });
+        }
+        let slides = |direction: f64| {
+            let solution = self.slide_held(free[0], range.limit(direction), direction)?;
+            let [normal, tangential] = solution.force;
+            let acceleration = free[1] + self.nt * normal + self.tt * tangential;
+            (direction * acceleration <= 0.0).then_some(solution)
+        };
+        // What would hold it says where it goes, but for rounding.
+        let direction = tangential.signum();
+        slides(direction)
+            .or_else(|| slides(-direction))
+            .or_else(|| self.slide_held(free[0], range.limit(direction), direction))
+    }
+
+    /// As [`slide`](Self::slide), of a contact that holds in both directions.
+    #[must_use]
+    pub fn slide_held(
         &self,
-        [free_normal, free_tangential]: [f64; 2],
-        range: &FrictionRange,
+        free_normal: f64,
+        friction: f64,
+        direction: f64,
     ) -> Option<LocalSolution> {
+        let state = slipping(direction);
+        let sign = if free_normal > 0.0 { -1.0 } else { 1.0 };
+        self.guide(free_normal, sign * direction * friction, state)
+    }
+
+    /// The multipliers of a contact that holds in both directions, with T = `slope` N; `None` where it wedges.
+    #[must_use]
+    pub fn guide(
+        &self,
+        free_normal: f64,
+        slope: f64,
+        state: ContactState,
+    ) -> Option<LocalSolution> {
+        let stiffness = self.nn + slope * self.nt;
+        let normal = -free_normal / stiffness;
+        (stiffness > 0.0).then_some(LocalSolution { force: [normal, slope * normal], state })
+    }
+
+    /// (N, T) that keep the contact closed and stuck.
+    fn hold(&self, [free_normal, free_tangential]: [f64; 2]) -> [f64; 2] {
         let determinant = self.nn * self.tt - self.nt * self.nt;
         let normal = (self.nt * free_tangential - self.tt * free_normal) / determinant;
-        let tangential = (self.nt * free_normal - self.nn * free_tangential) / determinant;
+        [normal, (self.nt * free_normal - self.nn * free_tangential) / determinant]
+    }
+
+    /// The multipliers that hold the contact, if friction can.
+    fn stick(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
+        let [normal, tangential] = self.hold(free);
         let state = if normal > 0.0 { ContactState::Stick } else { ContactState::Detached };
         let held = normal >= 0.0 && range.holds(tangential, normal);
         held.then_some(LocalSolution { force: [normal, tangential], state })
     }
 }
 
+fn slipping(direction: f64) -> ContactState {
+    if direction > 0.0 { ContactState::Slide } else { ContactState::ReverseSlide }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Friction;
     use ContactState::{ReverseSlide, Slide, Stick};
 
     const W: LocalProblem = LocalProblem { nn: 2.0, nt: 0.0, tt: 4.0 };
 
     fn coulomb(friction: f64) -> FrictionRange {
-        Friction::from(friction).range(Stick)
+        FrictionRange { backward: friction, forward: friction, kinetic: friction }
     }
 
     #[test]
@@ -123,7 +173,7 @@ mod tests {
 
     #[test]
     fn what_static_friction_lets_go_is_at_its_limit() {
-        let range = Friction { kinetic: 0.25, static_: 0.5 }.range(Stick);
+        let range = FrictionRange { kinetic: 0.25, ..coulomb(0.5) };
         let held = LocalSolution { force: [2.0, -1.0], state: Stick };
         assert_eq!(W.solve([-4.0, 4.0], &range), held);
         let slips = LocalSolution { force: [2.0, -1.0], state: ReverseSlide };

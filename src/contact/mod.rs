@@ -2,15 +2,15 @@
 //!
 //! Signs: the normal force N ≥ 0 is compressive. The slip velocity is that of the slider against
 //! the mass, v_r = v − ẋ_t. The friction force is the one on the mass, along the tangent:
-//! T = +µN where v_r > 0, −µN where v_r < 0, anything with |T| ≤ µN where v_r = 0. Where a contact has
-//! a static coefficient besides, that one stands in the last of the three ([`Friction`]).
+//! T = +µN where v_r > 0, −µN where v_r < 0, anything with |T| ≤ µN where v_r = 0. Where a law has
+//! a static coefficient besides, that one stands in the last of the three ([`friction`]).
 
-mod friction;
+pub mod friction;
 mod lanes;
 mod local;
 pub mod residual;
 
-pub use friction::{Coulomb, Friction, FrictionLaw, FrictionRange};
+pub use friction::{Friction, FrictionLaw, FrictionRange, Law, UnderLaw};
 pub use lanes::Lanes;
 pub use local::{LocalProblem, LocalSolution};
 
@@ -44,6 +44,51 @@ impl ContactState {
             Self::ReverseSlide => Some(-1.0),
             Self::Stick | Self::Detached => None,
         }
+    }
+}
+
+/// Which parts of the law of contact there are; what is left out is asked nowhere in a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub struct ContactLaw {
+    /// The law of friction.
+    pub friction: Law,
+    /// Can contacts stick? If not, friction has the direction of uniform sliding throughout: that of the
+    /// surface's velocity.
+    pub sticking: bool,
+    /// Can contacts open? If not, they hold in both directions: x_N = 0, N of either sign. Friction that
+    /// can stick then follows |N|.
+    pub detachment: bool,
+}
+
+impl Default for ContactLaw {
+    /// The whole law, with both coefficients of friction.
+    fn default() -> Self {
+        Self { friction: Law::StaticKinetic, sticking: true, detachment: true }
+    }
+}
+
+impl ContactLaw {
+    /// Is a part left out that the motion might need?
+    #[must_use]
+    pub fn is_reduced(self) -> bool {
+        !self.sticking || !self.detachment
+    }
+
+    /// Do closed contacts keep their state whatever their slip does?
+    #[must_use]
+    pub fn is_frozen(self) -> bool {
+        !(self.sticking && self.friction.about().sticks)
+    }
+
+    /// The state that closed contacts then have on a surface with this velocity, m/s.
+    #[must_use]
+    pub fn frozen_state(self, surface: f64) -> Option<ContactState> {
+        let has_direction = self.friction.about().sticks;
+        self.is_frozen().then_some(if has_direction && surface <= 0.0 {
+            ContactState::ReverseSlide
+        } else {
+            ContactState::Slide
+        })
     }
 }
 
@@ -137,24 +182,55 @@ impl ContactForce {
             slip_velocity,
         }
     }
+}
 
-    /// A closed contact that presses with `normal_force` and, to keep its tangential velocity,
-    /// needs `holding_force`; a contact that slips has no choice, one that does not slip may stick.
+/// What a contact's friction is, under a law that is known when it is compiled.
+struct Closing {
+    friction: Friction,
+    surface: f64,
+    normal_force: f64,
+    slip_velocity: f64,
+    holding_force: f64,
+    detachment: bool,
+}
+
+impl UnderLaw for Closing {
+    type Output = ContactForce;
+
+    fn under<L: FrictionLaw>(self) -> ContactForce {
+        let Self { normal_force, slip_velocity, holding_force, .. } = self;
+        let law = L::new(self.friction, self.surface).at(slip_velocity);
+        let follows_size = L::STICKS && !self.detachment;
+        let size = if follows_size { normal_force.abs() } else { normal_force };
+        let (friction_force, state) = if !L::STICKS || slip_velocity.abs() > 0.0 {
+            law.slip(slip_velocity, size)
+        } else if law.holds(holding_force, size, ContactState::Stick) {
+            (holding_force, ContactState::Stick)
+        } else {
+            law.slip(holding_force, size)
+        };
+        ContactForce { state, normal_force, friction_force, slip_velocity }
+    }
+}
+
+impl ContactLaw {
+    /// A closed contact that presses with `normal_force` on a surface of velocity `surface` (m/s) and, to
+    /// keep its tangential velocity, needs `holding_force`; a contact that slips has no choice, one that
+    /// does not slip may stick.
     #[must_use]
     pub fn closed(
+        self,
         friction: Friction,
+        surface: f64,
         normal_force: f64,
         slip_velocity: f64,
         holding_force: f64,
-    ) -> Self {
-        let (friction_force, state) = if slip_velocity.abs() > 0.0 {
-            friction.slip(slip_velocity, normal_force)
-        } else if friction.holds(holding_force, normal_force, ContactState::Stick) {
-            (holding_force, ContactState::Stick)
-        } else {
-            friction.slip(holding_force, normal_force)
-        };
-        Self { state, normal_force, friction_force, slip_velocity }
+    ) -> ContactForce {
+        let Self { friction: law, sticking, detachment } = self;
+        law.apply(
+            sticking,
+            Closing { friction, surface, normal_force, slip_velocity, holding_force, detachment },
+        )
     }
 }
 
@@ -184,7 +260,7 @@ mod tests {
     #[test]
     fn friction_never_feeds_a_slipping_contact() {
         for slip in [-0.3, 0.3] {
-            let force = ContactForce::closed(0.5.into(), 10.0, slip, 1e3);
+            let force = ContactLaw::default().closed(0.5.into(), 0.1, 10.0, slip, 1e3);
             // The slider drags the mass along: the power lost in the contact is T·v_r.
             assert!(force.friction_force * slip > 0.0);
         }

@@ -130,7 +130,8 @@ mod tests {
     use super::*;
 
     const SCALES: Scales = Scales { length: 1e-3, velocity: 0.1, force: 10.0 };
-    const FRICTION: Friction = Friction { static_: 0.6, kinetic: 0.4 };
+    const FRICTION: Friction =
+        Friction { static_: 0.6, kinetic: 0.4, stribeck_velocity: f64::INFINITY };
     /// Stuck within its cone: N = 10 N, T = 5 N of 6.
     const STUCK: Instant = Instant {
         gap: 0.0,

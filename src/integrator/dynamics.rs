@@ -2,10 +2,11 @@
 //! structure.
 
 use super::delassus::Delassus;
-use super::multipliers::{Freedom, Multipliers};
+use super::freedom::{Freedom, FreedomOf, freedom_of};
+use super::multipliers::Multipliers;
 use super::{Drive, Motion, StepFailure};
 use crate::Error;
-use crate::contact::{ContactForce, ContactState};
+use crate::contact::{ContactForce, ContactLaw, ContactState};
 use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 
 /// A slip velocity below this part of the slider's is rounding.
@@ -18,6 +19,8 @@ pub(super) struct Dynamics {
     pub(super) damping: Damping,
     pub(super) dampers: SparseMatrix,
     pub(super) contacts: Vec<Contact>,
+    pub(super) law: ContactLaw,
+    pub(super) freedom_of: FreedomOf,
     pub(super) inverse_mass: SparseMatrix,
     /// M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
     pub(super) responses: Vec<[Direction; 2]>,
@@ -57,6 +60,8 @@ impl Dynamics {
             dampers: model.dampers.clone(),
             multipliers: Multipliers::new(delassus),
             contacts: model.contacts.clone(),
+            law: model.law,
+            freedom_of: freedom_of(model.law),
             inverse_mass,
             responses,
             force: vec![0.0; dofs],
@@ -85,6 +90,22 @@ impl Dynamics {
         }
     }
 
+    /// Counts, where the law of contact is not whole, what would have needed the rest of it, for the velocities
+    /// and multipliers that a step ends with.
+    pub(super) fn count_broken(&self, motion: &mut Motion, drive: &Drive) {
+        let ContactLaw { sticking, detachment, friction } = self.law;
+        let has_direction = !sticking && friction.about().sticks;
+        for (i, contact) in self.contacts.iter().enumerate() {
+            let surface = drive.slider_velocity[i];
+            let slip = surface - contact.tangent.dot(&motion.velocity);
+            let is_closed = motion.contacts[i] != ContactState::Detached;
+            let is_reversed = has_direction && is_closed && slip * surface < 0.0;
+            let is_pulled = !detachment && self.multipliers.forces[i][0] < 0.0;
+            motion.statistics.reversed_slips += u64::from(is_reversed);
+            motion.statistics.pulled_contacts += u64::from(is_pulled);
+        }
+    }
+
     /// The contact forces at the present instant.
     ///
     /// # Errors
@@ -98,9 +119,13 @@ impl Dynamics {
         self.free_acceleration(motion, &drive.force);
         for (i, contact) in self.contacts.iter().enumerate() {
             let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
-            let friction = drive.friction[i];
-            let held = Freedom::Law(friction.range(ContactState::Stick));
-            let slipping = |direction| Freedom::Slipping { direction, friction: friction.kinetic };
+            let held = (self.freedom_of)(
+                drive.friction[i],
+                slip,
+                drive.slider_velocity[i],
+                ContactState::Stick,
+            );
+            let slipping = |direction| held.slipping(direction);
             self.multipliers.freedom[i] =
                 match (motion.contacts[i], motion.contacts[i].sliding_direction()) {
                     (ContactState::Detached, _) => Freedom::Open,

@@ -8,6 +8,7 @@ mod delassus;
 mod dynamics;
 mod event_driven;
 mod forward_increment;
+mod freedom;
 mod multipliers;
 mod select;
 
@@ -53,6 +54,11 @@ pub struct Statistics {
     pub sweeps: u64,
     /// The most sweeps that one solution of the contacts took.
     pub most_sweeps: u64,
+    /// How often, counted by steps (by series of exact motion) and contacts, a mass slipped against the
+    /// direction that friction keeps without sticking.
+    pub reversed_slips: u64,
+    /// How often a contact had to pull that cannot open.
+    pub pulled_contacts: u64,
 }
 
 impl Statistics {

@@ -1,29 +1,14 @@
 //! Gauss–Seidel over the contacts (paper, eqs. 19–24).
 
 use super::delassus::Delassus;
-use crate::contact::{ContactState, FrictionRange, LocalProblem, LocalSolution};
+use super::freedom::Freedom;
+use crate::contact::{ContactState, LocalProblem, LocalSolution};
 use crate::integrator::StepFailure;
 
 /// Convergence check (24): the largest change of a multiplier in a sweep against the largest one.
 const TOLERANCE: f64 = 1e-13;
 /// More sweeps than a well-posed problem of any size met in practice takes.
 const MAX_SWEEPS: u64 = 10_000;
-
-/// What a contact may do in the problem at hand.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Freedom {
-    /// Anything that its law allows, with friction in this range where it holds.
-    Law(FrictionRange),
-    /// Open for sure: it carries nothing.
-    Open,
-    /// Slipping for sure, with µ_k in this direction (±1).
-    Slipping {
-        /// Of the friction force on the mass.
-        direction: f64,
-        /// µ_k.
-        friction: f64,
-    },
-}
 
 /// The contact problem a = W λ + free under the Signorini–Coulomb law of every contact.
 ///
@@ -72,7 +57,8 @@ impl Multipliers {
     fn let_go(&mut self) -> bool {
         let mut any = false;
         for (freedom, state) in self.freedom.iter_mut().zip(&self.states) {
-            if let (Freedom::Law(range), Some(direction)) = (freedom, state.sliding_direction())
+            if let (Freedom::Law(range) | Freedom::Held(range), Some(direction)) =
+                (freedom, state.sliding_direction())
                 && range.limit(direction) > range.kinetic
             {
                 *range.limit_mut(direction) = range.kinetic;
@@ -120,6 +106,11 @@ impl Multipliers {
             Freedom::Law(range) => Some(local.solve([normal, tangential], range)),
             Freedom::Open => Some(LocalSolution::OPEN),
             &Freedom::Slipping { direction, friction } => local.slide(normal, friction, direction),
+            Freedom::Held(range) => local.solve_held([normal, tangential], range),
+            &Freedom::HeldSlipping { direction, friction } => {
+                local.slide_held(normal, friction, direction)
+            }
+            &Freedom::Guided { slope, state } => local.guide(normal, slope, state),
         };
         solution.ok_or(StepFailure::Wedged { contact })
     }
@@ -128,12 +119,13 @@ impl Multipliers {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::Friction;
+    use crate::contact::FrictionRange;
 
     /// Two contacts with µ = 0.5.
     fn with_law(delassus: &[f64]) -> Multipliers {
         let mut problem = Multipliers::new(Delassus::from_rows(2, delassus));
-        problem.freedom.fill(Freedom::Law(Friction::from(0.5).range(ContactState::Stick)));
+        let range = FrictionRange { backward: 0.5, forward: 0.5, kinetic: 0.5 };
+        problem.freedom.fill(Freedom::Law(range));
         problem
     }
 

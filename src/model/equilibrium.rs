@@ -66,7 +66,7 @@ impl LumpedModel {
             |contact: &super::Contact| contact.sliding_slope(friction_coefficient, slider_velocity);
         let slopes: Vec<f64> = self.contacts.iter().map(slope).collect();
         match self.solve(&slopes) {
-            Ok(equilibrium) if equilibrium.pulled_contact().is_none() => Ok(equilibrium),
+            Ok(found) if !self.law.detachment || found.pulled_contact().is_none() => Ok(found),
             found => Err(self.explain_missing_equilibrium(&slopes, &found, name)),
         }
     }
@@ -237,6 +237,8 @@ mod tests {
             dampers: SparseMatrix::zero(2),
             load: vec![0.0, -3.0],
             contacts: vec![Contact::new(Direction::unit(1), Direction::unit(0))],
+
+            law: crate::contact::ContactLaw::default(),
         }
     }
 

@@ -15,7 +15,7 @@ pub use network::Numbering;
 pub use reduced::ReducedMatrices;
 pub use sparse::{Entry, SparseMatrix};
 
-use crate::contact::Friction;
+use crate::contact::{ContactLaw, Friction};
 pub use crate::scene::Damping;
 use crate::scene::{RubbingPlace, Scene, Structure};
 
@@ -34,6 +34,8 @@ pub struct LumpedModel {
     pub load: Vec<f64>,
     /// The contacts.
     pub contacts: Vec<Contact>,
+    /// The law that they obey.
+    pub law: ContactLaw,
 }
 
 /// A frictional contact: the two rows that it adds to G (paper, eq. 7).
@@ -45,6 +47,19 @@ pub struct Contact {
     pub tangent: Direction,
     /// What it does not share with the other contacts.
     pub own: OwnValues,
+    /// Its friction in uniform sliding, where µ depends on the slip velocity.
+    pub steady: Option<Steady>,
+}
+
+/// Friction in uniform sliding where µ depends on the slip velocity v_r.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Steady {
+    /// µ(v).
+    pub friction: f64,
+    /// dµ/d|v_r| at v, s/m.
+    pub slope: f64,
+    /// N of the equilibrium, N; zero until that is known ([`LumpedModel::linearise`]).
+    pub normal_force: f64,
 }
 
 /// Values that a contact has for itself; `None` where it has the common one.
@@ -72,13 +87,21 @@ impl Contact {
     /// A contact with these directions and nothing of its own.
     #[must_use]
     pub fn new(normal: Direction, tangent: Direction) -> Self {
-        Self { normal, tangent, own: OwnValues::default() }
+        Self { normal, tangent, own: OwnValues::default(), steady: None }
     }
 
-    /// µ of this contact where it slips, where the others have `common`.
+    /// µ of this contact in uniform sliding, where the others have `common`.
     #[must_use]
     pub fn friction(&self, common: f64) -> f64 {
-        self.own.friction_coefficient.unwrap_or(common)
+        let own = || self.own.friction_coefficient.unwrap_or(common);
+        self.steady.map_or_else(own, |steady| steady.friction)
+    }
+
+    /// What friction adds to damping along the tangent of a contact that slides, N s/m: N dµ/d|v_r|, below
+    /// zero where friction falls with the slip velocity. None without [`LumpedModel::linearise`].
+    #[must_use]
+    pub fn weakening(&self) -> f64 {
+        self.steady.map_or(0.0, |steady| steady.normal_force * steady.slope)
     }
 
     /// Both coefficients of this contact, where the others have `common`. The common static one belongs
@@ -88,8 +111,9 @@ impl Contact {
     pub fn coefficients(&self, common: Friction) -> Friction {
         let own = &self.own;
         Friction {
-            kinetic: self.friction(common.kinetic),
+            kinetic: self.own.friction_coefficient.unwrap_or(common.kinetic),
             static_: own.static_friction.or(own.friction_coefficient).unwrap_or(common.static_),
+            stribeck_velocity: common.stribeck_velocity,
         }
     }
 
@@ -145,10 +169,12 @@ impl Direction {
 
 impl From<&Scene> for LumpedModel {
     fn from(scene: &Scene) -> Self {
-        match &scene.structure {
+        let mut model = match &scene.structure {
             Structure::Ring(modules) => ring::model(scene, modules),
             Structure::Network(network) => network::model(scene, network),
-        }
+        };
+        model.update_contacts(scene);
+        model
     }
 }
 
@@ -162,6 +188,38 @@ pub fn load(scene: &Scene, numbering: &Numbering, load: &mut [f64]) {
 }
 
 impl LumpedModel {
+    /// Takes over µ and v of the contacts as they are in the scene now.
+    pub fn update_contacts(&mut self, scene: &Scene) {
+        let places = scene.network().map_or(&[][..], |network| &network.contacts);
+        for (contact, place) in self.contacts.iter_mut().zip(places) {
+            contact.own = OwnValues::from(place);
+        }
+        if self.law.friction.about().is_constant {
+            return;
+        }
+        for contact in &mut self.contacts {
+            let (friction, slip) =
+                (contact.coefficients(scene.friction()), contact.velocity(scene.slider.velocity));
+            let (slope, normal_force) = (friction.slope_at(slip), 0.0);
+            contact.steady = Some(Steady { friction: friction.at(slip), slope, normal_force });
+        }
+    }
+
+    /// Takes over the normal forces about which friction that depends on the slip velocity is linearised.
+    pub fn linearise(&mut self, equilibrium: &Equilibrium) {
+        for (contact, force) in self.contacts.iter_mut().zip(&equilibrium.normal_force) {
+            if let Some(steady) = &mut contact.steady {
+                steady.normal_force = *force;
+            }
+        }
+    }
+
+    /// Is there damping besides α M + β K? Then a contact state's modes have no common eigenvectors.
+    #[must_use]
+    pub fn has_single_damping(&self) -> bool {
+        !self.dampers.is_empty() || self.contacts.iter().any(|contact| contact.weakening() != 0.0)
+    }
+
     /// Number of degrees of freedom, n.
     #[must_use]
     pub fn dofs(&self) -> usize {

@@ -82,7 +82,7 @@ pub(super) fn model(scene: &Scene, network: &Network) -> LumpedModel {
         let ends = [Some(place.mass), place.on];
         let row = |d| Direction(numbering.elongation(masses, ends, d));
         let own = OwnValues::from(place);
-        Contact { normal: row([-sin, cos]), tangent: row([cos, sin]), own }
+        Contact { own, ..Contact::new(row([-sin, cos]), row([cos, sin])) }
     });
     let mass: Vec<f64> = masses.iter().flat_map(|mass| mass.free([mass.mass; 2])).collect();
     let mut model = LumpedModel {
@@ -92,6 +92,7 @@ pub(super) fn model(scene: &Scene, network: &Network) -> LumpedModel {
         dampers: SparseMatrix::from_entries(dofs, damping),
         load: vec![0.0; dofs],
         contacts: contacts.collect(),
+        law: scene.contact_law(),
     };
     load(network, &numbering, &mut model.load);
     model

@@ -2,7 +2,7 @@
 
 use super::LumpedModel;
 use crate::contact::ContactState;
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
 
 /// The linear equation of motion in the coordinates that a contact state leaves free,
@@ -65,6 +65,14 @@ impl LumpedModel {
         let mut damping = &mass * self.damping.alpha + &stiffness * self.damping.beta;
         if !self.dampers.is_empty() {
             damping += &tests * dense(&self.dampers) * &motions;
+        }
+        for (contact, state) in self.contacts.iter().zip(states) {
+            let weakening = contact.weakening();
+            if weakening != 0.0 && state.sliding_direction().is_some() {
+                let mut tangent = DVector::zeros(dofs);
+                contact.tangent.0.iter().for_each(|&(dof, value)| tangent[dof] = value);
+                damping += (&tests * &tangent) * (tangent.transpose() * &motions) * weakening;
+            }
         }
         Some(ReducedMatrices { mass, damping, stiffness, motions })
     }

@@ -53,6 +53,7 @@ pub(super) fn model(scene: &Scene, modules: &[Module]) -> LumpedModel {
         dampers: SparseMatrix::zero(dofs),
         load: vec![0.0; dofs],
         contacts: (0..count).map(contact).collect(),
+        law: scene.contact_law(),
     };
     load(modules, &mut model.load);
     model
@@ -77,7 +78,7 @@ pub(super) fn one_of_equal_modules(model: &LumpedModel) -> Option<LumpedModel> {
     let in_place = |(i, contact): (usize, &Contact)| {
         contact.tangent.as_unit() == Some(MODULE_DOFS * i + 2)
             && contact.normal.as_unit() == Some(MODULE_DOFS * i + 3)
-            && contact.own == first.own
+            && (contact.own, contact.steady) == (first.own, first.steady)
     };
     let next = |dof: usize| (dof + MODULE_DOFS) % dofs;
     let is_turned =
@@ -96,6 +97,7 @@ pub(super) fn one_of_equal_modules(model: &LumpedModel) -> Option<LumpedModel> {
             dampers: SparseMatrix::zero(MODULE_DOFS),
             load: load.to_vec(),
             contacts: vec![first.clone()],
+            law: model.law,
         }
     })
 }

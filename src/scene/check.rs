@@ -3,7 +3,8 @@
 use super::nearest::nearest;
 use super::network_check::quoted;
 use super::{
-    Experiment, Network, Problem, Rule, Scene, Signal, Structure, network_check, problem, ring,
+    Experiment, Network, Problem, Rule, Scene, Signal, Structure, effects_check, network_check,
+    problem, ring,
 };
 use crate::Error;
 
@@ -87,6 +88,7 @@ impl Scene {
                 self.check_static_friction(network, &mut checks);
             }
         }
+        effects_check::check(self, &mut checks);
         checks.problems.extend(self.unknown_inputs());
         checks.problems
     }
@@ -165,6 +167,12 @@ impl Scene {
             if let Some(wish) = rule.broken_by(value) {
                 problems.push(Problem::new(name, wish).of(value));
             }
+        }
+        if let Some(wish) =
+            self.stribeck_velocity.and_then(|v| Rule::STRIBECK_VELOCITY.broken_by(v))
+        {
+            let problem = Problem::new("friction.stribeck_velocity", wish);
+            problems.push(problem.of(self.stribeck_velocity.unwrap_or(0.0)));
         }
         if let Some(static_friction) = self.static_friction {
             problems.extend(weak_static_friction(

@@ -1,5 +1,6 @@
 //! Which effects a scene calls for.
 
+use crate::contact::Law;
 use serde::{Deserialize, Serialize};
 
 /// What is simulated of a scene besides its masses and springs.
@@ -17,6 +18,14 @@ pub struct Effects {
     pub energy: bool,
     /// Is the present contact state's stability looked at?
     pub stability: bool,
+}
+
+impl Effects {
+    /// Does friction of this law keep its direction, so that a slip may be against it?
+    #[must_use]
+    pub fn has_frozen_slip(&self, law: Law) -> bool {
+        !self.sticking && law != Law::Frictionless
+    }
 }
 
 impl Default for Effects {

@@ -1,6 +1,7 @@
 //! The table `[effects]` of a scene file.
 
-use super::Effects;
+use super::{Effects, Problem};
+use crate::contact::Law;
 use serde::Deserialize;
 
 /// What is simulated besides masses and springs.
@@ -21,6 +22,24 @@ pub(super) struct EffectsTable {
 }
 
 impl EffectsTable {
+    /// Switches of what this scene has nothing of: contacts, or friction.
+    pub(super) fn check(&self, contacts: usize, law: Law, problems: &mut Vec<Problem>) {
+        let mut report = |key: &str, is_given: bool, message: &str, help: &str| {
+            if is_given {
+                problems.push(Problem::new(format!("effects.{key}"), message).help(help));
+            }
+        };
+        if contacts == 0 {
+            let help = "leave it out";
+            report("sticking", self.sticking.is_some(), "the scene has no contact", help);
+            report("detachment", self.detachment.is_some(), "the scene has no contact", help);
+        } else if !law.about().sticks {
+            let message = "there is no friction that could hold a contact";
+            let help = "leave it out, or give another law of friction";
+            report("sticking", self.sticking.is_some(), message, help);
+        }
+    }
+
     /// What the scene calls for.
     pub(super) fn effects(&self) -> Effects {
         let whole = Effects::default();

@@ -2,17 +2,19 @@
 
 use super::check::{Part, with_key};
 use super::effects_file::EffectsTable;
+use super::friction_file::FrictionTable;
 use super::initial_file::{self, Initial};
 use super::integrator_file::Integrator;
+#[cfg(feature = "tools")]
+use super::located;
 use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
 #[cfg(not(feature = "tools"))]
 use super::problem;
 use super::signal_file::{self, SignalTable};
 use super::source::{Folder, Source};
 use super::{Damping, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
-#[cfg(feature = "tools")]
-use super::{Rule, located};
 use crate::Error;
+use crate::contact::Law;
 use serde::Deserialize;
 use std::collections::HashMap;
 use std::path::Path;
@@ -36,10 +38,10 @@ struct File {
     ///
     /// May be left out where every contact has an angle and a velocity of its own.
     slider: Option<Slider>,
-    /// Coulomb friction.
+    /// Friction.
     ///
     /// May be left out where every contact has a friction of its own.
-    friction: Option<Friction>,
+    friction: Option<FrictionTable>,
     #[serde(default)]
     damping: Damping,
     #[serde(default)]
@@ -68,20 +70,6 @@ struct File {
     integrator: Integrator,
     #[serde(default)]
     experiment: Experiment,
-}
-
-/// Coulomb friction.
-#[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields)]
-struct Friction {
-    /// Friction coefficient µ of every contact that has none of its own.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
-    coefficient: f64,
-    /// Static friction coefficient µ_s ≥ µ, while a contact does not slip; µ unless given.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
-    #[serde(rename = "static")]
-    static_: Option<f64>,
 }
 
 /// Reads and checks a scene file; its name becomes the file's stem.
@@ -142,13 +130,18 @@ impl File {
         let mut problems = names.problems;
         problems.extend(self.missing_tables());
         problems.extend(self.strangers());
+        let friction_law =
+            self.friction.as_ref().map_or(Law::Coulomb, |table| table.law(&mut problems));
         let signals = signal_file::signals(self.signal, folder, &mut problems);
         let (selection, method, step) = self.integrator.read(&mut problems);
+        let friction = self.friction.unwrap_or_default();
         let scene = Scene {
             name: name.to_owned(),
             slider: self.slider.unwrap_or(Slider { velocity: 0.0, angle: 0.0 }),
-            friction_coefficient: self.friction.as_ref().map_or(0.0, |f| f.coefficient),
-            static_friction: self.friction.and_then(|f| f.static_),
+            friction_law,
+            friction_coefficient: friction.coefficient.unwrap_or(0.0),
+            static_friction: friction.static_,
+            stribeck_velocity: friction.stribeck_velocity,
             damping: self.damping,
             effects: self.effects.effects(),
             structure,
@@ -160,6 +153,7 @@ impl File {
             experiment: self.experiment,
             description: self.description,
         };
+        self.effects.check(scene.contact_count(), scene.friction_law, &mut problems);
         match broken {
             None => problems.extend(scene.problems_named(&|part, key| key_of(part, key, &homes))),
             Some(broken) => problems.extend(broken.into_iter().chain(scene.common_problems())),

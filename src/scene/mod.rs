@@ -5,7 +5,8 @@
 //! | file | what it holds |
 //! | --- | --- |
 //! | `file`, `initial_file` | the file as a whole; its initial values |
-//! | `effects`, `effects_file` | what is simulated besides masses and springs; that part of a file |
+//! | `friction_file` | the law of friction in a file |
+//! | `effects`, `effects_file`, `effects_check` | what is simulated besides masses and springs; that part of a file |
 //! | `selection`, `integrator_file` | method and step given, or a tolerance in their place; that part of a file |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
@@ -19,8 +20,10 @@
 mod builtin;
 mod check;
 mod effects;
+mod effects_check;
 mod effects_file;
 mod file;
+mod friction_file;
 mod initial_file;
 mod integrator_file;
 #[cfg(feature = "tools")]
@@ -60,6 +63,7 @@ pub use source::Source;
 pub use time_table::TimeTable;
 
 use crate::Error;
+use crate::contact::{ContactLaw, Friction, Law};
 use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::sync::Arc;
@@ -73,11 +77,16 @@ pub struct Scene {
     pub description: String,
     /// The rigid slider, common to all contacts that give no own value.
     pub slider: Slider,
+    /// The law of friction; Coulomb's with static friction is that of static and kinetic friction
+    /// ([`contact_law`](Self::contact_law)).
+    pub friction_law: Law,
     /// Friction coefficient µ of every contact that has no own, ≥ 0.
     pub friction_coefficient: f64,
     /// Static friction coefficient µ_s ≥ µ, of every contact that does not slip and has neither
     /// coefficient of its own; as µ where there is none.
     pub static_friction: Option<f64>,
+    /// v_s > 0, m/s: the slip velocity over which µ falls from µ_s towards µ, of a law that has one.
+    pub stribeck_velocity: Option<f64>,
     /// Rayleigh damping, C = α M + β K.
     pub damping: Damping,
     /// What is simulated besides masses and springs.
@@ -285,11 +294,37 @@ impl Scene {
         }
     }
 
+    /// What there is of the law of contact.
+    #[must_use]
+    pub fn contact_law(&self) -> ContactLaw {
+        let Effects { sticking, detachment, .. } = self.effects;
+        let contacts = self.network().map_or(&[][..], |network| &network.contacts);
+        let drops = self.static_friction.is_some()
+            || contacts.iter().any(|place| place.static_friction.is_some());
+        let friction = match self.friction_law {
+            Law::Coulomb if drops => Law::StaticKinetic,
+            law => law,
+        };
+        ContactLaw { friction, sticking, detachment }
+    }
+
+    /// The numbers of friction of every contact that has none of its own.
+    #[must_use]
+    pub fn friction(&self) -> Friction {
+        let kinetic = self.friction_coefficient;
+        Friction {
+            kinetic,
+            static_: self.static_friction.unwrap_or(kinetic),
+            stribeck_velocity: self.stribeck_velocity.unwrap_or(f64::INFINITY),
+        }
+    }
+
     /// Has another scene the same parts, and so the same variables?
     #[must_use]
     pub fn has_parts_of(&self, other: &Self) -> bool {
         self.static_friction.is_some() == other.static_friction.is_some()
             && self.effects == other.effects
+            && self.friction_law == other.friction_law
             && match (&self.structure, &other.structure) {
                 (Structure::Ring(a), Structure::Ring(b)) => a.len() == b.len(),
                 (Structure::Network(a), Structure::Network(b)) => a.has_parts_of(b),

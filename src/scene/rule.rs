@@ -26,6 +26,8 @@ impl Rule {
     pub const STIFFNESS: Self = Self::NotNegative;
     /// Of a friction coefficient.
     pub const FRICTION: Self = Self::NotNegative;
+    /// Of the slip velocity over which friction falls, m/s.
+    pub const STRIBECK_VELOCITY: Self = Self::Positive;
     /// Of α, 1/s, of β, s, and of a damper, N s/m.
     pub const DAMPING: Self = Self::NotNegative;
     /// Of a frequency, Hz.

@@ -1,5 +1,6 @@
 //! The catalogue of FMI variables (`modelDescription/`), and the variables of one scene.
 
+use crate::contact::Law;
 use crate::scene::{Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
@@ -145,6 +146,7 @@ impl Variable {
             self.template.quantity,
             Quantity::FrictionCoefficient
                 | Quantity::StaticFriction
+                | Quantity::StribeckVelocity
                 | Quantity::OwnFriction
                 | Quantity::OwnStaticFriction
                 | Quantity::DampingBeta
@@ -200,7 +202,11 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
 /// has its own, static friction where there is some, the step where it is given.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
+        Quantity::FrictionCoefficient => return scene.friction_law != Law::Frictionless,
         Quantity::StaticFriction => return scene.static_friction.is_some(),
+        Quantity::StribeckVelocity => return scene.stribeck_velocity.is_some(),
+        Quantity::ReversedSlips => return scene.effects.has_frozen_slip(scene.friction_law),
+        Quantity::PulledContacts => return !scene.effects.detachment,
         // Where a tolerance chooses it, it is not for an importer to give.
         Quantity::IntegratorStep => return scene.selection == Selection::Given,
         _ => {}

@@ -33,7 +33,7 @@ use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
 use crate::integrator::{self, Drive, Integrator, Motion, Selected, Statistics, StepFailure};
 use crate::model::ring::MODULE_DOFS;
-use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering, OwnValues};
+use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering};
 use crate::scene::{Method, Scene, Structure};
 use crate::stability::StepGuard;
 use clock::{Clock, Leg};
@@ -114,6 +114,7 @@ impl Simulation {
         let equilibrium = model::equilibrium(acting, &model)?;
         let reference = Reference { equilibrium, load: model.load.clone() };
         let motion = initial_motion(acting, &model);
+        check_closed(acting, &model, &motion)?;
         let made = Self::assemble(scene, driven, model, reference, motion, clock)?;
         Ok(Self { selected, ..made })
     }
@@ -319,8 +320,8 @@ impl Simulation {
             contact.normal.add_to(&mut self.drive.force, -normal);
             contact.tangent.add_to(&mut self.drive.force, -friction);
         }
-        update_own_values(&mut self.model, acting);
-        let friction = friction_of(acting);
+        self.model.update_contacts(acting);
+        let friction = acting.friction();
         for (i, contact) in self.model.contacts.iter().enumerate() {
             self.drive.slider_velocity[i] = contact.velocity(acting.slider.velocity);
             self.drive.friction[i] = contact.coefficients(friction);
@@ -400,17 +401,11 @@ fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
     }
 }
 
-/// The friction coefficients of every contact that has none of its own.
-fn friction_of(scene: &Scene) -> Friction {
-    let kinetic = scene.friction_coefficient;
-    Friction { kinetic, static_: scene.static_friction.unwrap_or(kinetic) }
-}
-
 /// Refuses static friction that inputs or signals have brought below the kinetic one.
 fn check_friction(model: &LumpedModel, scene: &Scene, time: f64) -> Result<(), Error> {
-    let common = friction_of(scene);
+    let common = scene.friction();
     for (i, contact) in model.contacts.iter().enumerate() {
-        let Friction { kinetic, static_ } = contact.coefficients(common);
+        let Friction { kinetic, static_, .. } = contact.coefficients(common);
         if static_ < kinetic {
             return Err(Error::step(format!(
                 "at {time} s static friction of {} is {static_}, below its kinetic friction of \
@@ -422,23 +417,18 @@ fn check_friction(model: &LumpedModel, scene: &Scene, time: f64) -> Result<(), E
     Ok(())
 }
 
-/// Gives the model's contacts the µ and v that are theirs alone.
-fn update_own_values(model: &mut LumpedModel, scene: &Scene) {
-    let places = scene.network().map_or(&[][..], |network| &network.contacts);
-    for (contact, place) in model.contacts.iter_mut().zip(places) {
-        contact.own = OwnValues::from(place);
-    }
-}
-
 /// The motion at the start. A contact whose initial gap or opening speed is above zero starts in Dt;
 /// any other is closed and starts in Sl, R-Sl or St by the sign of its slip velocity.
 fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
     let displacement: Vec<f64> = scene.initial_displacements().collect();
     let velocity: Vec<f64> = scene.initial_velocities().collect();
     let contacts = model.contacts.iter().map(|contact| {
-        let slip = contact.velocity(scene.slider.velocity) - contact.tangent.dot(&velocity);
+        let surface = contact.velocity(scene.slider.velocity);
+        let slip = surface - contact.tangent.dot(&velocity);
         if is_positive(&contact.normal, &displacement) || is_positive(&contact.normal, &velocity) {
             ContactState::Detached
+        } else if let Some(state) = model.law.frozen_state(surface) {
+            state
         } else if slip > 0.0 {
             ContactState::Slide
         } else if slip < 0.0 {
@@ -453,6 +443,27 @@ fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
         velocity,
         statistics: Statistics::default(),
     }
+}
+
+/// Refuses to start with a contact that is open, or moves along its normal, where contacts cannot open.
+fn check_closed(scene: &Scene, model: &LumpedModel, motion: &Motion) -> Result<(), Error> {
+    if model.law.detachment {
+        return Ok(());
+    }
+    for (i, contact) in model.contacts.iter().enumerate() {
+        let moves = |vector: &[f64]| {
+            let opposite: Vec<f64> = vector.iter().map(|value| -value).collect();
+            is_positive(&contact.normal, vector) || is_positive(&contact.normal, &opposite)
+        };
+        if moves(&motion.displacement) || moves(&motion.velocity) {
+            return Err(Error::scene(format!(
+                "{} starts away from its surface, or moves along its normal, and contacts cannot open in \
+                 this scene; change its initial values, or let contacts open (effects.detachment)",
+                scene.contact_name(i)
+            )));
+        }
+    }
+    Ok(())
 }
 
 /// Does the vector point along the normal, by more than what rounding leaves of zero where the normal

@@ -120,6 +120,7 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
         && a.step == b.step
         && a.method == b.method
         && a.effects == b.effects
+        && a.friction_law == b.friction_law
 }
 
 const MARK: [u8; 4] = *b"AMTN";

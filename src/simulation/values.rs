@@ -25,6 +25,10 @@ macro_rules! place {
                 Some(friction) => friction,
                 None => return None,
             },
+            (Quantity::StribeckVelocity, _) => match &$($mut)? scene.stribeck_velocity {
+                Some(velocity) => velocity,
+                None => return None,
+            },
             (Quantity::DampingAlpha, _) => &$($mut)? scene.damping.alpha,
             (Quantity::DampingBeta, _) => &$($mut)? scene.damping.beta,
             (Quantity::IntegratorStep, _) => &$($mut)? scene.step,
@@ -168,10 +172,9 @@ impl Simulation {
             Quantity::NormalReaction => {
                 -self.contact_forces()?.iter().map(|force| force.normal_force).sum::<f64>()
             }
-            Quantity::StateChanges => {
-                let count = u32::try_from(self.motion.statistics.state_changes);
-                f64::from(count.map_or(i32::MAX, |count| i32::try_from(count).unwrap_or(i32::MAX)))
-            }
+            Quantity::StateChanges => count(self.motion.statistics.state_changes),
+            Quantity::ReversedSlips => count(self.motion.statistics.reversed_slips),
+            Quantity::PulledContacts => count(self.motion.statistics.pulled_contacts),
             _ => read_scene(&self.scene, variable).expect("every other quantity is a scene's"),
         })
     }
@@ -196,6 +199,11 @@ impl Simulation {
         self.stale.by(variable);
         Ok(())
     }
+}
+
+/// A count as a variable has it: up to the largest of its type.
+fn count(count: u64) -> f64 {
+    f64::from(i32::try_from(count).unwrap_or(i32::MAX))
 }
 
 /// Refuses a value that is outside of what the model description declares.
@@ -225,6 +233,7 @@ fn rule(variable: &Variable) -> Rule {
         | Quantity::OwnFriction
         | Quantity::OwnStaticFriction => Rule::FRICTION,
         Quantity::DampingAlpha | Quantity::DampingBeta | Quantity::DamperDamping => Rule::DAMPING,
+        Quantity::StribeckVelocity => Rule::STRIBECK_VELOCITY,
         Quantity::IntegratorStep => Rule::TIME,
         // x4 of a module.
         Quantity::InitialDisplacement if variable.template.component == 3 => Rule::GAP,

@@ -346,6 +346,7 @@ mod tests {
             dampers: SparseMatrix::zero(1),
             load: vec![0.0],
             contacts: vec![],
+            law: crate::contact::ContactLaw::default(),
         };
         let omega = (k / m).sqrt();
         let zeta = 0.5 * (alpha / omega + beta * omega);

@@ -143,7 +143,7 @@ fn modes_of(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec
             });
         }
     };
-    if !model.dampers.is_empty() {
+    if model.has_single_damping() {
         let Damping { alpha, beta } = model.damping;
         for (eigenvalue, vector) in damped_modes::solve(&reduced)? {
             let rayleigh = -eigenvalue * (eigenvalue + alpha) / (eigenvalue * beta + 1.0);

@@ -30,7 +30,7 @@ impl Symmetry {
                 && contact.own == model.contacts[0].own
         });
         let is_ring = model.contacts.len() == count && dofs == MODULE_DOFS * count && in_place;
-        if !is_ring || model.mass.as_diagonal().is_none() || !model.dampers.is_empty() {
+        if !is_ring || model.mass.as_diagonal().is_none() || model.has_single_damping() {
             return Self::None;
         }
         let turned = |dof: usize| (dof + MODULE_DOFS) % dofs;
@@ -144,6 +144,7 @@ pub(super) fn module_of_wave(model: &LumpedModel, k: usize, modules: usize) -> L
         dampers: SparseMatrix::zero(MODULE_DOFS),
         load: vec![0.0; MODULE_DOFS],
         contacts: model.contacts[..1].to_vec(),
+        law: model.law,
     }
 }
 

@@ -272,7 +272,7 @@ impl Run {
         let scene = &self.acting;
         let external = DVector::from_iterator(self.model.dofs(), scene.external_forces());
         let (v, kinetic) = (scene.slider.velocity, scene.friction_coefficient);
-        let friction = Friction { kinetic, static_: scene.static_friction.unwrap_or(kinetic) };
+        let friction = Friction::with_static(kinetic, scene.static_friction.unwrap_or(kinetic));
         let contacts = &self.model.contacts;
         Acting {
             force: DVector::from_column_slice(&self.model.load) + external,

@@ -5,7 +5,7 @@ use super::watch::Event;
 use super::{Drive, EventDriven, Motion, StepFailure};
 use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
-use crate::integrator::multipliers::Freedom;
+use crate::integrator::freedom::Freedom;
 
 impl EventDriven {
     /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
@@ -33,18 +33,18 @@ impl EventDriven {
     /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
     /// there: else two that throw each other off would go on to do so.
     pub(super) fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
-        let Dynamics { contacts, multipliers, responses, .. } = &mut self.dynamics;
+        let Dynamics { contacts, multipliers, responses, freedom_of, .. } = &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
             let state = motion.contacts[i];
             if self.events[i] == Some(Event::Touch) {
                 self.closed[i] = frictionless(true);
                 motion.statistics.touch_downs += u64::from(state == ContactState::Detached);
             }
+            let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             multipliers.freedom[i] = match self.closed[i] {
                 ContactState::Detached => Freedom::Open,
-                _ => Freedom::Law(drive.friction[i].range(state)),
+                _ => freedom_of(drive.friction[i], -tangential, self.surface[i], state),
             };
-            let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
         motion.statistics.count_sweeps(multipliers.solve()?);

@@ -21,10 +21,10 @@ mod series;
 mod watch;
 
 use super::dynamics::Dynamics;
-use super::multipliers::Freedom;
+use super::freedom::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
-use crate::contact::{ContactForce, ContactState, Friction};
+use crate::contact::{ContactForce, ContactLaw, ContactState, Friction};
 use crate::model::{Contact, Damping, Direction, LumpedModel};
 use held::MAX_GROUP;
 use impact::frictionless;
@@ -84,6 +84,20 @@ impl EventDriven {
     /// # Errors
     /// A mass matrix that is not positive definite; more contacts that share masses than it can hold.
     pub fn new(model: &LumpedModel) -> Result<Self, Error> {
+        let ContactLaw { friction, sticking, detachment } = model.law;
+        let about = friction.about();
+        if !about.is_constant {
+            return Err(Error::scene(format!(
+                "exact motion cannot take the law \"{}\": between events the motion would not be linear",
+                about.name
+            )));
+        }
+        if about.sticks && sticking && !detachment {
+            return Err(Error::scene(
+                "exact motion cannot take contacts that stick and cannot open: their friction follows |N|, \
+                 which is not linear where N changes its sign",
+            ));
+        }
         let dynamics = Dynamics::new(model)?;
         let contacts = model.contacts.len();
         let series = Series::new(&dynamics);
@@ -118,7 +132,7 @@ impl EventDriven {
         let (mut left, mut events, mut standstill) = (h, 0, 0);
         self.repeats.fill(0);
         self.reach(drive, h, left);
-        self.follow_slider(motion, h);
+        self.follow_slider(motion, drive, h);
         self.note_closed(motion);
         if motion.statistics.steps == 1 {
             self.stop_approach(motion, drive)?;
@@ -136,6 +150,9 @@ impl EventDriven {
             }
             let event = self.next_event(motion, drive);
             let part = event.unwrap_or(1.0);
+            if self.dynamics.law.is_reduced() {
+                self.count_broken(motion, drive, part);
+            }
             let passed = part * reach;
             if passed > NOISE * h {
                 standstill = 0;
@@ -191,7 +208,7 @@ impl EventDriven {
 
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
-    fn follow_slider(&mut self, motion: &mut Motion, h: f64) {
+    fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
         let rows = 0..self.force.len();
         let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &self.force).abs());
         self.gained = h * driven.fold(0.0, f64::max);
@@ -205,6 +222,11 @@ impl EventDriven {
             let terms = contact.tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
             let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
+            let freedom = (self.dynamics.freedom_of)(drive.friction[i], slip, self.surface[i], old);
+            if let Some(new) = freedom.frozen_state() {
+                motion.contacts[i] = new;
+                continue;
+            }
             // Of a slider that stands only the forces say what rounding is.
             let size = self.surface[i].abs().max(terms).max(self.gained);
             let new = if slip.abs() <= NOISE * size {
@@ -278,9 +300,10 @@ impl EventDriven {
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let slip = self.surface[i] - contact.tangent.dot(&motion.velocity);
             let multipliers = &mut self.dynamics.multipliers;
-            let friction = drive.friction[i];
-            let held = Freedom::Law(friction.range(ContactState::Stick));
-            let slipping = |direction| Freedom::Slipping { direction, friction: friction.kinetic };
+            let surface = self.surface[i];
+            let held =
+                (self.dynamics.freedom_of)(drive.friction[i], slip, surface, ContactState::Stick);
+            let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
             multipliers.freedom[i] = match (self.events[i], motion.contacts[i]) {
                 (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,

@@ -29,6 +29,8 @@ impl EventDriven {
             (out.normal_force, out.friction_force) = (normal_force, friction_force);
         }
         let fastest = largest(&motion.velocity);
+        let is_frozen = self.dynamics.law.is_frozen();
+        let may_pull = !self.dynamics.law.detachment;
         for (i, out) in forces.iter_mut().enumerate() {
             let state = motion.contacts[i];
             let &mut ContactForce { normal_force, friction_force, .. } = out;
@@ -52,7 +54,8 @@ impl EventDriven {
                 }
                 _ => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
-                    direction * slip >= -still && normal_force >= -nothing
+                    (is_frozen || direction * slip >= -still)
+                        && (may_pull || normal_force >= -nothing)
                 }
             };
             if !is_lawful {

@@ -2,7 +2,7 @@
 
 use super::rounding::{DIFFERENCE, NOISE, THROWN};
 use super::{EventDriven, roots};
-use crate::contact::ContactState;
+use crate::contact::{ContactLaw, ContactState};
 use crate::integrator::{Drive, Motion};
 
 /// Why a contact may not stay as it is.
@@ -99,14 +99,44 @@ impl EventDriven {
                 let bend = doubt * 2.0 * bend + bits * span * span;
                 let along = doubt * span * self.surface[contact].abs();
                 let distance = along.max(bend) + doubt * moved;
-                let may_lift = self.series.least_normal_force(contact) <= 0.0;
+                let law = self.dynamics.law;
+                let may_lift = law.detachment && self.series.least_normal_force(contact) <= 0.0;
                 [
                     may_lift.then(|| (Event::Lift, [force(); 3])),
-                    Some((Event::Stop, [distance; 3])),
+                    (!law.is_frozen()).then_some((Event::Stop, [distance; 3])),
                     None,
                 ]
             }
         }
+    }
+
+    /// Counts, where the law of contact is not whole, the contacts that would need the rest of it within this
+    /// part of the series' span.
+    pub(super) fn count_broken(&mut self, motion: &mut Motion, drive: &Drive, part: f64) {
+        let ContactLaw { sticking, detachment, friction } = self.dynamics.law;
+        let has_direction = !sticking && friction.about().sticks;
+        for i in 0..self.events.len() {
+            if motion.contacts[i] == ContactState::Detached {
+                continue;
+            }
+            if has_direction {
+                let along = self.series.span() * self.surface[i].abs();
+                let is_reversed = self.falls(i, Event::Stop, drive, along, part);
+                motion.statistics.reversed_slips += u64::from(is_reversed);
+            }
+            if !detachment {
+                let force = self.series.first_normal_force(i).abs();
+                let is_pulled = self.falls(i, Event::Lift, drive, force, part);
+                motion.statistics.pulled_contacts += u64::from(is_pulled);
+            }
+        }
+    }
+
+    /// Does what must not become negative do so within this part of the series' span?
+    fn falls(&mut self, contact: usize, event: Event, drive: &Drive, size: f64, part: f64) -> bool {
+        let terms = self.fill(contact, event, drive);
+        let time = roots::first_negative(&self.polynomial[..terms], [NOISE * size; 3]);
+        time.is_some_and(|time| time < part)
     }
 
     /// Writes what must not become negative as a polynomial; its number of terms.

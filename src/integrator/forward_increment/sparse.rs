@@ -3,7 +3,6 @@
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::dynamics::Dynamics;
-use crate::integrator::multipliers::Freedom;
 use crate::integrator::{Drive, Integrator, Motion, StepFailure};
 use crate::model::{Damping, LumpedModel};
 
@@ -24,7 +23,8 @@ impl SparseForwardIncrement {
 
     fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
         self.dynamics.free_acceleration(motion, &drive.force);
-        let Dynamics { contacts, multipliers, responses, acceleration, .. } = &mut self.dynamics;
+        let Dynamics { contacts, multipliers, responses, acceleration, freedom_of, .. } =
+            &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
             let normal = contact.normal.dot(&motion.velocity);
             let slip = contact.tangent.dot(&motion.velocity) - drive.slider_velocity[i];
@@ -34,7 +34,9 @@ impl SparseForwardIncrement {
                 ContactState::Detached => contact.normal.dot(&motion.displacement).max(0.0),
                 _ => 0.0,
             };
-            multipliers.freedom[i] = Freedom::Law(drive.friction[i].range(motion.contacts[i]));
+            let surface = drive.slider_velocity[i];
+            multipliers.freedom[i] =
+                freedom_of(drive.friction[i], -slip, surface, motion.contacts[i]);
             multipliers.free[i] = [
                 contact.normal.dot(&*acceleration) + (normal + gap / h) / h,
                 contact.tangent.dot(&*acceleration) + slip / h,
@@ -53,6 +55,9 @@ impl SparseForwardIncrement {
             *v += h * a;
         }
         self.settle(motion, drive, h);
+        if self.dynamics.law.is_reduced() {
+            self.dynamics.count_broken(motion, drive);
+        }
         Ok(())
     }
 

@@ -59,7 +59,7 @@ pub(super) fn roots(
     mu: f64,
     part: Part,
 ) -> Result<Vec<Root>, Error> {
-    if !model.dampers.is_empty() {
+    if model.has_single_damping() {
         return damped_roots(model, states, mu);
     }
     let root = |sigma| Root { sigma, lambda: upper(quadratic_roots(model, sigma)) };
@@ -198,7 +198,7 @@ pub fn locus(
         followed.push((follow(&evaluate, values, &one_done)?, part.copies()));
     }
     let mut found = together(values, followed);
-    if ends.iter().any(|model| !model.dampers.is_empty()) {
+    if ends.iter().any(|model| model.has_single_damping()) {
         let evaluate = |value: f64| {
             let (model, mu) = model_at(value)?;
             roots(&model, states, mu, Part::Whole)

@@ -285,7 +285,7 @@ impl Run {
         let Some(fit) = self.fit.as_ref().filter(|_| !is_merged) else {
             let limits = contacts.map(|i| {
                 let [gap, opening, slip] = kinematics[i];
-                let Friction { kinetic, static_ } = span.start.friction[i];
+                let Friction { kinetic, static_, .. } = span.start.friction[i];
                 if is_merged {
                     return Some([-static_, static_]);
                 }

@@ -76,6 +76,7 @@ fn network() -> impl Strategy<Value = Case> {
                 },
                 load: vec![0.0; dofs],
                 contacts,
+                law: crate::contact::ContactLaw::default(),
             };
             Case::new(model, friction, move |i| values[i % values.len()])
         },

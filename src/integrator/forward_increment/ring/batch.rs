@@ -1,8 +1,10 @@
 //! Several rings at once, one in each lane of the processor's vectors.
 
-use super::step::{Block, Fixed, Moving, StepConstants, Surface, Surfaces, Vector, strain};
+use super::step::{
+    Block, Effects, Fixed, Moving, StepConstants, Surface, Surfaces, Vector, With, strain,
+};
 use super::wide::{Aligned, Wide};
-use crate::contact::{ContactState, Coulomb, Friction, FrictionLaw, Lanes};
+use crate::contact::{ContactLaw, ContactState, Friction, FrictionLaw, Lanes, UnderLaw};
 use crate::integrator::{Drive, Motion, Statistics};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Damping, LumpedModel};
@@ -46,21 +48,27 @@ pub struct RingBatch(Box<dyn Batch>);
 
 impl RingBatch {
     /// A batch of these models, as many as there are lanes or fewer; none if one has not the pattern of a
-    /// ring, or not as many modules as the others, or if the processor has no vectors of that width.
+    /// ring, or not as many modules or another law of contact than the others, or if the processor has no vectors of that width.
     #[must_use]
     pub fn new<'a>(
         models: impl IntoIterator<Item = &'a LumpedModel>,
         width: Width,
     ) -> Option<Self> {
-        let rings: Option<Vec<_>> = models.into_iter().map(super::blocks).collect();
+        let models: Vec<_> = models.into_iter().collect();
+        let law = models.first()?.law;
+        let rings: Option<Vec<_>> = models.iter().map(|model| super::blocks(model)).collect();
         let rings = rings?;
         let modules = rings.first()?.len();
-        if rings.len() > width.lanes() || rings.iter().any(|ring| ring.len() != modules) {
+        let differ = |ring: &Vec<_>| ring.len() != modules;
+        if rings.len() > width.lanes()
+            || rings.iter().any(differ)
+            || models.iter().any(|model| model.law != law)
+        {
             return None;
         }
         Some(Self(match width {
-            Width::Avx2 => Box::new(Lockstep::new(V3::try_new()?, &rings)),
-            Width::Avx512 => Box::new(Lockstep::new(V4::try_new()?, &rings)),
+            Width::Avx2 => Box::new(Lockstep::new(V3::try_new()?, &rings, law)),
+            Width::Avx512 => Box::new(Lockstep::new(V4::try_new()?, &rings, law)),
         }))
     }
 
@@ -93,6 +101,7 @@ type AnySurface<S> = Aligned<Surface<Wide<S>, Friction<Wide<S>>>>;
 /// One item a module; what is in no lane is zero, and rests.
 struct Lockstep<S: Simd> {
     simd: S,
+    law: ContactLaw,
     blocks: Vec<Aligned<Block<Wide<S>>>>,
     forces: Vec<Aligned<Vector<Wide<S>>>>,
     surfaces: Vec<AnySurface<S>>,
@@ -102,12 +111,10 @@ struct Lockstep<S: Simd> {
     strained: Vec<Aligned<Vector<Wide<S>>>>,
     contacts: Vec<Aligned<Wide<S>>>,
     statistics: Vec<Statistics>,
-    /// Which lanes have static friction above the kinetic one.
-    drops: Vec<bool>,
 }
 
 impl<S: Simd> Lockstep<S> {
-    fn new(simd: S, rings: &[Vec<Block<f64>>]) -> Self {
+    fn new(simd: S, rings: &[Vec<Block<f64>>], law: ContactLaw) -> Self {
         let modules = rings[0].len();
         let zero = Wide::zero(simd);
         let block = |i: usize| {
@@ -126,11 +133,13 @@ impl<S: Simd> Lockstep<S> {
                 after: from_fn(|r| lanes(&|block| block.after[r])),
             })
         };
-        let law = Friction { kinetic: zero, static_: zero };
-        let at_rest = Surface { velocity: zero, law };
+        // The law divides by the last.
+        let none = Friction { kinetic: zero, static_: zero, stribeck_velocity: zero.splat(1.0) };
+        let at_rest = Surface { velocity: zero, law: none };
         let zeros = vec![Aligned([zero; MODULE_DOFS]); modules];
         Self {
             simd,
+            law,
             blocks: (0..modules).map(block).collect(),
             forces: zeros.clone(),
             surfaces: vec![Aligned(at_rest); modules],
@@ -141,12 +150,11 @@ impl<S: Simd> Lockstep<S> {
             // As an empty lane has them after a step.
             contacts: vec![Aligned(zero.in_state(ContactState::Stick)); modules],
             statistics: vec![Statistics::default(); Wide::<S>::LANES],
-            drops: vec![false; Wide::<S>::LANES],
         }
     }
 
     #[inline(always)]
-    fn run<L: FrictionLaw<Wide<S>> + From<Friction<Wide<S>>>>(&mut self, step: f64, count: u64) {
+    fn run<E: Effects, L: FrictionLaw<Wide<S>>>(&mut self, step: f64, count: u64) {
         let [alpha, beta] = self.damping;
         let step_lanes = alpha.splat(step);
         let constants = StepConstants {
@@ -167,22 +175,20 @@ impl<S: Simd> Lockstep<S> {
             contacts: &mut self.contacts,
             statistics: &mut self.statistics,
         };
-        constants.steps(&fixed, &mut moving, count);
+        constants.steps::<E, _, _, _, _>(&fixed, &mut moving, count);
     }
 }
 
 /// Surfaces with a law of this kind.
 struct InLanes<'a, S: Simd, L>(&'a [AnySurface<S>], PhantomData<L>);
 
-impl<S: Simd, L: FrictionLaw<Wide<S>> + From<Friction<Wide<S>>>> Surfaces<Wide<S>>
-    for InLanes<'_, S, L>
-{
+impl<S: Simd, L: FrictionLaw<Wide<S>>> Surfaces<Wide<S>> for InLanes<'_, S, L> {
     type Law = L;
 
     #[inline(always)]
     fn of(&self, module: usize) -> Surface<Wide<S>, L> {
         let Surface { velocity, law } = self.0[module].0;
-        Surface { velocity, law: L::from(law) }
+        Surface { velocity, law: L::new(law, velocity) }
     }
 }
 
@@ -198,10 +204,22 @@ impl<S: Simd> WithSimd for Steps<'_, S> {
 
     #[inline(always)]
     fn with_simd<T: Simd>(self, _: T) {
-        if self.lockstep.drops.contains(&true) {
-            self.lockstep.run::<Friction<Wide<S>>>(self.step, self.count);
+        let ContactLaw { friction, sticking, .. } = self.lockstep.law;
+        friction.apply(sticking, self);
+    }
+}
+
+/// Damping and links are in every kernel: where they are zero the doubles are the same.
+impl<S: Simd> UnderLaw<Wide<S>> for Steps<'_, S> {
+    type Output = ();
+
+    #[inline(always)]
+    fn under<L: FrictionLaw<Wide<S>>>(self) {
+        let Self { lockstep, step, count } = self;
+        if lockstep.law.detachment {
+            lockstep.run::<With<true, true, true>, L>(step, count);
         } else {
-            self.lockstep.run::<Coulomb<Wide<S>>>(self.step, self.count);
+            lockstep.run::<With<false, true, true>, L>(step, count);
         }
     }
 }
@@ -236,8 +254,8 @@ impl<S: Simd> Batch for Lockstep<S> {
             velocity.set(lane, *v);
             law.kinetic.set(lane, mu.kinetic);
             law.static_.set(lane, mu.static_);
+            law.stribeck_velocity.set(lane, mu.stribeck_velocity);
         }
-        self.drops[lane] = drive.friction.iter().any(|mu| mu.static_ != mu.kinetic);
     }
 
     fn advance(&mut self, step: f64, count: u64) {

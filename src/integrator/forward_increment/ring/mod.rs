@@ -6,18 +6,28 @@ mod step;
 #[cfg(feature = "tools")]
 mod wide;
 
-use crate::contact::{ContactForce, Coulomb, Friction, FrictionLaw};
+use crate::contact::{ContactForce, ContactLaw, Friction, FrictionLaw, UnderLaw};
 use crate::integrator::{Drive, Integrator, Motion, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Contact, Damping, LumpedModel};
 use std::marker::PhantomData;
 use step::{
-    Block, Common, Fixed, Moving, NORMAL, StepConstants, Surface, Surfaces, TANGENT, Vector,
+    Block, Effects, Fixed, Moving, NORMAL, StepConstants, Surface, Surfaces, TANGENT, Vector, With,
     linked, strain,
 };
 
 /// Forward increment Lagrange multipliers on a ring of modules.
 pub struct RingForwardIncrement {
+    rings: Rings,
+    kernel: Kernel,
+}
+
+/// Takes steps of a ring with the effects that it was made for.
+type Kernel = fn(&mut Rings, &mut Motion, &Drive, f64, u64);
+
+/// A ring, and what its steps are taken with.
+struct Rings {
+    law: ContactLaw,
     blocks: Vec<Block<f64>>,
     damping: Damping,
     /// x + β ẋ, on which K acts for springs and dampers at once.
@@ -31,12 +41,37 @@ struct OfDrive<'a, L> {
     law: PhantomData<L>,
 }
 
-impl<L: FrictionLaw + From<Friction>> Surfaces<f64> for OfDrive<'_, L> {
+impl<L: FrictionLaw> Surfaces<f64> for OfDrive<'_, L> {
     type Law = L;
 
     #[inline(always)]
     fn of(&self, module: usize) -> Surface<f64, L> {
-        Surface { velocity: self.velocities[module], law: L::from(self.frictions[module]) }
+        let velocity = self.velocities[module];
+        Surface { velocity, law: L::new(self.frictions[module], velocity) }
+    }
+}
+
+/// The kernel for these effects besides the law of friction.
+struct Choice {
+    detachment: bool,
+    damping: bool,
+    links: bool,
+}
+
+impl UnderLaw for Choice {
+    type Output = Kernel;
+
+    fn under<L: FrictionLaw>(self) -> Kernel {
+        match (self.detachment, self.damping, self.links) {
+            (true, true, true) => Rings::run::<With<true, true, true>, L>,
+            (true, true, false) => Rings::run::<With<true, true, false>, L>,
+            (true, false, true) => Rings::run::<With<true, false, true>, L>,
+            (true, false, false) => Rings::run::<With<true, false, false>, L>,
+            (false, true, true) => Rings::run::<With<false, true, true>, L>,
+            (false, true, false) => Rings::run::<With<false, true, false>, L>,
+            (false, false, true) => Rings::run::<With<false, false, true>, L>,
+            (false, false, false) => Rings::run::<With<false, false, false>, L>,
+        }
     }
 }
 
@@ -46,7 +81,21 @@ impl RingForwardIncrement {
     pub fn new(model: &LumpedModel) -> Option<Self> {
         let blocks = blocks(model)?;
         let strained = vec![[0.0; MODULE_DOFS]; blocks.len()];
-        Some(Self { blocks, damping: model.damping, strained })
+        let rings = Rings { law: model.law, blocks, damping: model.damping, strained };
+        Some(Self { kernel: rings.kernel(), rings })
+    }
+}
+
+impl Rings {
+    /// The kernel for what this ring has.
+    fn kernel(&self) -> Kernel {
+        let has_link = |block: &Block<f64>| block.before != [0.0; 2] || block.after != [0.0; 2];
+        let choice = Choice {
+            detachment: self.law.detachment,
+            damping: self.damping != Damping::default(),
+            links: self.blocks.iter().any(has_link),
+        };
+        self.law.friction.apply(self.law.sticking, choice)
     }
 
     fn strain(&mut self, motion: &Motion) {
@@ -57,37 +106,23 @@ impl RingForwardIncrement {
         }
     }
 
-    /// Takes the steps under a law of friction of this kind.
-    fn run<L: FrictionLaw + From<Friction> + PartialEq>(
+    /// Takes the steps with these effects under this law of friction.
+    fn run<E: Effects, L: FrictionLaw>(
         &mut self,
         motion: &mut Motion,
         drive: &Drive,
-        (step, count): (f64, u64),
+        step: f64,
+        count: u64,
     ) {
+        if E::DAMPING {
+            self.strain(motion);
+        }
         let modules = self.blocks.len();
         let surfaces = OfDrive {
             velocities: &drive.slider_velocity[..modules],
             frictions: &drive.friction[..modules],
             law: PhantomData::<L>,
         };
-        let first = surfaces.of(0);
-        // Compiled once for a surface that is common to all and stays in registers, once for surfaces that
-        // are looked up.
-        if (0..modules).all(|i| surfaces.of(i) == first) {
-            self.run_on(motion, drive, (step, count), Common(first));
-        } else {
-            self.run_on(motion, drive, (step, count), surfaces);
-        }
-    }
-
-    fn run_on(
-        &mut self,
-        motion: &mut Motion,
-        drive: &Drive,
-        (step, count): (f64, u64),
-        surfaces: impl Surfaces<f64>,
-    ) {
-        self.strain(motion);
         let Damping { alpha, beta } = self.damping;
         let constants =
             StepConstants { step, per_step: 1.0 / step, retained: 1.0 - step * alpha, beta };
@@ -100,7 +135,7 @@ impl RingForwardIncrement {
             contacts: &mut motion.contacts,
             statistics: std::slice::from_mut(&mut motion.statistics),
         };
-        constants.steps(&fixed, &mut moving, count);
+        constants.steps::<E, _, _, _, _>(&fixed, &mut moving, count);
     }
 }
 
@@ -155,12 +190,7 @@ impl Integrator for RingForwardIncrement {
         step: f64,
         count: u64,
     ) -> Result<(), StepFailure> {
-        let frictions = &drive.friction[..self.blocks.len()];
-        if frictions.iter().all(|friction| friction.static_ == friction.kinetic) {
-            self.run::<Coulomb>(motion, drive, (step, count));
-        } else {
-            self.run::<Friction>(motion, drive, (step, count));
-        }
+        (self.kernel)(&mut self.rings, motion, drive, step, count);
         Ok(())
     }
 
@@ -170,35 +200,42 @@ impl Integrator for RingForwardIncrement {
         drive: &Drive,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
-        self.strain(motion);
+        let rings = &mut self.rings;
+        rings.strain(motion);
         let load = drive.force.as_chunks().0;
-        let w = &self.strained;
+        let w = &rings.strained;
         let last = w.len() - 1;
         for (i, out) in forces.iter_mut().enumerate() {
             let (tangent, normal) = (MODULE_DOFS * i + TANGENT, MODULE_DOFS * i + NORMAL);
             let before = if i == 0 { last } else { i - 1 };
             let after = if i == last { 0 } else { i + 1 };
             let links = [linked(&w[before]), linked(&w[after])];
-            let force = self.blocks[i].force(&load[i], &w[i], false, links);
-            let [tangent_mass, normal_mass] = self.blocks[i].mass;
+            let block = &rings.blocks[i];
+            let force = block.force::<With<true, true, true>>(&load[i], &w[i], false, links);
+            let [tangent_mass, normal_mass] = block.mass;
             let damped = |place: usize, mass: f64, dof: usize| {
-                force[place] - self.damping.alpha * mass * motion.velocity[dof]
+                force[place] - rings.damping.alpha * mass * motion.velocity[dof]
             };
-            let slip = drive.slider_velocity[i] - motion.velocity[tangent];
+            let surface = drive.slider_velocity[i];
+            let slip = surface - motion.velocity[tangent];
             let pressing = -damped(NORMAL, normal_mass, normal);
             let open = motion.displacement[normal] > 0.0 || motion.velocity[normal] > 0.0;
-            *out = if open || pressing < 0.0 {
+            *out = if rings.law.detachment && (open || pressing < 0.0) {
                 ContactForce::detached(slip)
             } else {
                 let carried = tangent_mass * drive.slider_acceleration[i];
                 let holding = carried - damped(TANGENT, tangent_mass, tangent);
-                ContactForce::closed(drive.friction[i], pressing, slip, holding)
+                rings.law.closed(drive.friction[i], surface, pressing, slip, holding)
             };
         }
         Ok(())
     }
 
     fn set_damping(&mut self, damping: Damping) {
-        self.damping = damping;
+        let was_damped = self.rings.damping != Damping::default();
+        self.rings.damping = damping;
+        if was_damped != (damping != Damping::default()) {
+            self.kernel = self.rings.kernel();
+        }
     }
 }

@@ -53,16 +53,25 @@ pub(super) trait Surfaces<V: Lanes> {
     fn of(&self, module: usize) -> Surface<V, Self::Law>;
 }
 
-/// The same surface for all, which stays in registers.
-pub(super) struct Common<S>(pub(super) S);
+/// What changes the arithmetic of a step besides the law of friction: what is off is not compiled.
+pub(super) trait Effects {
+    /// Can contacts open?
+    const DETACHMENT: bool;
+    /// Is there Rayleigh damping?
+    const DAMPING: bool;
+    /// Are modules linked?
+    const LINKS: bool;
+}
 
-impl<V: Lanes, L: FrictionLaw<V>> Surfaces<V> for Common<Surface<V, L>> {
-    type Law = L;
+/// The effects that there are.
+pub(super) struct With<const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool>;
 
-    #[inline(always)]
-    fn of(&self, _: usize) -> Surface<V, L> {
-        self.0
-    }
+impl<const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool> Effects
+    for With<DETACHMENT, DAMPING, LINKS>
+{
+    const DETACHMENT: bool = DETACHMENT;
+    const DAMPING: bool = DAMPING;
+    const LINKS: bool = LINKS;
 }
 
 /// What does not move: one item a module.
@@ -77,7 +86,7 @@ pub(super) struct Fixed<'a, B, X, S> {
 pub(super) struct Moving<'a, X, C> {
     pub(super) x: &'a mut [X],
     pub(super) v: &'a mut [X],
-    /// x + β ẋ, on which K acts for springs and dampers at once.
+    /// x + β ẋ, on which K acts for springs and dampers at once; not in use without damping.
     pub(super) strained: &'a mut [X],
     pub(super) contacts: &'a mut [C],
     /// One a lane; state changes and touch-downs are counted here.
@@ -100,16 +109,17 @@ impl<V: Lanes> Block<V> {
     /// F − K (x + β ẋ), N: all but the mass-proportional damping and the contact. Where the mass rests on the
     /// slider, its normal column is left out, for that acts on zero.
     #[inline(always)]
-    pub(super) fn force(
+    pub(super) fn force<E: Effects>(
         &self,
         load: &Vector<V>,
         own: &Vector<V>,
         rests: bool,
         [before, after]: [[V; 2]; 2],
     ) -> Vector<V> {
+        let [first, second] = [self.row(0, load, own, rests), self.row(1, load, own, rests)];
         [
-            self.row(0, load, own, rests) - self.link(0, before, after),
-            self.row(1, load, own, rests) - self.link(1, before, after),
+            if E::LINKS { first - self.link(0, before, after) } else { first },
+            if E::LINKS { second - self.link(1, before, after) } else { second },
             self.row(2, load, own, rests),
             self.row(3, load, own, rests),
         ]
@@ -133,6 +143,7 @@ impl<V: Lanes> StepConstants<V> {
     /// Takes `count` steps of all modules.
     #[inline(always)]
     pub(super) fn steps<
+        E: Effects,
         B: Borrow<Block<V>>,
         S: Surfaces<V>,
         X: BorrowMut<Vector<V>>,
@@ -147,23 +158,29 @@ impl<V: Lanes> StepConstants<V> {
         let modules = fixed.blocks.len();
         let (blocks, load) = (fixed.blocks, &fixed.load[..modules]);
         let (x, v) = (&mut moving.x[..modules], &mut moving.v[..modules]);
-        let (w, contacts) = (&mut moving.strained[..modules], &mut moving.contacts[..modules]);
+        let contacts = &mut moving.contacts[..modules];
+        let w = &mut moving.strained[..if E::DAMPING { modules } else { 0 }];
         for _ in 0..count {
             // Neighbours act with what they had before the step; these two are overwritten too early.
-            let first = linked(w[0].borrow());
-            let mut before = linked(w[modules - 1].borrow());
+            let strained = if E::DAMPING { &*w } else { &*x };
+            let first = linked(strained[0].borrow());
+            let mut before = linked(strained[modules - 1].borrow());
             for i in 0..modules {
-                let own = *w[i].borrow();
-                let after = if i + 1 < modules { linked(w[i + 1].borrow()) } else { first };
+                let strained = if E::DAMPING { &*w } else { &*x };
+                let own = *strained[i].borrow();
+                let after = if i + 1 < modules { linked(strained[i + 1].borrow()) } else { first };
                 let (block, load): (&Block<V>, &Vector<V>) = (blocks[i].borrow(), load[i].borrow());
                 let was: V::States = *contacts[i].borrow();
                 let old = (*x[i].borrow(), *v[i].borrow(), was);
                 let links = [before, after];
-                let (moved, moving_on, state) =
-                    self.step_module(block, load, &own, links, &fixed.surfaces.of(i), old);
+                let surface = fixed.surfaces.of(i);
+                let (moved, moving_on, state, broken) =
+                    self.step_module::<E, _>(block, load, &own, links, &surface, old);
                 *x[i].borrow_mut() = moved;
                 *v[i].borrow_mut() = moving_on;
-                *w[i].borrow_mut() = strain(&moved, &moving_on, self.beta);
+                if E::DAMPING {
+                    *w[i].borrow_mut() = strain(&moved, &moving_on, self.beta);
+                }
                 before = linked(&own);
                 let changed = V::changed(was, state);
                 if V::any(changed) {
@@ -175,6 +192,9 @@ impl<V: Lanes> StepConstants<V> {
                         }
                     }
                     *contacts[i].borrow_mut() = state;
+                }
+                if !<S::Law as FrictionLaw<V>>::STICKS || !E::DETACHMENT {
+                    broken.count(moving.statistics);
                 }
             }
         }
@@ -188,7 +208,7 @@ impl<V: Lanes> StepConstants<V> {
 
     /// One step of one module: its new position and velocity, and the state of its contact.
     #[inline(always)]
-    fn step_module<L: FrictionLaw<V>>(
+    fn step_module<E: Effects, L: FrictionLaw<V>>(
         &self,
         block: &Block<V>,
         load: &Vector<V>,
@@ -196,31 +216,31 @@ impl<V: Lanes> StepConstants<V> {
         links: [[V; 2]; 2],
         surface: &Surface<V, L>,
         (x, v, before): (Vector<V>, Vector<V>, V::States),
-    ) -> (Vector<V>, Vector<V>, V::States) {
+    ) -> (Vector<V>, Vector<V>, V::States, Broken<V>) {
         let h = self.step;
         let zero = h.splat(0.0);
+        let surface = &surface.at(&v);
+        if !E::DETACHMENT {
+            return self.step_held::<E, _>(block, load, own, links, surface, (x, v, before));
+        }
         let resting = x[NORMAL].is(zero) & v[NORMAL].is(zero);
         let all_rest = V::all(resting);
         // Two copies of one expression, the first of which is shorter.
         let force = if all_rest {
-            block.force(load, own, true, links)
+            block.force::<E>(load, own, true, links)
         } else {
-            block.force(load, own, false, links)
+            block.force::<E>(load, own, false, links)
         };
         let (tangential, normal);
-        let (gap, state);
+        let (gap, state, is_closed);
         if all_rest && V::all(force[NORMAL].is_at_most(zero)) {
             // At rest on the slider and pressed on it, which is the rule.
-            let contact = self.contact(block, &force, -force[NORMAL], &v, surface, before);
-            tangential = if V::all(contact.sticks) {
-                surface.velocity
-            } else {
-                let slips = self.predicted(block, TANGENT, &v, force[TANGENT] + contact.slipping);
-                V::select(contact.sticks, surface.velocity, slips)
-            };
+            let contact = self.contact::<E, L>(block, &force, -force[NORMAL], &v, surface, before);
+            tangential = self.dragged::<E, L>(block, &force, &v, surface, &contact);
             (gap, normal, state) = (zero, zero, contact.state);
+            is_closed = zero.is(zero);
         } else {
-            let free = self.predicted(block, NORMAL, &v, force[NORMAL]);
+            let free = self.predicted::<E>(block, NORMAL, &v, force[NORMAL]);
             let reached = x[NORMAL] + h * free;
             let closed = V::select(resting, force[NORMAL], reached).is_at_most(zero);
             let detached = zero.in_state(ContactState::Detached);
@@ -229,43 +249,104 @@ impl<V: Lanes> StepConstants<V> {
                 let (mut pressing, mut landing) = (-force[NORMAL], zero);
                 if V::any(closed & !resting) {
                     landing = (zero - x[NORMAL]) * self.per_step;
-                    let impact = v[NORMAL] * self.retained + x[NORMAL] * self.per_step;
+                    let impact = self.kept::<E>(v[NORMAL]) + x[NORMAL] * self.per_step;
                     let lands = -(force[NORMAL] + block.mass[1] * impact * self.per_step);
                     let lands = V::select(zero.is_below(lands), lands, zero);
                     pressing = V::select(resting, pressing, lands);
                 }
-                let contact = self.contact(block, &force, pressing, &v, surface, before);
+                let contact = self.contact::<E, L>(block, &force, pressing, &v, surface, before);
                 let dragged = force[TANGENT] + contact.slipping;
                 let pull = V::select(closed, dragged, force[TANGENT]);
-                let slips = self.predicted(block, TANGENT, &v, pull);
-                tangential = V::select(contact.sticks & closed, surface.velocity, slips);
+                let slips = self.predicted::<E>(block, TANGENT, &v, pull);
+                tangential = if L::STICKS {
+                    V::select(contact.sticks & closed, surface.velocity, slips)
+                } else {
+                    slips
+                };
                 normal = V::select(closed, landing, free);
                 gap = V::select(closed, zero, reached);
                 state = V::select_states(closed, contact.state, detached);
+                is_closed = closed;
             } else {
-                tangential = self.predicted(block, TANGENT, &v, force[TANGENT]);
+                tangential = self.predicted::<E>(block, TANGENT, &v, force[TANGENT]);
                 (gap, normal, state) = (reached, free, detached);
+                is_closed = closed;
             }
         }
         let new = [
-            self.predicted(block, 0, &v, force[0]),
-            self.predicted(block, 1, &v, force[1]),
+            self.predicted::<E>(block, 0, &v, force[0]),
+            self.predicted::<E>(block, 1, &v, force[1]),
             tangential,
             normal,
         ];
+        let broken =
+            Broken { slip: surface.reversed(tangential) & is_closed, pull: zero.is_below(zero) };
         // Corrector, eq. (18).
-        ([x[0] + h * new[0], x[1] + h * new[1], x[2] + h * new[2], gap], new, state)
+        ([x[0] + h * new[0], x[1] + h * new[1], x[2] + h * new[2], gap], new, state, broken)
+    }
+
+    /// The same of a module whose contact holds in both directions, and never moves along its normal.
+    #[inline(always)]
+    fn step_held<E: Effects, L: FrictionLaw<V>>(
+        &self,
+        block: &Block<V>,
+        load: &Vector<V>,
+        own: &Vector<V>,
+        links: [[V; 2]; 2],
+        surface: &Surface<V, L>,
+        (x, v, before): (Vector<V>, Vector<V>, V::States),
+    ) -> (Vector<V>, Vector<V>, V::States, Broken<V>) {
+        let h = self.step;
+        let zero = h.splat(0.0);
+        let force = block.force::<E>(load, own, true, links);
+        let pressing = -force[NORMAL];
+        // What can stick follows |N|, so that it never drives; what is frozen follows N, so that it is linear.
+        let size = if L::STICKS { pressing.abs() } else { pressing };
+        let contact = self.contact::<E, L>(block, &force, size, &v, surface, before);
+        let tangential = self.dragged::<E, L>(block, &force, &v, surface, &contact);
+        let new = [
+            self.predicted::<E>(block, 0, &v, force[0]),
+            self.predicted::<E>(block, 1, &v, force[1]),
+            tangential,
+            zero,
+        ];
+        let broken = Broken { slip: surface.reversed(tangential), pull: pressing.is_below(zero) };
+        let moved = [x[0] + h * new[0], x[1] + h * new[1], x[2] + h * new[2], zero];
+        (moved, new, contact.state, broken)
+    }
+
+    /// The tangential velocity under friction.
+    #[inline(always)]
+    fn dragged<E: Effects, L: FrictionLaw<V>>(
+        &self,
+        block: &Block<V>,
+        force: &Vector<V>,
+        v: &Vector<V>,
+        surface: &Surface<V, L>,
+        contact: &Closed<V>,
+    ) -> V {
+        if L::STICKS && V::all(contact.sticks) {
+            return surface.velocity;
+        }
+        let slips = self.predicted::<E>(block, TANGENT, v, force[TANGENT] + contact.slipping);
+        if L::STICKS { V::select(contact.sticks, surface.velocity, slips) } else { slips }
+    }
+
+    /// What mass-proportional damping leaves of a velocity over a step.
+    #[inline(always)]
+    fn kept<E: Effects>(&self, v: V) -> V {
+        if E::DAMPING { v * self.retained } else { v }
     }
 
     /// Predictor, eq. (13), in velocities.
     #[inline(always)]
-    fn predicted(&self, block: &Block<V>, dof: usize, v: &Vector<V>, force: V) -> V {
-        v[dof] * self.retained + self.step * (force * block.inverse_mass[dof])
+    fn predicted<E: Effects>(&self, block: &Block<V>, dof: usize, v: &Vector<V>, force: V) -> V {
+        self.kept::<E>(v[dof]) + self.step * (force * block.inverse_mass[dof])
     }
 
     /// The tangential multiplier, eq. (16), of contacts that are closed and press with `normal` (N).
     #[inline(always)]
-    fn contact<L: FrictionLaw<V>>(
+    fn contact<E: Effects, L: FrictionLaw<V>>(
         &self,
         block: &Block<V>,
         force: &Vector<V>,
@@ -274,12 +355,55 @@ impl<V: Lanes> StepConstants<V> {
         surface: &Surface<V, L>,
         before: V::States,
     ) -> Closed<V> {
-        let lag = surface.velocity - v[TANGENT] * self.retained;
+        let lag = surface.velocity - self.kept::<E>(v[TANGENT]);
         let holding = block.mass[0] * lag * self.per_step - force[TANGENT];
-        let sticks = surface.law.holds(holding, normal, before);
         let (slipping, slips) = surface.law.slip(holding, normal);
+        if !L::STICKS {
+            return Closed { sticks: lag.is_below(lag), slipping, state: slips };
+        }
+        let sticks = surface.law.holds(holding, normal, before);
         let stick = normal.in_state(ContactState::Stick);
         Closed { sticks, slipping, state: V::select_states(sticks, stick, slips) }
+    }
+}
+
+impl<V: Lanes, L: FrictionLaw<V>> Surface<V, L> {
+    /// The surface as a module meets it that moves with these velocities.
+    #[inline(always)]
+    fn at(&self, v: &Vector<V>) -> Self {
+        Self { law: self.law.at(self.velocity - v[TANGENT]), ..*self }
+    }
+
+    /// Does a mass with this tangential velocity slip against a direction that is frozen?
+    #[inline(always)]
+    fn reversed(&self, tangential: V) -> V::Mask {
+        let zero = tangential.splat(0.0);
+        if L::STICKS || !L::HAS_DIRECTION {
+            return zero.is_below(zero);
+        }
+        let slip = self.velocity - tangential;
+        (slip * self.velocity).is_below(zero)
+    }
+}
+
+/// Where what a scene leaves out would have been needed.
+#[derive(Clone, Copy)]
+struct Broken<V: Lanes> {
+    /// Slip against the frozen direction.
+    slip: V::Mask,
+    /// A normal force that pulls.
+    pull: V::Mask,
+}
+
+impl<V: Lanes> Broken<V> {
+    #[inline(always)]
+    fn count(self, statistics: &mut [Statistics]) {
+        if V::any(self.slip | self.pull) {
+            for (lane, statistics) in statistics.iter_mut().enumerate() {
+                statistics.reversed_slips += u64::from(V::lane(self.slip, lane));
+                statistics.pulled_contacts += u64::from(V::lane(self.pull, lane));
+            }
+        }
     }
 }
 

@@ -119,6 +119,15 @@ impl<S: Simd> Lanes for Wide<S> {
     }
 
     #[inline(always)]
+    fn zip(self, other: Self, f: impl Fn(f64, f64) -> f64) -> Self {
+        let mut result = self;
+        for lane in 0..Self::LANES {
+            result.set(lane, f(self.get(lane), other.get(lane)));
+        }
+        result
+    }
+
+    #[inline(always)]
     fn is_below(self, other: Self) -> Mask<S> {
         Mask(self.0, self.0.less_than_f64s(self.1, other.1))
     }

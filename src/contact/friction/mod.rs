@@ -1,0 +1,171 @@
+//! Laws of friction: what friction may be on a closed contact.
+//!
+//! Each law is a file of its own, and a line of [`register`]. A law may use the numbers of [`Friction`]; one
+//! that needs another number adds it there, to `[friction]` of a scene and to the catalogue of variables.
+
+mod frozen;
+mod range;
+
+pub use frozen::Frozen;
+pub use range::FrictionRange;
+
+use super::{ContactState, Lanes};
+use serde::{Deserialize, Serialize};
+
+/// The numbers that a contact's friction is made of. Laws that do not know one of them have no use for it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Friction<V = f64> {
+    /// µ_k ≥ 0, of a contact that slips.
+    pub kinetic: V,
+    /// µ_s ≥ µ_k, of one that does not.
+    pub static_: V,
+    /// v_s > 0, m/s: the slip velocity over which µ falls from µ_s towards µ_k.
+    pub stribeck_velocity: V,
+}
+
+/// One coefficient for all that a contact does.
+impl From<f64> for Friction {
+    fn from(coefficient: f64) -> Self {
+        Self::with_static(coefficient, coefficient)
+    }
+}
+
+impl Friction {
+    /// µ_k and µ_s.
+    #[must_use]
+    pub fn with_static(kinetic: f64, static_: f64) -> Self {
+        Self { kinetic, static_, stribeck_velocity: f64::INFINITY }
+    }
+}
+
+/// What there is to know about a law before it is used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct About {
+    /// Its name in a scene.
+    pub name: &'static str,
+    /// The keys of `[friction]` that it needs.
+    pub keys: &'static [&'static str],
+    /// Its equation, for people.
+    pub equation: &'static str,
+    /// Is the coefficient the same at all slip velocities? Then a contact state has linear motion.
+    pub is_constant: bool,
+    /// Can a contact stick?
+    pub sticks: bool,
+}
+
+/// A law that says what friction is on a closed contact. For several simulations at once it says so of each
+/// by itself ([`Lanes`]).
+pub trait FrictionLaw<V: Lanes = f64>: Copy {
+    /// Can friction hold a contact? Where not, nothing is asked of [`holds`](Self::holds).
+    const STICKS: bool = true;
+
+    /// Has friction a direction, which a slip may be against?
+    const HAS_DIRECTION: bool = true;
+
+    /// The same law with its direction frozen.
+    type Frozen: FrictionLaw<V>;
+
+    /// The law with these numbers, on a surface that moves with velocity `surface` (m/s) along the tangent.
+    fn new(friction: Friction<V>, surface: V) -> Self;
+
+    /// The law over a step that begins with this slip velocity, m/s.
+    #[inline(always)]
+    #[must_use]
+    fn at(self, _slip: V) -> Self {
+        self
+    }
+
+    /// Can friction be `holding` (N) on a contact that was in state `before` and presses with `normal` (N)?
+    #[inline(always)]
+    fn holds(self, holding: V, normal: V, _before: V::States) -> V::Mask {
+        holding.abs().is_at_most(self.limit(normal))
+    }
+
+    /// The size of T on a contact that slips and presses with `normal`, N.
+    #[must_use]
+    fn limit(self, normal: V) -> V;
+
+    /// T on a contact that friction does not hold, N, and its state.
+    #[inline(always)]
+    #[must_use]
+    fn slip(self, holding: V, normal: V) -> (V, V::States) {
+        let limit = self.limit(normal);
+        let forward = holding.splat(0.0).is_below(holding);
+        let slide = limit.in_state(ContactState::Slide);
+        let reverse = limit.in_state(ContactState::ReverseSlide);
+        (V::select(forward, limit, -limit), V::select_states(forward, slide, reverse))
+    }
+
+    /// How far T may go on a contact that was in state `before`, over N.
+    #[inline(always)]
+    #[must_use]
+    fn range(self, _before: V::States, one: V) -> FrictionRange<V> {
+        let limit = self.limit(one);
+        FrictionRange { backward: limit, forward: limit, kinetic: limit }
+    }
+}
+
+/// Something that is done under a law that is known when it is compiled.
+pub trait UnderLaw<V: Lanes = f64> {
+    /// What comes of it.
+    type Output;
+
+    /// Does it.
+    fn under<L: FrictionLaw<V>>(self) -> Self::Output;
+}
+
+macro_rules! register {
+    ($($(#[$doc:meta])+ $law:ident in $file:ident,)+) => {
+        $(mod $file;)+
+        $(pub use $file::$law;)+
+
+        /// The laws of friction that there are.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        pub enum Law {
+            $($(#[$doc])+ $law,)+
+        }
+
+        impl Law {
+            /// All of them.
+            pub const ALL: &'static [Self] = &[$(Self::$law),+];
+
+            /// What there is to know about it.
+            #[must_use]
+            pub const fn about(self) -> About {
+                match self {
+                    $(Self::$law => $file::ABOUT,)+
+                }
+            }
+
+            /// Does something under this law, or under the same with its direction frozen.
+            #[inline(always)]
+            pub fn apply<V: Lanes, W: UnderLaw<V>>(self, sticking: bool, work: W) -> W::Output {
+                match (self, sticking) {
+                    $(
+                        (Self::$law, true) => work.under::<$law<V>>(),
+                        (Self::$law, false) => work.under::<<$law<V> as FrictionLaw<V>>::Frozen>(),
+                    )+
+                }
+            }
+        }
+    };
+}
+
+register! {
+    /// No friction at all.
+    Frictionless in frictionless,
+    /// One coefficient.
+    Coulomb in coulomb,
+    /// A static coefficient above the kinetic one.
+    StaticKinetic in static_kinetic,
+    /// A coefficient that falls with the slip velocity.
+    Stribeck in stribeck,
+}
+
+impl Law {
+    /// The law of this name in a scene.
+    #[must_use]
+    pub fn named(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|law| law.about().name == name)
+    }
+}

@@ -1,0 +1,111 @@
+//! Static and kinetic friction: |T| ≤ µ_s N where the contact sticks, T = ±µ_k N where it slips.
+//!
+//! A contact that slips sticks where µ_k N brings its slip velocity to zero, and then holds with up to
+//! µ_s N against slipping the other way. A touch-down has slipped.
+
+use super::{About, Coulomb, Friction, FrictionLaw, FrictionRange, Frozen};
+use crate::contact::{ContactState, Lanes};
+
+pub(super) const ABOUT: About = About {
+    name: "static",
+    keys: &["coefficient", "static"],
+    equation: "|T| ≤ µ_s N, T = ±µ N in slip",
+    is_constant: true,
+    sticks: true,
+};
+
+/// Two coefficients.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StaticKinetic<V = f64> {
+    kinetic: V,
+    static_: V,
+}
+
+impl<V: Lanes> FrictionLaw<V> for StaticKinetic<V> {
+    // What never sticks knows no static friction.
+    type Frozen = Frozen<V, Coulomb<V>>;
+
+    #[inline(always)]
+    fn new(friction: Friction<V>, _: V) -> Self {
+        Self { kinetic: friction.kinetic, static_: friction.static_ }
+    }
+
+    #[inline(always)]
+    fn holds(self, holding: V, normal: V, before: V::States) -> V::Mask {
+        self.range(before, normal).holds(holding, normal)
+    }
+
+    #[inline(always)]
+    fn limit(self, normal: V) -> V {
+        self.kinetic * normal
+    }
+
+    #[inline(always)]
+    fn range(self, before: V::States, _: V) -> FrictionRange<V> {
+        let Self { kinetic, static_ } = self;
+        let stuck = kinetic.are(before, ContactState::Stick);
+        let slid = stuck | kinetic.are(before, ContactState::Slide);
+        let slid_back = stuck | kinetic.are(before, ContactState::ReverseSlide);
+        FrictionRange {
+            backward: V::select(slid, static_, kinetic),
+            forward: V::select(slid_back, static_, kinetic),
+            kinetic,
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use ContactState::{Detached, ReverseSlide, Slide, Stick};
+
+    fn friction(
+        law: impl FrictionLaw,
+        holding: f64,
+        normal: f64,
+        before: ContactState,
+    ) -> (f64, ContactState) {
+        if law.holds(holding, normal, before) {
+            (holding, Stick)
+        } else {
+            law.slip(holding, normal)
+        }
+    }
+
+    fn drops() -> StaticKinetic {
+        StaticKinetic::new(Friction::with_static(0.4, 0.6), 1.0)
+    }
+
+    #[test]
+    fn friction_holds_up_to_its_limit_and_no_further() {
+        for (holding, expected) in
+            [(3.0, (3.0, Stick)), (3.1, (3.0, Slide)), (-3.1, (-3.0, ReverseSlide))]
+        {
+            assert_eq!(friction(Coulomb(0.5), holding, 6.0, Slide), expected);
+            // One law, whichever way it is written.
+            let alike: StaticKinetic = StaticKinetic::new(0.5.into(), 1.0);
+            assert_eq!(friction(alike, holding, 6.0, Slide), expected);
+        }
+    }
+
+    #[test]
+    fn what_sticks_holds_to_the_static_limit_and_then_drops_to_the_kinetic() {
+        for sign in [-1.0, 1.0] {
+            let slips = if sign > 0.0 { Slide } else { ReverseSlide };
+            assert_eq!(friction(drops(), sign * 6.0, 10.0, Stick), (sign * 6.0, Stick));
+            assert_eq!(friction(drops(), sign * 6.1, 10.0, Stick), (sign * 4.0, slips));
+        }
+    }
+
+    #[test]
+    fn what_slips_is_stopped_by_kinetic_friction_and_held_on_the_other_side_by_static() {
+        for (slips, other, sign) in [(Slide, ReverseSlide, 1.0), (ReverseSlide, Slide, -1.0)] {
+            assert_eq!(friction(drops(), sign * 4.1, 10.0, slips), (sign * 4.0, slips));
+            assert_eq!(friction(drops(), sign * 4.0, 10.0, slips), (sign * 4.0, Stick));
+            assert_eq!(friction(drops(), sign * -6.0, 10.0, slips), (sign * -6.0, Stick));
+            assert_eq!(friction(drops(), sign * -6.1, 10.0, slips), (sign * -4.0, other));
+            // An impact is stopped by kinetic friction alone.
+            assert_eq!(friction(drops(), sign * 4.1, 10.0, Detached), (sign * 4.0, slips));
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! What a contact may do, by the law that the scene calls for.
+
+use crate::contact::{ContactLaw, ContactState, Friction, FrictionLaw, FrictionRange, UnderLaw};
+
+/// What a contact may do in the problem at hand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Freedom {
+    /// Anything that its law allows, with friction in this range where it holds.
+    Law(FrictionRange),
+    /// Open for sure: it carries nothing.
+    Open,
+    /// Slipping for sure, with µ_k in this direction (±1).
+    Slipping {
+        /// Of the friction force on the mass.
+        direction: f64,
+        /// µ_k.
+        friction: f64,
+    },
+    /// Held in both directions along its normal; friction, in this range where it holds, follows |N|.
+    Held(FrictionRange),
+    /// The same, slipping for sure.
+    HeldSlipping {
+        /// Of the friction force on the mass.
+        direction: f64,
+        /// µ_k.
+        friction: f64,
+    },
+    /// Held in both directions along its normal, with T = `slope` N.
+    Guided {
+        /// ±µ.
+        slope: f64,
+        /// The state that it is said to be in.
+        state: ContactState,
+    },
+}
+
+impl Freedom {
+    /// The state of a contact that is closed, where its slip has no say in it.
+    pub(super) fn frozen_state(self) -> Option<ContactState> {
+        match self {
+            Self::Slipping { direction, .. } if direction > 0.0 => Some(ContactState::Slide),
+            Self::Slipping { .. } => Some(ContactState::ReverseSlide),
+            Self::Guided { state, .. } => Some(state),
+            Self::Law(_) | Self::Open | Self::Held(_) | Self::HeldSlipping { .. } => None,
+        }
+    }
+
+    /// The same, slipping for sure in this direction (±1) of the friction force.
+    pub(super) fn slipping(self, direction: f64) -> Self {
+        match self {
+            Self::Law(range) => Self::Slipping { direction, friction: range.kinetic },
+            Self::Held(range) => Self::HeldSlipping { direction, friction: range.kinetic },
+            Self::Open
+            | Self::Slipping { .. }
+            | Self::HeldSlipping { .. }
+            | Self::Guided { .. } => self,
+        }
+    }
+}
+
+/// The freedom of a contact with these numbers, with a slip velocity (m/s), on a surface that moves with a
+/// velocity (m/s), that was in this state.
+pub(super) type FreedomOf = fn(Friction, f64, f64, ContactState) -> Freedom;
+
+/// The freedom that contacts have under this law.
+pub(super) fn freedom_of(law: ContactLaw) -> FreedomOf {
+    law.friction.apply(law.sticking, Choice { detachment: law.detachment })
+}
+
+struct Choice {
+    detachment: bool,
+}
+
+impl UnderLaw for Choice {
+    type Output = FreedomOf;
+
+    fn under<L: FrictionLaw>(self) -> FreedomOf {
+        if self.detachment { freedom::<L, true> } else { freedom::<L, false> }
+    }
+}
+
+fn freedom<L: FrictionLaw, const DETACHMENT: bool>(
+    friction: Friction,
+    slip: f64,
+    surface: f64,
+    before: ContactState,
+) -> Freedom {
+    let law = L::new(friction, surface).at(slip);
+    if L::STICKS {
+        let range = law.range(before, 1.0);
+        return if DETACHMENT { Freedom::Law(range) } else { Freedom::Held(range) };
+    }
+    let (slope, state) = law.slip(slip, 1.0);
+    if DETACHMENT {
+        let direction = state.sliding_direction().unwrap_or(1.0);
+        Freedom::Slipping { direction, friction: slope.abs() }
+    } else {
+        Freedom::Guided { slope, state }
+    }
+}

@@ -1,0 +1,103 @@
+//! Effects that make no sense together.
+
+use super::check::{Checks, Part};
+use super::{Method, Network, Problem, Scene, Selection, Structure};
+use crate::contact::Law;
+
+/// Looks for effects that contradict each other, or the rest of the scene.
+pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
+    let law = scene.contact_law().friction;
+    let about = law.about();
+    let problem = |path: &str, message: String, help: &str| Problem::new(path, message).help(help);
+    if !about.sticks {
+        report_own_friction(scene, checks);
+    }
+    if scene.effects.has_frozen_slip(law) {
+        if law == Law::StaticKinetic {
+            let message = "contacts that do not stick have no static friction".to_owned();
+            let help = "leave static friction out, or let contacts stick";
+            checks.problems.push(problem("effects.sticking", message, help).of(false));
+        }
+        report_surfaces_without_direction(scene, checks);
+    }
+    if !scene.effects.detachment {
+        report_open_contacts(scene, checks);
+    }
+    let chosen = match scene.selection {
+        Selection::Given => None,
+        selection => Some(selection),
+    };
+    let is_exact = scene.method == Method::EventDriven;
+    if !about.is_constant && (is_exact || chosen.is_some()) {
+        let why = "exact motion needs friction that does not depend on the slip velocity: between events \
+                   the motion would not be linear";
+        let message = match chosen {
+            Some(selection) => format!("is not for integrator.{selection} to choose by: {why}"),
+            None => why.to_owned(),
+        };
+        let help =
+            "give method = \"forward-increment\" and a step, or a law with constant coefficients";
+        let name = format!("\"{}\"", about.name);
+        checks.problems.push(problem("friction.law", message, help).of(name));
+    }
+    let follows_size = about.sticks && scene.effects.sticking && !scene.effects.detachment;
+    if follows_size && (is_exact || chosen.is_some()) {
+        let message =
+            "exact motion cannot take contacts that stick and cannot open: their friction follows \
+                       |N|, which is not linear where N changes its sign"
+                .to_owned();
+        let help = "give method = \"forward-increment\" and a step, or sticking = false";
+        checks.problems.push(problem("effects.detachment", message, help).of(false));
+    }
+}
+
+/// Friction of contacts' own where the law is none.
+fn report_own_friction(scene: &Scene, checks: &mut Checks<'_>) {
+    let contacts = scene.network().map_or(&[][..], |network| &network.contacts);
+    for (i, place) in contacts.iter().enumerate() {
+        let own = [("friction", place.friction), ("static_friction", place.static_friction)];
+        for (key, value) in own.into_iter().filter_map(|(key, value)| Some((key, value?))) {
+            let message = "the scene's law of friction is none";
+            let problem = checks.problem(Part::Contact(i), key, message).of(value);
+            checks.problems.push(problem.help("leave it out, or give [friction] another law"));
+        }
+    }
+}
+
+/// Surfaces that stand still, on which friction that does not stick has no direction.
+fn report_surfaces_without_direction(scene: &Scene, checks: &mut Checks<'_>) {
+    let message = "friction without sticking takes its direction from this velocity, which is zero";
+    let help = "give the surface a velocity, or let contacts stick";
+    let Some(Network { contacts, .. }) = scene.network() else {
+        if scene.slider.velocity == 0.0 {
+            checks.problems.push(Problem::new("slider.velocity", message).of(0.0).help(help));
+        }
+        return;
+    };
+    for (i, place) in contacts.iter().enumerate() {
+        if place.velocity.unwrap_or(scene.slider.velocity) == 0.0 {
+            let path = match place.velocity {
+                Some(_) => checks.path(Part::Contact(i), "velocity"),
+                None => "slider.velocity".to_owned(),
+            };
+            if checks.problems.iter().all(|problem| problem.path != path) {
+                checks.problems.push(Problem::new(path, message).of(0.0).help(help));
+            }
+        }
+    }
+}
+
+/// Modules that start with an open contact, or one that opens. Of a network the contacts' directions are needed
+/// to tell, so that is for the model to refuse.
+fn report_open_contacts(scene: &Scene, checks: &mut Checks<'_>) {
+    let Structure::Ring(modules) = &scene.structure else { return };
+    for (i, module) in modules.iter().enumerate() {
+        for (key, value) in [("x4", module.displacement[3]), ("v4", module.velocity[3])] {
+            if value != 0.0 {
+                let message = "contacts cannot open in this scene, and this one would start open";
+                let problem = checks.problem(Part::InitialOfModule(i), key, message).of(value);
+                checks.problems.push(problem.help("leave it out, or let contacts open"));
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The table `[friction]` of a scene file.
+
+use super::Problem;
+#[cfg(feature = "tools")]
+use super::Rule;
+use crate::contact::Law;
+use serde::Deserialize;
+
+/// The law of friction, and its numbers.
+#[derive(Default, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+pub(super) struct FrictionTable {
+    /// The law; unless given that of the numbers beside it.
+    #[cfg_attr(feature = "tools", schemars(schema_with = "laws"))]
+    #[serde(default)]
+    law: Option<String>,
+    /// Friction coefficient µ of every contact that has none of its own.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
+    pub(super) coefficient: Option<f64>,
+    /// Static friction coefficient µ_s ≥ µ, while a contact does not slip; µ unless given.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
+    #[serde(rename = "static")]
+    pub(super) static_: Option<f64>,
+    /// The slip velocity over which friction falls from µ_s towards µ, by a factor of e, m/s.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::STRIBECK_VELOCITY.bounds()))]
+    pub(super) stribeck_velocity: Option<f64>,
+}
+
+/// The laws by name, each with its equation.
+#[cfg(feature = "tools")]
+fn laws(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
+    let law = |law: &Law| {
+        let about = law.about();
+        serde_json::json!({ "const": about.name, "description": about.equation, "type": "string" })
+    };
+    let laws: Vec<_> = Law::ALL.iter().map(law).collect();
+    schemars::json_schema!({ "oneOf": laws })
+}
+
+impl FrictionTable {
+    /// The keys that are given, but the law's.
+    fn given(&self) -> Vec<&'static str> {
+        let keys = [
+            ("coefficient", self.coefficient.is_some()),
+            ("static", self.static_.is_some()),
+            ("stribeck_velocity", self.stribeck_velocity.is_some()),
+        ];
+        keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key)).collect()
+    }
+
+    /// The law that is named, or else the one whose numbers these are; what is wrong goes to `problems`.
+    pub(super) fn law(&self, problems: &mut Vec<Problem>) -> Law {
+        let given = self.given();
+        let needs = |law: &Law| law.about().keys;
+        let Some(name) = &self.law else {
+            // The simplest law that has all these numbers.
+            let has_all = |law: &&Law| given.iter().all(|key| needs(law).contains(key));
+            let law = Law::ALL.iter().skip(1).find(has_all).copied().unwrap_or(Law::Stribeck);
+            self.report_lacking(law, &given, problems);
+            return law;
+        };
+        let Some(law) = Law::named(name) else {
+            // The walk over the schema has said so, where there is one.
+            if cfg!(not(feature = "tools")) {
+                problems.push(Problem::new("friction.law", "is no law of friction"));
+            }
+            return Law::Coulomb;
+        };
+        self.report_lacking(law, &given, problems);
+        for key in given.iter().filter(|key| !needs(&law).contains(key)) {
+            let with: Vec<String> = Law::ALL
+                .iter()
+                .filter(|law| needs(law).contains(key))
+                .map(|law| format!("\"{}\"", law.about().name))
+                .collect();
+            let message = format!("is no number of the law \"{name}\": {}", law.about().equation);
+            let help = format!("leave it out, or give law = {}", with.join(" or "));
+            problems.push(Problem::new(format!("friction.{key}"), message).help(help));
+        }
+        law
+    }
+
+    /// Numbers that the law needs.
+    fn report_lacking(&self, law: Law, given: &[&str], problems: &mut Vec<Problem>) {
+        let about = law.about();
+        for key in about.keys.iter().filter(|key| !given.contains(key)) {
+            let problem = Problem::new("friction", format!("lacks `{key}`"));
+            let because = match &self.law {
+                Some(name) => format!("the law \"{name}\" needs it: {}", about.equation),
+                None if given.is_empty() => {
+                    format!("add `{key} = …`, or `law = \"none\"` for contacts without friction")
+                }
+                None => format!("with {} goes {}", spoken(given), about.equation),
+            };
+            problems.push(problem.help(because));
+        }
+    }
+}
+
+/// Keys as a person lists them.
+fn spoken(keys: &[&str]) -> String {
+    let quoted: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
+    quoted.join(" and ")
+}
