@@ -188,7 +188,7 @@ fn all_states(lapack: &mut Lapack) {
         ],
     );
     let each = |time: f64| 1e6 * time / solved as f64;
-    println!("All {} states of eight equal modules", classes.class_of.len());
+    println!("All {} states of eight equal modules", classes.states.len());
     println!("  {solved} are solved, symmetry gives the others");
     println!("  from the model to every λ, on all cores: {whole:.2} s");
     println!("  eigenvalues of the same matrices, µs a state solved");

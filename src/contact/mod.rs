@@ -80,6 +80,17 @@ impl ContactLaw {
         !(self.sticking && self.friction.about().sticks)
     }
 
+    /// Can a contact be in this state?
+    #[must_use]
+    pub fn allows(self, state: ContactState) -> bool {
+        match state {
+            ContactState::Slide => true,
+            ContactState::ReverseSlide => self.friction.about().sticks,
+            ContactState::Stick => !self.is_frozen(),
+            ContactState::Detached => self.detachment,
+        }
+    }
+
     /// The state that closed contacts then have on a surface with this velocity, m/s.
     #[must_use]
     pub fn frozen_state(self, surface: f64) -> Option<ContactState> {

@@ -27,7 +27,7 @@ pub(crate) use snapshot::{from_bytes, to_bytes};
 pub use values::assign;
 pub use values::{check_value, read_scene, write_scene};
 #[cfg(feature = "tools")]
-pub use warning::{step_warning, warnings};
+pub use warning::{broken_assumptions, step_warning, warnings};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
@@ -131,9 +131,9 @@ impl Simulation {
         check_friction(&model, acting, clock.time())?;
         let friction = acting.friction_coefficient;
         let mut guard = (scene.method == Method::ForwardIncrement)
-            .then(|| StepGuard::new(&model, friction, scene.step));
+            .then(|| StepGuard::new(&model.with_most_friction(acting), friction, scene.step));
         if let Some(guard) = &mut guard {
-            guard.check(&model, friction)?;
+            guard.check(&model.with_most_friction(acting), friction)?;
         }
         let integrator = integrator::choose(&model, scene.method)?;
         let drive = Drive::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
@@ -349,7 +349,8 @@ impl Simulation {
             let acting = signals::acting(self.driven.as_ref(), &self.scene);
             check_friction(&self.model, acting, time)?;
             if let Some(guard) = &mut self.guard {
-                guard.check(&self.model, acting.friction_coefficient)?;
+                let model = self.model.with_most_friction(acting);
+                guard.check(&model, acting.friction_coefficient)?;
             }
         }
         self.stale.limit = false;

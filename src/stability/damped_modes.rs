@@ -68,6 +68,7 @@ mod tests {
                 dampers: SparseMatrix::diagonal(&[d]),
                 load: vec![0.0],
                 contacts: vec![],
+                law: crate::contact::ContactLaw::default(),
             };
             let found = modes(&model, &[], 0.0).unwrap();
             let discriminant = d * d - 4.0 * m * k;

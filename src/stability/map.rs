@@ -46,9 +46,11 @@ impl std::fmt::Display for Verdict {
 /// Impossible values, or a state that cannot be analysed.
 pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
     scene.check()?;
-    let model = LumpedModel::from(scene);
-    if let Err(error) = equilibrium(scene, &model) {
-        return if error.is_equilibrium() { Ok(Verdict::NoEquilibrium) } else { Err(error) };
+    let mut model = LumpedModel::from(scene);
+    match equilibrium(scene, &model) {
+        Ok(equilibrium) => model.linearise(&equilibrium),
+        Err(error) if error.is_equilibrium() => return Ok(Verdict::NoEquilibrium),
+        Err(error) => return Err(error),
     }
     let mu = scene.friction_coefficient;
     let Ok(uniform) = uniform_sliding(&model, scene.slider.velocity) else {

@@ -16,8 +16,8 @@ pub const MAX_CONTACTS: usize = 8;
 pub struct StateClasses {
     /// One state for each class.
     pub representatives: Vec<Vec<ContactState>>,
-    /// The class of each state, in the order of [`all_states`].
-    pub class_of: Vec<usize>,
+    /// Each state that the law of contact allows, with its class, in the order of [`all_states`].
+    pub states: Vec<(Vec<ContactState>, usize)>,
 }
 
 impl StateClasses {
@@ -35,15 +35,16 @@ impl StateClasses {
             )));
         }
         let symmetry = Symmetry::of(model);
-        let mut classes = Self { representatives: Vec::new(), class_of: Vec::new() };
+        let mut classes = Self { representatives: Vec::new(), states: Vec::new() };
         let mut places = HashMap::new();
-        for states in all_states(u32::try_from(contacts).expect("few")) {
+        let is_allowed = |states: &Vec<_>| states.iter().all(|state| model.law.allows(*state));
+        for states in all_states(u32::try_from(contacts).expect("few")).filter(is_allowed) {
             let next = classes.representatives.len();
             let class = *places.entry(symmetry.representative(&states)).or_insert(next);
             if class == next {
-                classes.representatives.push(states);
+                classes.representatives.push(states.clone());
             }
-            classes.class_of.push(class);
+            classes.states.push((states, class));
         }
         Ok(classes)
     }
@@ -51,7 +52,7 @@ impl StateClasses {
     /// How many states a class has.
     #[must_use]
     pub fn size(&self, class: usize) -> usize {
-        self.class_of.iter().filter(|&&other| other == class).count()
+        self.states.iter().filter(|(_, other)| *other == class).count()
     }
 
     /// The spectrum of each class, on all cores; `done` hears how many are done.
@@ -79,7 +80,7 @@ mod tests {
     fn symmetry_leaves_ten_of_the_sixteen_states_of_two_equal_modules() {
         let mut scene = builtin("set2").unwrap().scene();
         let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
-        assert_eq!((classes.representatives.len(), classes.class_of.len()), (10, 16));
+        assert_eq!((classes.representatives.len(), classes.states.len()), (10, 16));
         assert_eq!((0..10).map(|class| classes.size(class)).sum::<usize>(), 16);
         scene.modules_mut()[0].mass[0] *= 1.5;
         let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
@@ -94,8 +95,8 @@ mod tests {
         let classes = StateClasses::of(&model).unwrap();
         let spectra = classes.spectra(&model, 1.96, &|_| {}).unwrap();
         assert_eq!(spectra.len(), 20);
-        for (states, class) in all_states(3).zip(&classes.class_of) {
-            let own = Spectrum::of(&model, &states, 1.96).unwrap();
+        for (states, class) in &classes.states {
+            let own = Spectrum::of(&model, states, 1.96).unwrap();
             assert_eq!(own.oscillating.len(), spectra[*class].oscillating.len());
             for (a, b) in own.oscillating.iter().zip(&spectra[*class].oscillating) {
                 // Double eigenvalues may coalesce, where half of the digits are rounding.

@@ -2,7 +2,7 @@
 
 use crate::arguments::Bistable;
 use crate::labels::{LOCATED, significant, turn};
-use crate::{Failure, configured, progress};
+use crate::{Failure, configured, progress, require_constant_friction};
 use amontons::contact::Joined;
 use amontons::model::LumpedModel;
 use amontons::stability::StateClasses;
@@ -12,6 +12,7 @@ use std::io::Write;
 pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     let [first, last] = arguments.friction;
     let scene = configured(&arguments.common, Some(first))?;
+    require_constant_friction(&scene)?;
     let model = LumpedModel::from(&scene);
     let bar = progress(StateClasses::of(&model)?.representatives.len());
     let found = bistability(&scene, [first, last], &|done| bar.set_position(done as u64))?;

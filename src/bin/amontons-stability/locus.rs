@@ -2,7 +2,7 @@
 
 use crate::arguments::{Locus as Arguments, MAX_VALUES, Values};
 use crate::labels::{FRICTION, LOCATED, at_frequency, axis, significant, turn};
-use crate::{Failure, check_effect, configured, progress, state, with};
+use crate::{Failure, check_effect, configured, progress, require_constant_friction, state, with};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
 use amontons::model::{LumpedModel, equilibrium};
@@ -41,6 +41,7 @@ const MAX_DRAWN: usize = 24;
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let scene = configured(&arguments.common, None)?;
+    require_constant_friction(&scene)?;
     let states = state(arguments.state.as_deref(), &scene, &LumpedModel::from(&scene))?;
     let (name, Values(values), other) = match (&arguments.friction, &arguments.parameter) {
         (Some(friction), parameter) => (FRICTION, friction, parameter.as_ref()),

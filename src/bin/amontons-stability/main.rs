@@ -11,7 +11,7 @@ mod states;
 
 use amontons::Error;
 use amontons::contact::{ContactState, parse_states};
-use amontons::model::LumpedModel;
+use amontons::model::{Equilibrium, LumpedModel, equilibrium};
 use amontons::scene::{self, Scene};
 use amontons::simulation::assign;
 use amontons::stability::candidates::uniform_sliding;
@@ -81,6 +81,29 @@ fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
     scene.friction_coefficient = friction.unwrap_or(scene.friction_coefficient);
     scene.check()?;
     Ok(scene)
+}
+
+/// The scene's model, linearised about its equilibrium.
+fn linearised(scene: &Scene) -> (LumpedModel, Result<Equilibrium, Error>) {
+    let mut model = LumpedModel::from(scene);
+    let equilibrium = equilibrium(scene, &model);
+    if let Ok(equilibrium) = &equilibrium {
+        model.linearise(equilibrium);
+    }
+    (model, equilibrium)
+}
+
+/// Refuses an analysis that varies µ as one number where the law has none.
+fn require_constant_friction(scene: &Scene) -> Result<(), Failure> {
+    let about = scene.contact_law().friction.about();
+    if about.is_constant {
+        return Ok(());
+    }
+    Err(Failure::Usage(format!(
+        "{} has the law \"{}\", by which µ is another at each slip velocity: this analysis follows one µ; \
+         look at the scene's own values with `states` and `modes`, or at a `map` of two of its parameters",
+        scene.name, about.name
+    )))
 }
 
 /// Refuses a parameter of which nothing depends that an analysis looks at.

@@ -2,7 +2,7 @@
 
 use crate::arguments::{MAX_VALUES, Map as Arguments, Values};
 use crate::labels::axis;
-use crate::{Failure, check_effect, configured, progress, with};
+use crate::{Failure, check_effect, configured, linearised, progress, with};
 use amontons::model::LumpedModel;
 use amontons::picture::{self, Class, Map};
 use amontons::simulation::assign;
@@ -35,7 +35,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         let seen = |value: f64| {
             let scene = with(&scene, name, value)?;
             let velocity = scene.slider.velocity.partial_cmp(&0.0);
-            Ok((LumpedModel::from(&scene), scene.friction_coefficient, velocity))
+            Ok((linearised(&scene).0, scene.friction_coefficient, velocity))
         };
         let wish = "the verdict depends on masses, stiffnesses, damping, preload, slider.angle, \
                     friction.coefficient and the sign of slider.velocity";

@@ -2,9 +2,8 @@
 
 use crate::arguments::Modes as Arguments;
 use crate::labels::significant;
-use crate::{Failure, configured, state};
+use crate::{Failure, configured, linearised, state};
 use amontons::contact::Joined;
-use amontons::model::LumpedModel;
 use amontons::picture::{self, ModeShape, ModeShapes};
 use amontons::stability::modes;
 use nalgebra::Complex;
@@ -19,7 +18,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     if arguments.plot.is_some() {
         scene.require_ring("moving mode shapes are drawn")?;
     }
-    let model = LumpedModel::from(&scene);
+    let (model, _) = linearised(&scene);
     let states = state(arguments.point.state.as_deref(), &scene, &model)?;
     let found = modes(&model, &states, scene.friction_coefficient)?;
     let state = Joined(&states);

@@ -1,10 +1,10 @@
 //! `amontons-stability states`.
 
 use crate::arguments::{Format, States};
-use crate::{Failure, configured, progress, state};
+use crate::{Failure, configured, linearised, progress, state};
 use amontons::Error;
-use amontons::contact::{ContactState, Joined, all_states};
-use amontons::model::{self, Equilibrium, LumpedModel};
+use amontons::contact::{ContactState, Joined};
+use amontons::model::{Equilibrium, LumpedModel};
 use amontons::scene::Scene;
 use amontons::stability::candidates::{resting_state, uniform_sliding};
 use amontons::stability::{Departure, MAX_CONTACTS, Spectrum, StateClasses, departure, modes};
@@ -43,8 +43,7 @@ struct Leaving {
 
 pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
     let scene = configured(&arguments.common, arguments.point.friction)?;
-    let model = LumpedModel::from(&scene);
-    let equilibrium = model::equilibrium(&scene, &model);
+    let (model, equilibrium) = linearised(&scene);
     if let Err(error) = &equilibrium {
         eprintln!("note: {error}");
     }
@@ -98,9 +97,9 @@ fn spectra(
     let bar = progress(classes.representatives.len());
     let spectra = classes.spectra(model, mu, &|done| bar.set_position(done as u64))?;
     bar.finish_and_clear();
-    eprintln!("{} states, {} solved", classes.class_of.len(), spectra.len());
-    let all = all_states(u32::try_from(contacts).expect("few"));
-    let found = all.zip(&classes.class_of).map(|(states, &class)| {
+    eprintln!("{} states, {} solved", classes.states.len(), spectra.len());
+    let found = classes.states.iter().map(|(states, class)| {
+        let (states, class) = (states.clone(), *class);
         let is_first = states == classes.representatives[class];
         let alike = if is_first { classes.size(class) } else { 0 };
         (states, spectra[class].clone(), alike)

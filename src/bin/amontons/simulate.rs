@@ -5,7 +5,9 @@ use crate::{scenes, sweep};
 use amontons::output::Pending;
 use amontons::scene::{self, Experiment, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
-use amontons::simulation::{Inputs, Simulation, Variable, assign, is_close, variables};
+use amontons::simulation::{
+    Inputs, Simulation, Variable, assign, broken_assumptions, is_close, variables,
+};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::{BufWriter, ErrorKind, Write, stdout};
@@ -35,16 +37,28 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
         }
     }
     let mut run = Run { simulation, inputs };
+    let result = write_output(arguments, &mut run, &scene, experiment);
+    for warning in broken_assumptions(&run.simulation) {
+        eprintln!("warning: {warning}");
+    }
+    result
+}
+
+fn write_output(
+    arguments: &Simulate,
+    run: &mut Run,
+    scene: &Scene,
+    experiment: Experiment,
+) -> Result<(), Box<dyn Error>> {
     match &arguments.output {
-        None => match write_run(&mut run, &scene, experiment, &mut BufWriter::new(stdout().lock()))
-        {
+        None => match write_run(run, scene, experiment, &mut BufWriter::new(stdout().lock())) {
             // Whoever reads has read enough (`| head`).
             Err(error) if is_broken_pipe(&*error) => Ok(()),
             result => result,
         },
         Some(path) => {
             let mut file = Pending::create(path)?;
-            if let Err(error) = write_run(&mut run, &scene, experiment, &mut file) {
+            if let Err(error) = write_run(run, scene, experiment, &mut file) {
                 if let Some(partial) = file.partial() {
                     eprintln!("the rows up to the failure are in {}", partial.display());
                 }
