@@ -9,7 +9,7 @@ use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTab
 use super::problem;
 use super::signal_file::{self, SignalTable};
 use super::source::{Folder, Source};
-use super::{Damping, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
+use super::{Damping, Effects, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
 #[cfg(feature = "tools")]
 use super::{Rule, located};
 use crate::Error;
@@ -41,7 +41,7 @@ struct File {
     /// May be left out where every contact has a friction of its own.
     friction: Option<Friction>,
     #[serde(default)]
-    damping: Damping,
+    damping: DampingTable,
     #[serde(default)]
     effects: EffectsTable,
     /// The ring of modules; each value once for all modules, or a list with one a module.
@@ -82,6 +82,19 @@ struct Friction {
     #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
     #[serde(rename = "static")]
     static_: Option<f64>,
+}
+
+/// Rayleigh damping, C = α M + β K.
+#[derive(Default, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct DampingTable {
+    /// Mass-proportional part α, 1/s; none unless given.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
+    alpha: Option<f64>,
+    /// Stiffness-proportional part β, s; none unless given.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
+    beta: Option<f64>,
 }
 
 /// Reads and checks a scene file; its name becomes the file's stem.
@@ -130,6 +143,7 @@ pub fn schema() -> String {
 impl File {
     /// The scene, or everything that is wrong with it.
     fn scene(self, name: &str, folder: &mut Folder<'_>) -> Result<Scene, Vec<Problem>> {
+        let effects = self.effects();
         let mut names = Names::of(&self.mass);
         let (mut structure, broken) = match self.structure(&mut names) {
             Ok(structure) => (structure, None),
@@ -149,8 +163,11 @@ impl File {
             slider: self.slider.unwrap_or(Slider { velocity: 0.0, angle: 0.0 }),
             friction_coefficient: self.friction.as_ref().map_or(0.0, |f| f.coefficient),
             static_friction: self.friction.and_then(|f| f.static_),
-            damping: self.damping,
-            effects: self.effects.effects(),
+            damping: Damping {
+                alpha: self.damping.alpha.unwrap_or(0.0),
+                beta: self.damping.beta.unwrap_or(0.0),
+            },
+            effects,
             structure,
             signals: signals.into(),
             selection,
@@ -165,6 +182,17 @@ impl File {
             Some(broken) => problems.extend(broken.into_iter().chain(scene.common_problems())),
         }
         if problems.is_empty() { Ok(scene) } else { Err(problems) }
+    }
+
+    /// What the file calls for, in its own table or by giving values.
+    fn effects(&self) -> Effects {
+        Effects {
+            mass_damping: self.damping.alpha.is_some(),
+            stiffness_damping: self.damping.beta.is_some(),
+            links: self.ring.as_ref().is_some_and(ring_file::Ring::has_links),
+            preload: self.ring.as_ref().is_some_and(ring_file::Ring::has_preload),
+            ..self.effects.effects()
+        }
     }
 
     fn structure(&self, names: &mut Names<'_>) -> Result<Structure, Vec<Problem>> {

@@ -145,14 +145,10 @@ pub struct Slider {
 
 /// Rayleigh damping, C = α M + β K.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, default)]
 pub struct Damping {
     /// Mass-proportional part α, 1/s.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
     pub alpha: f64,
     /// Stiffness-proportional part β, s.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
     pub beta: f64,
 }
 

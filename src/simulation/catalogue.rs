@@ -196,18 +196,27 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
     format!(".{name}")
 }
 
-/// Locked degrees of freedom have no variables, v and µ of a contact have one only where the contact
-/// has its own, static friction where there is some, the step where it is given.
+/// The components of a module's stiffness that link it to the next: k1 and k2.
+const LINKS: [usize; 2] = [0, 1];
+
+/// What a scene goes without has no variables: damping, links and preload that it does not give, locked
+/// degrees of freedom, v and µ of a contact that has none of its own, static friction, a step that is chosen.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
         Quantity::StaticFriction => return scene.static_friction.is_some(),
         // Where a tolerance chooses it, it is not for an importer to give.
         Quantity::IntegratorStep => return scene.selection == Selection::Given,
+        Quantity::DampingAlpha => return scene.effects.mass_damping,
+        Quantity::DampingBeta => return scene.effects.stiffness_damping,
         _ => {}
     }
     let Some(network) = scene.network() else {
-        let own = [Quantity::OwnVelocity, Quantity::OwnFriction, Quantity::OwnStaticFriction];
-        return !own.contains(&template.quantity);
+        return match template.quantity {
+            Quantity::OwnVelocity | Quantity::OwnFriction | Quantity::OwnStaticFriction => false,
+            Quantity::Stiffness => scene.effects.links || !LINKS.contains(&template.component),
+            Quantity::Preload => scene.effects.preload,
+            _ => true,
+        };
     };
     match (template.per, template.quantity) {
         (Per::Mass, Quantity::Mass) => true,
