@@ -1,5 +1,6 @@
 //! Which scenes are possible.
 
+use super::lack::Lack;
 use super::nearest::nearest;
 use super::network_check::quoted;
 use super::{
@@ -111,9 +112,12 @@ impl Scene {
         let unknown = self.signals.iter().enumerate().filter(|(_, s)| !inputs.contains(&s.input));
         let problem = |(i, signal): (usize, &Signal)| {
             let path = format!("signal[{}].input", i + 1);
-            Problem::new(path, "the scene has no such input")
-                .of(quoted(&signal.input))
-                .help(meant_input(&signal.input, &inputs))
+            match self.lack_of_input(&signal.input) {
+                Some(Lack { reason, help }) => Problem::new(path, reason).help(help),
+                None => Problem::new(path, "the scene has no such input")
+                    .help(meant_input(&signal.input, &inputs)),
+            }
+            .of(quoted(&signal.input))
         };
         unknown.map(problem).chain(self.idle_signals()).collect()
     }

@@ -9,7 +9,9 @@ use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTab
 use super::problem;
 use super::signal_file::{self, SignalTable};
 use super::source::{Folder, Source};
-use super::{Damping, Effects, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
+use super::{
+    Damping, Effects, Experiment, Problem, Roles, Scene, Slider, Structure, ring_file, text,
+};
 #[cfg(feature = "tools")]
 use super::{Rule, located};
 use crate::Error;
@@ -44,6 +46,8 @@ struct File {
     damping: DampingTable,
     #[serde(default)]
     effects: EffectsTable,
+    #[serde(default)]
+    inputs: Roles,
     /// The ring of modules; each value once for all modules, or a list with one a module.
     ring: Option<ring_file::Ring>,
     /// The masses of a network.
@@ -168,6 +172,7 @@ impl File {
                 beta: self.damping.beta.unwrap_or(0.0),
             },
             effects,
+            roles: self.inputs,
             structure,
             signals: signals.into(),
             selection,

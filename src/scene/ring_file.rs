@@ -98,7 +98,7 @@ impl Ring {
             return Err(vec![not_a_ring(self.modules)]);
         }
         let none = PerModule::Same(0.0);
-        
+
         let keys = [
             ("m1", &self.m1),
             ("m2", &self.m2),

@@ -1,6 +1,6 @@
 //! The catalogue of FMI variables (`modelDescription/`), and the variables of one scene.
 
-use crate::scene::{Scene, Selection, Structure};
+use crate::scene::{Group, Role, Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
@@ -21,9 +21,9 @@ pub struct Template {
     pub component: usize,
     /// What it is repeated for.
     pub per: Per,
-    /// Its role.
+    /// Its role, unless the scene says otherwise.
     pub causality: Causality,
-    /// When it changes.
+    /// When it changes, unless the scene says otherwise.
     pub variability: Variability,
     /// Its type.
     pub kind: Kind,
@@ -122,20 +122,23 @@ pub struct Variable {
     pub template: &'static Template,
     /// The part of the structure that it belongs to, from 0.
     pub index: usize,
+    /// Its role.
+    pub causality: Causality,
+    /// When it changes.
+    pub variability: Variability,
 }
 
 impl Variable {
     /// May it be given a value before the run?
     #[must_use]
     pub fn is_settable(&self) -> bool {
-        self.template.causality != Causality::Output
+        self.causality != Causality::Output
     }
 
     /// May it be given another value during the run?
     #[must_use]
     pub fn is_tunable(&self) -> bool {
-        self.template.causality == Causality::Input
-            || self.template.variability == Variability::Tunable
+        self.causality == Causality::Input || self.variability == Variability::Tunable
     }
 
     /// Does it decide, of what may change during the run, whether a step is possible: by the critical
@@ -147,6 +150,7 @@ impl Variable {
                 | Quantity::StaticFriction
                 | Quantity::OwnFriction
                 | Quantity::OwnStaticFriction
+                | Quantity::DampingAlpha
                 | Quantity::DampingBeta
         )
     }
@@ -160,14 +164,37 @@ pub fn variables(scene: &Scene) -> Vec<Variable> {
         for index in 0..count(scene, group[0].per) {
             let part = part(scene, group[0].per, index);
             let present = group.iter().filter(|template| is_present(scene, template, index));
-            variables.extend(present.map(|template| Variable {
-                name: template.name.replace("{i}", &part),
-                template,
-                index,
+            variables.extend(present.map(|template| {
+                let (causality, variability) = role(scene, template);
+                let name = template.name.replace("{i}", &part);
+                Variable { name, template, index, causality, variability }
             }));
         }
     }
     variables
+}
+
+/// Role and time of change of a template's variables in a scene.
+fn role(scene: &Scene, template: &Template) -> (Causality, Variability) {
+    match group(template.quantity).and_then(|group| scene.roles.of(group)) {
+        Some(Role::Input) => (Causality::Input, Variability::Continuous),
+        Some(Role::Parameter) => (Causality::Parameter, Variability::Tunable),
+        None => (template.causality, template.variability),
+    }
+}
+
+/// What a scene gives its role together with others.
+fn group(quantity: Quantity) -> Option<Group> {
+    match quantity {
+        Quantity::SliderVelocity | Quantity::OwnVelocity => Some(Group::SliderVelocity),
+        Quantity::FrictionCoefficient
+        | Quantity::StaticFriction
+        | Quantity::OwnFriction
+        | Quantity::OwnStaticFriction => Some(Group::Friction),
+        Quantity::Preload => Some(Group::Preload),
+        Quantity::ExternalForce => Some(Group::Forces),
+        _ => None,
+    }
 }
 
 /// How often a scene has what a template is repeated for.
@@ -199,8 +226,8 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
 /// The components of a module's stiffness that link it to the next: k1 and k2.
 const LINKS: [usize; 2] = [0, 1];
 
-/// What a scene goes without has no variables: damping, links and preload that it does not give, locked
-/// degrees of freedom, v and µ of a contact that has none of its own, static friction, a step that is chosen.
+/// What a scene goes without has no variables: damping, links, preload, external forces, locked degrees of
+/// freedom, v and µ of a contact that has none of its own, static friction, a step that is chosen.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
         Quantity::StaticFriction => return scene.static_friction.is_some(),
@@ -208,6 +235,7 @@ fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
         Quantity::IntegratorStep => return scene.selection == Selection::Given,
         Quantity::DampingAlpha => return scene.effects.mass_damping,
         Quantity::DampingBeta => return scene.effects.stiffness_damping,
+        Quantity::ExternalForce if scene.roles.of(Group::Forces).is_none() => return false,
         _ => {}
     }
     let Some(network) = scene.network() else {
@@ -221,6 +249,7 @@ fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match (template.per, template.quantity) {
         (Per::Mass, Quantity::Mass) => true,
         (Per::Mass, _) => !network.masses[index].locked[template.component],
+        (_, Quantity::Preload) => network.springs[index].preload.is_some(),
         (_, Quantity::OwnVelocity) => network.contacts[index].velocity.is_some(),
         (_, Quantity::OwnFriction) => network.contacts[index].friction.is_some(),
         (_, Quantity::OwnStaticFriction) => network.contacts[index].static_friction.is_some(),
