@@ -240,6 +240,9 @@ pub(crate) fn meant_input(name: &str, inputs: &[String]) -> String {
     if let Some(meant) = nearest(name, inputs.iter().map(String::as_str)) {
         return format!("did you mean {}?", quoted(meant));
     }
+    if inputs.is_empty() {
+        return "the scene has no inputs".to_owned();
+    }
     let more = if inputs.len() > MOST { ", …" } else { "" };
     let first: Vec<&str> = inputs.iter().take(MOST).map(String::as_str).collect();
     format!("its inputs are {}{more}", first.join(", "))
