@@ -27,7 +27,7 @@ fn fmu() -> (TempDir, PathBuf) {
 }
 
 fn outputs(scene: &Scene) -> Vec<Variable> {
-    let is_output = |v: &Variable| v.template.causality == Causality::Output;
+    let is_output = |v: &Variable| v.causality == Causality::Output;
     variables(scene).into_iter().filter(is_output).collect()
 }
 

@@ -100,6 +100,11 @@ fn inputs_and_signals_give_the_doubles_of_the_program() {
 }
 
 #[test]
+fn roles_are_those_that_the_scene_gives() {
+    pytest("test_roles.py");
+}
+
+#[test]
 fn communication_steps_do_not_change_the_doubles() {
     pytest("test_communication_steps.py");
 }

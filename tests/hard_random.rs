@@ -302,7 +302,7 @@ fn network(parts: &[Part]) -> Network {
                 // Two that are not along one line hold a mass.
                 direction: angle + if place == 1 { 1.6 } else { 0.0 },
                 stiffness,
-                preload: 0.0,
+                preload: None,
             });
         }
         if part.damped > 0.0 {

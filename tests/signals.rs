@@ -292,7 +292,7 @@ fn the_names_of_the_inputs_are_those_of_the_catalogue() {
     for scene in [set1, network] {
         let mut names = scene.input_names();
         let mut catalogue = variables(&scene);
-        catalogue.retain(|variable| variable.template.causality == Causality::Input);
+        catalogue.retain(|variable| variable.causality == Causality::Input);
         let mut expected: Vec<String> = catalogue.into_iter().map(|input| input.name).collect();
         names.sort_unstable();
         expected.sort_unstable();

@@ -188,6 +188,26 @@ pub fn load(scene: &Scene, numbering: &Numbering, load: &mut [f64]) {
     }
 }
 
+/// Adds the forces, N, of a preload (m) to `load`, one value a degree of freedom. `index` is the place of
+/// the module or spring that has it, `numbering` the scene's.
+pub fn add_preload(
+    scene: &Scene,
+    numbering: &Numbering,
+    index: usize,
+    preload: f64,
+    load: &mut [f64],
+) {
+    match &scene.structure {
+        Structure::Ring(modules) => {
+            load[ring::MODULE_DOFS * index + ring::PRELOADED] +=
+                ring::preload_force(&modules[index], preload);
+        }
+        Structure::Network(network) => {
+            network::add_preload(network, numbering, &network.springs[index], preload, load);
+        }
+    }
+}
+
 impl LumpedModel {
     /// Takes over µ and v of the contacts as they are in the scene now.
     pub fn update_contacts(&mut self, scene: &Scene) {

@@ -10,7 +10,7 @@
 
 use super::assembly::{Elongation, difference, spring};
 use super::{Contact, Direction, LumpedModel, OwnValues, SparseMatrix};
-use crate::scene::{Mass, Network, Scene, direction};
+use crate::scene::{Mass, Network, Scene, Spring, direction};
 
 /// Where the degrees of freedom of each mass stand; `None` for a locked one.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -102,12 +102,25 @@ pub(super) fn model(scene: &Scene, network: &Network) -> LumpedModel {
 pub(super) fn load(network: &Network, numbering: &Numbering, load: &mut [f64]) {
     let constant = network.masses.iter().flat_map(|mass| mass.free(mass.load));
     load.iter_mut().zip(constant).for_each(|(load, constant)| *load = constant);
-    for spring in network.springs.iter().filter(|spring| spring.preload != 0.0) {
-        let d = direction(spring.direction);
-        for (end, sign) in spring.between.into_iter().zip([1.0, -1.0]) {
-            let force = sign * spring.stiffness * spring.preload;
-            let parts = end.into_iter().flat_map(|mass| numbering.along(&network.masses, mass, d));
-            parts.for_each(|(dof, part)| load[dof] += force * part);
+    for spring in &network.springs {
+        if let Some(preload) = spring.preload.filter(|preload| *preload != 0.0) {
+            add_preload(network, numbering, spring, preload, load);
         }
+    }
+}
+
+/// Adds the forces, N, of a preload (m) of that spring to `load`.
+pub(super) fn add_preload(
+    network: &Network,
+    numbering: &Numbering,
+    spring: &Spring,
+    preload: f64,
+    load: &mut [f64],
+) {
+    let d = direction(spring.direction);
+    for (end, sign) in spring.between.into_iter().zip([1.0, -1.0]) {
+        let force = sign * spring.stiffness * preload;
+        let parts = end.into_iter().flat_map(|mass| numbering.along(&network.masses, mass, d));
+        parts.for_each(|(dof, part)| load[dof] += force * part);
     }
 }

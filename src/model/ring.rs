@@ -22,6 +22,9 @@ use crate::scene::{Module, Scene, direction};
 /// Degrees of freedom of a module.
 pub const MODULE_DOFS: usize = 4;
 
+/// The degree of freedom of a module that its preload acts on: x2.
+pub(super) const PRELOADED: usize = 1;
+
 /// The model of a scene that is a ring of these modules.
 pub(super) fn model(scene: &Scene, modules: &[Module]) -> LumpedModel {
     let count = modules.len();
@@ -62,8 +65,13 @@ pub(super) fn model(scene: &Scene, modules: &[Module]) -> LumpedModel {
 /// Writes the preload's forces, N, into `load`, one value a degree of freedom.
 pub(super) fn load(modules: &[Module], load: &mut [f64]) {
     for (module, load) in modules.iter().zip(load.chunks_exact_mut(MODULE_DOFS)) {
-        load[1] = -module.stiffness[2] * module.preload;
+        load[PRELOADED] = preload_force(module, module.preload);
     }
+}
+
+/// The force, N, of a preload (m) of that module.
+pub(super) fn preload_force(module: &Module, preload: f64) -> f64 {
+    -module.stiffness[2] * preload
 }
 
 /// One module that moves as all of them do, if the model is a ring of more than one module that

@@ -116,13 +116,13 @@ fn types(xml: &mut Xml) {
 }
 
 fn scalar_variable(xml: &mut Xml, scene: &Scene, reference: usize, variable: &Variable) {
-    let Template { causality, variability, kind, description, .. } = *variable.template;
-    let (causality, initial) = match causality {
+    let Template { kind, description, .. } = *variable.template;
+    let (causality, initial) = match variable.causality {
         Causality::Input => ("input", None),
         Causality::Output => ("output", Some("calculated")),
         Causality::Parameter => ("parameter", Some("exact")),
     };
-    let variability = match variability {
+    let variability = match variable.variability {
         Variability::Fixed => "fixed",
         Variability::Tunable => "tunable",
         Variability::Discrete => "discrete",
@@ -159,7 +159,7 @@ fn scalar_variable(xml: &mut Xml, scene: &Scene, reference: usize, variable: &Va
 fn structure(xml: &mut Xml, variables: &[Variable]) {
     let outputs: Vec<usize> = (1..)
         .zip(variables)
-        .filter(|(_, variable)| variable.template.causality == Causality::Output)
+        .filter(|(_, variable)| variable.causality == Causality::Output)
         .map(|(index, _)| index)
         .collect();
     xml.nest("ModelStructure", &[], |xml| {

@@ -1,5 +1,6 @@
 //! Which scenes are possible.
 
+use super::lack::Lack;
 use super::nearest::nearest;
 use super::network_check::quoted;
 use super::{
@@ -113,9 +114,12 @@ impl Scene {
         let unknown = self.signals.iter().enumerate().filter(|(_, s)| !inputs.contains(&s.input));
         let problem = |(i, signal): (usize, &Signal)| {
             let path = format!("signal[{}].input", i + 1);
-            Problem::new(path, "the scene has no such input")
-                .of(quoted(&signal.input))
-                .help(meant_input(&signal.input, &inputs))
+            match self.lack_of_input(&signal.input) {
+                Some(Lack { reason, help }) => Problem::new(path, reason).help(help),
+                None => Problem::new(path, "the scene has no such input")
+                    .help(meant_input(&signal.input, &inputs)),
+            }
+            .of(quoted(&signal.input))
         };
         unknown.map(problem).chain(self.idle_signals()).collect()
     }
@@ -243,6 +247,9 @@ pub(crate) fn meant_input(name: &str, inputs: &[String]) -> String {
     const MOST: usize = 12;
     if let Some(meant) = nearest(name, inputs.iter().map(String::as_str)) {
         return format!("did you mean {}?", quoted(meant));
+    }
+    if inputs.is_empty() {
+        return "the scene has no inputs".to_owned();
     }
     let more = if inputs.len() > MOST { ", …" } else { "" };
     let first: Vec<&str> = inputs.iter().take(MOST).map(String::as_str).collect();

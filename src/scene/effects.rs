@@ -18,6 +18,14 @@ pub struct Effects {
     pub energy: bool,
     /// Is the present contact state's stability looked at?
     pub stability: bool,
+    /// Does a part α M of C damp? A value of zero does too: it may be given another.
+    pub mass_damping: bool,
+    /// Does a part β K of C damp?
+    pub stiffness_damping: bool,
+    /// Do links join the modules of a ring?
+    pub links: bool,
+    /// Have the modules of a ring a preload? The springs of a network have one each, or none.
+    pub preload: bool,
 }
 
 impl Effects {
@@ -30,6 +38,15 @@ impl Effects {
 
 impl Default for Effects {
     fn default() -> Self {
-        Self { sticking: true, detachment: true, energy: false, stability: false }
+        Self {
+            sticking: true,
+            detachment: true,
+            energy: false,
+            stability: false,
+            mass_damping: false,
+            stiffness_damping: false,
+            links: false,
+            preload: false,
+        }
     }
 }

@@ -40,7 +40,7 @@ impl EffectsTable {
         }
     }
 
-    /// What the scene calls for.
+    /// What the scene calls for in this table; the other effects are there where they have values.
     pub(super) fn effects(&self) -> Effects {
         let whole = Effects::default();
         Effects {
@@ -48,6 +48,7 @@ impl EffectsTable {
             detachment: self.detachment.unwrap_or(whole.detachment),
             energy: self.energy,
             stability: self.stability,
+            ..whole
         }
     }
 }

@@ -5,14 +5,16 @@ use super::effects_file::EffectsTable;
 use super::friction_file::FrictionTable;
 use super::initial_file::{self, Initial};
 use super::integrator_file::Integrator;
-#[cfg(feature = "tools")]
-use super::located;
 use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
 #[cfg(not(feature = "tools"))]
 use super::problem;
 use super::signal_file::{self, SignalTable};
 use super::source::{Folder, Source};
-use super::{Damping, Experiment, Problem, Scene, Slider, Structure, ring_file, text};
+use super::{
+    Damping, Effects, Experiment, Problem, Roles, Scene, Slider, Structure, ring_file, text,
+};
+#[cfg(feature = "tools")]
+use super::{Rule, located};
 use crate::Error;
 use crate::contact::Law;
 use serde::Deserialize;
@@ -43,9 +45,11 @@ struct File {
     /// May be left out where every contact has a friction of its own.
     friction: Option<FrictionTable>,
     #[serde(default)]
-    damping: Damping,
+    damping: DampingTable,
     #[serde(default)]
     effects: EffectsTable,
+    #[serde(default)]
+    inputs: Roles,
     /// The ring of modules; each value once for all modules, or a list with one a module.
     ring: Option<ring_file::Ring>,
     /// The masses of a network.
@@ -70,6 +74,19 @@ struct File {
     integrator: Integrator,
     #[serde(default)]
     experiment: Experiment,
+}
+
+/// Rayleigh damping, C = α M + β K.
+#[derive(Default, Deserialize)]
+#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[serde(deny_unknown_fields)]
+struct DampingTable {
+    /// Mass-proportional part α, 1/s; none unless given.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
+    alpha: Option<f64>,
+    /// Stiffness-proportional part β, s; none unless given.
+    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
+    beta: Option<f64>,
 }
 
 /// Reads and checks a scene file; its name becomes the file's stem.
@@ -118,6 +135,7 @@ pub fn schema() -> String {
 impl File {
     /// The scene, or everything that is wrong with it.
     fn scene(self, name: &str, folder: &mut Folder<'_>) -> Result<Scene, Vec<Problem>> {
+        let effects = self.effects();
         let mut names = Names::of(&self.mass);
         let (mut structure, broken) = match self.structure(&mut names) {
             Ok(structure) => (structure, None),
@@ -142,8 +160,12 @@ impl File {
             friction_coefficient: friction.coefficient.unwrap_or(0.0),
             static_friction: friction.static_,
             stribeck_velocity: friction.stribeck_velocity,
-            damping: self.damping,
-            effects: self.effects.effects(),
+            damping: Damping {
+                alpha: self.damping.alpha.unwrap_or(0.0),
+                beta: self.damping.beta.unwrap_or(0.0),
+            },
+            effects,
+            roles: self.inputs,
             structure,
             signals: signals.into(),
             selection,
@@ -159,6 +181,17 @@ impl File {
             Some(broken) => problems.extend(broken.into_iter().chain(scene.common_problems())),
         }
         if problems.is_empty() { Ok(scene) } else { Err(problems) }
+    }
+
+    /// What the file calls for, in its own table or by giving values.
+    fn effects(&self) -> Effects {
+        Effects {
+            mass_damping: self.damping.alpha.is_some(),
+            stiffness_damping: self.damping.beta.is_some(),
+            links: self.ring.as_ref().is_some_and(ring_file::Ring::has_links),
+            preload: self.ring.as_ref().is_some_and(ring_file::Ring::has_preload),
+            ..self.effects.effects()
+        }
     }
 
     fn structure(&self, names: &mut Names<'_>) -> Result<Structure, Vec<Problem>> {

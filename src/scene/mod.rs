@@ -8,6 +8,7 @@
 //! | `friction_file` | the law of friction in a file |
 //! | `effects`, `effects_file`, `effects_check` | what is simulated besides masses and springs; that part of a file |
 //! | `selection`, `integrator_file` | method and step given, or a tolerance in their place; that part of a file |
+//! | `roles`, `lack` | which values are inputs, which parameters; what a scene goes without |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
 //! | `signal`, `signal_file`, `time_table` | values over time that drive inputs |
@@ -26,6 +27,7 @@ mod file;
 mod friction_file;
 mod initial_file;
 mod integrator_file;
+mod lack;
 #[cfg(feature = "tools")]
 mod located;
 mod nearest;
@@ -36,6 +38,7 @@ mod per_module;
 mod problem;
 mod ring;
 mod ring_file;
+mod roles;
 mod rule;
 mod selection;
 mod signal;
@@ -52,10 +55,14 @@ pub use effects::Effects;
 pub use file::schema;
 pub use file::{parse, read};
 #[cfg(feature = "tools")]
+pub(crate) use lack::Lack;
+#[cfg(feature = "tools")]
 pub use nearest::nearest;
 pub use network::{Damper, GROUND, MAX_PARTS, Mass, Network, RubbingPlace, Spring, direction};
 pub use problem::Problem;
 pub use ring::{MAX_MODULES, Module};
+pub(crate) use roles::Group;
+pub use roles::{ForceRole, Role, Roles};
 pub use rule::Rule;
 pub use selection::{Preset, Selection};
 pub use signal::{Between, Constant, Pulse, Ramp, Shape, Signal, Sine, Table};
@@ -91,6 +98,8 @@ pub struct Scene {
     pub damping: Damping,
     /// What is simulated besides masses and springs.
     pub effects: Effects,
+    /// Which values are inputs, which are parameters.
+    pub roles: Roles,
     /// Masses, springs and contacts.
     pub structure: Structure,
     /// What changes inputs over time. A saved state goes without: it belongs to a scene that has them.
@@ -154,14 +163,10 @@ pub struct Slider {
 
 /// Rayleigh damping, C = α M + β K.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[serde(deny_unknown_fields, default)]
 pub struct Damping {
     /// Mass-proportional part α, 1/s.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
     pub alpha: f64,
     /// Stiffness-proportional part β, s.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
     pub beta: f64,
 }
 
@@ -323,7 +328,7 @@ impl Scene {
     #[must_use]
     pub fn has_parts_of(&self, other: &Self) -> bool {
         self.static_friction.is_some() == other.static_friction.is_some()
-            && self.effects == other.effects
+            && (self.effects, self.roles) == (other.effects, other.roles)
             && self.friction_law == other.friction_law
             && match (&self.structure, &other.structure) {
                 (Structure::Ring(a), Structure::Ring(b)) => a.len() == b.len(),
@@ -356,24 +361,46 @@ impl Scene {
     /// The FMU's names of the inputs, which signals may drive; in no order that means anything.
     #[must_use]
     pub fn input_names(&self) -> Vec<String> {
-        let static_friction = self.static_friction.map(|_| "friction.static");
-        let common = ["slider.velocity", "friction.coefficient"].into_iter().chain(static_friction);
-        let modules = (1..=self.modules().len())
-            .flat_map(|i| (1..=4).map(move |j| format!("module[{i}].f{j}")));
+        let is_input = |(group, _): &(Group, String)| self.roles.of(*group) == Some(Role::Input);
+        self.may_be_driven().filter(is_input).map(|(_, name)| name).collect()
+    }
+
+    /// The FMU's names of all that signals may drive where it is an input, each with its group.
+    fn may_be_driven(&self) -> impl Iterator<Item = (Group, String)> + '_ {
+        let common = [
+            Some((Group::SliderVelocity, "slider.velocity".to_owned())),
+            Some((Group::Friction, "friction.coefficient".to_owned())),
+            self.static_friction.map(|_| (Group::Friction, "friction.static".to_owned())),
+        ];
+        let has_preload = self.effects.preload;
+        let modules = (1..=self.modules().len()).flat_map(move |i| {
+            let forces = (1..=4).map(move |j| (Group::Forces, format!("module[{i}].f{j}")));
+            let preload = has_preload.then(|| (Group::Preload, format!("module[{i}].preload")));
+            forces.chain(preload)
+        });
         let masses = self.masses().iter().flat_map(|mass| {
-            let name = |axis: &str| format!("mass.{}.f{axis}", mass.name);
+            let name = |axis: &str| (Group::Forces, format!("mass.{}.f{axis}", mass.name));
             mass.free([name("x"), name("y")])
         });
-        let contacts = self.network().map_or(&[][..], |network| &network.contacts);
+        let (springs, contacts) = self
+            .network()
+            .map_or((&[][..], &[][..]), |network| (&network.springs[..], &network.contacts[..]));
+        let springs = springs.iter().filter_map(|spring| {
+            spring.preload.map(|_| (Group::Preload, format!("spring.{}.preload", spring.name)))
+        });
         let contacts = contacts.iter().flat_map(|place| {
+            let own = |value: Option<f64>, group, key| {
+                value.map(|_| (group, format!("contact.{}.{key}", place.name)))
+            };
             let own = [
-                place.velocity.map(|_| format!("contact.{}.velocity", place.name)),
-                place.friction.map(|_| format!("contact.{}.friction", place.name)),
-                place.static_friction.map(|_| format!("contact.{}.static_friction", place.name)),
+                own(place.velocity, Group::SliderVelocity, "velocity"),
+                own(place.friction, Group::Friction, "friction"),
+                own(place.static_friction, Group::Friction, "static_friction"),
             ];
             own.into_iter().flatten()
         });
-        common.map(str::to_owned).chain(modules).chain(masses).chain(contacts).collect()
+        let common = common.into_iter().flatten();
+        common.chain(modules).chain(masses).chain(springs).chain(contacts)
     }
 
     /// External forces, N, one a degree of freedom, in their order.

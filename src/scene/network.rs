@@ -58,8 +58,8 @@ pub struct Spring {
     pub direction: f64,
     /// k, N/m.
     pub stiffness: f64,
-    /// p, m.
-    pub preload: f64,
+    /// p, m, if it has one.
+    pub preload: Option<f64>,
 }
 
 /// A damper between two masses, or a mass and the ground (`None`).
@@ -105,7 +105,9 @@ impl Network {
             [place.velocity, place.friction, place.static_friction].map(|value| value.is_some())
         };
         all(&self.masses, &other.masses, |a, b| (&a.name, a.locked) == (&b.name, b.locked))
-            && all(&self.springs, &other.springs, |a, b| a.name == b.name)
+            && all(&self.springs, &other.springs, |a, b| {
+                (&a.name, a.preload.is_some()) == (&b.name, b.preload.is_some())
+            })
             && all(&self.dampers, &other.dampers, |a, b| a.name == b.name)
             && all(&self.contacts, &other.contacts, |a, b| a.name == b.name && own(a) == own(b))
     }

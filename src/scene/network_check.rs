@@ -43,7 +43,7 @@ pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) 
         check_ends(part, spring.between, masses, checks);
         checks.value(part, "direction", spring.direction, Rule::Finite);
         checks.value(part, "stiffness", spring.stiffness, Rule::STIFFNESS);
-        checks.value(part, "preload", spring.preload, Rule::Finite);
+        checks.value(part, "preload", spring.preload.unwrap_or(0.0), Rule::Finite);
     }
     for (i, damper) in dampers.iter().enumerate() {
         let part = Part::Damper(i);

@@ -77,9 +77,8 @@ pub(super) struct SpringTable {
     /// Stiffness, N/m.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
     stiffness: f64,
-    /// How far its second end is moved along the direction, m.
-    #[serde(default)]
-    preload: f64,
+    /// How far its second end is moved along the direction, m; it has no preload unless given.
+    preload: Option<f64>,
 }
 
 /// A damper between two masses, or a mass and the ground.

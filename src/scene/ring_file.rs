@@ -10,6 +10,9 @@ use serde::Deserialize;
 /// The ring of modules; each value once for all modules, or a list with one a module.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "tools", schemars(extend(
+    "dependencies" = { "k1": ["k2"], "k2": ["k1"] },
+)))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Ring {
     /// How many modules.
@@ -21,12 +24,12 @@ pub(super) struct Ring {
     /// Mass m2, which rubs on the slider, kg.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::MASS.bounds()))]
     m2: PerModule,
-    /// Stiffness from m1 to the next m1, horizontal, N/m.
+    /// Stiffness from m1 to the next m1, horizontal, N/m; without `k1` and `k2` nothing links the modules.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
-    k1: PerModule,
+    k1: Option<PerModule>,
     /// Stiffness from m1 to the next m1, vertical, N/m.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
-    k2: PerModule,
+    k2: Option<PerModule>,
     /// Stiffness from m1 to ground, vertical, N/m.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
     k3: PerModule,
@@ -39,8 +42,8 @@ pub(super) struct Ring {
     /// Stiffness from m1 to m2, horizontal, N/m.
     #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
     k6: PerModule,
-    /// Preload: how far the ground end of k3 is moved down, m.
-    preload: PerModule,
+    /// Preload: how far the ground end of k3 is moved down, m; none unless given.
+    preload: Option<PerModule>,
 }
 
 /// An initial displacement or velocity of one module, relative to the equilibrium.
@@ -79,21 +82,33 @@ pub(super) struct Initial {
 }
 
 impl Ring {
+    /// Do links join the modules?
+    pub(super) fn has_links(&self) -> bool {
+        self.k1.is_some() && self.k2.is_some()
+    }
+
+    /// Does a preload press the modules on the slider?
+    pub(super) fn has_preload(&self) -> bool {
+        self.preload.is_some()
+    }
+
     /// The modules at their equilibrium.
     pub(super) fn modules(&self) -> Result<Vec<Module>, Vec<Problem>> {
         if self.modules == 0 || self.modules > MAX_MODULES {
             return Err(vec![not_a_ring(self.modules)]);
         }
+        let none = PerModule::Same(0.0);
+
         let keys = [
             ("m1", &self.m1),
             ("m2", &self.m2),
-            ("k1", &self.k1),
-            ("k2", &self.k2),
+            ("k1", self.k1.as_ref().unwrap_or(&none)),
+            ("k2", self.k2.as_ref().unwrap_or(&none)),
             ("k3", &self.k3),
             ("k4", &self.k4),
             ("k5", &self.k5),
             ("k6", &self.k6),
-            ("preload", &self.preload),
+            ("preload", self.preload.as_ref().unwrap_or(&none)),
         ];
         let wrong_length = |(key, values): (&str, &PerModule)| {
             let length = values.length().filter(|&length| length != self.modules)?;
@@ -103,7 +118,11 @@ impl Ring {
             let help = "give one number for all, or one a module";
             Some(Problem::new(format!("ring.{key}"), message).help(help))
         };
-        let problems: Vec<Problem> = keys.into_iter().filter_map(wrong_length).collect();
+        let mut problems: Vec<Problem> = keys.into_iter().filter_map(wrong_length).collect();
+        // With the feature `tools` the walk over the schema has said so.
+        if cfg!(not(feature = "tools")) && self.k1.is_some() != self.k2.is_some() {
+            problems.push(Problem::new("ring", "has one of `k1` and `k2`, needs both or neither"));
+        }
         if !problems.is_empty() {
             return Err(problems);
         }

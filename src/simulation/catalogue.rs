@@ -1,7 +1,7 @@
 //! The catalogue of FMI variables (`modelDescription/`), and the variables of one scene.
 
 use crate::contact::Law;
-use crate::scene::{Scene, Selection, Structure};
+use crate::scene::{Group, Role, Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
@@ -22,9 +22,9 @@ pub struct Template {
     pub component: usize,
     /// What it is repeated for.
     pub per: Per,
-    /// Its role.
+    /// Its role, unless the scene says otherwise.
     pub causality: Causality,
-    /// When it changes.
+    /// When it changes, unless the scene says otherwise.
     pub variability: Variability,
     /// Its type.
     pub kind: Kind,
@@ -123,20 +123,23 @@ pub struct Variable {
     pub template: &'static Template,
     /// The part of the structure that it belongs to, from 0.
     pub index: usize,
+    /// Its role.
+    pub causality: Causality,
+    /// When it changes.
+    pub variability: Variability,
 }
 
 impl Variable {
     /// May it be given a value before the run?
     #[must_use]
     pub fn is_settable(&self) -> bool {
-        self.template.causality != Causality::Output
+        self.causality != Causality::Output
     }
 
     /// May it be given another value during the run?
     #[must_use]
     pub fn is_tunable(&self) -> bool {
-        self.template.causality == Causality::Input
-            || self.template.variability == Variability::Tunable
+        self.causality == Causality::Input || self.variability == Variability::Tunable
     }
 
     /// Does it decide, of what may change during the run, whether a step is possible: by the critical
@@ -149,6 +152,7 @@ impl Variable {
                 | Quantity::StribeckVelocity
                 | Quantity::OwnFriction
                 | Quantity::OwnStaticFriction
+                | Quantity::DampingAlpha
                 | Quantity::DampingBeta
         )
     }
@@ -162,14 +166,37 @@ pub fn variables(scene: &Scene) -> Vec<Variable> {
         for index in 0..count(scene, group[0].per) {
             let part = part(scene, group[0].per, index);
             let present = group.iter().filter(|template| is_present(scene, template, index));
-            variables.extend(present.map(|template| Variable {
-                name: template.name.replace("{i}", &part),
-                template,
-                index,
+            variables.extend(present.map(|template| {
+                let (causality, variability) = role(scene, template);
+                let name = template.name.replace("{i}", &part);
+                Variable { name, template, index, causality, variability }
             }));
         }
     }
     variables
+}
+
+/// Role and time of change of a template's variables in a scene.
+fn role(scene: &Scene, template: &Template) -> (Causality, Variability) {
+    match group(template.quantity).and_then(|group| scene.roles.of(group)) {
+        Some(Role::Input) => (Causality::Input, Variability::Continuous),
+        Some(Role::Parameter) => (Causality::Parameter, Variability::Tunable),
+        None => (template.causality, template.variability),
+    }
+}
+
+/// What a scene gives its role together with others.
+fn group(quantity: Quantity) -> Option<Group> {
+    match quantity {
+        Quantity::SliderVelocity | Quantity::OwnVelocity => Some(Group::SliderVelocity),
+        Quantity::FrictionCoefficient
+        | Quantity::StaticFriction
+        | Quantity::OwnFriction
+        | Quantity::OwnStaticFriction => Some(Group::Friction),
+        Quantity::Preload => Some(Group::Preload),
+        Quantity::ExternalForce => Some(Group::Forces),
+        _ => None,
+    }
 }
 
 /// How often a scene has what a template is repeated for.
@@ -198,8 +225,11 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
     format!(".{name}")
 }
 
-/// Locked degrees of freedom have no variables, v and µ of a contact have one only where the contact
-/// has its own, static friction where there is some, the step where it is given.
+/// The components of a module's stiffness that link it to the next: k1 and k2.
+const LINKS: [usize; 2] = [0, 1];
+
+/// What a scene goes without has no variables: damping, links, preload, external forces, locked degrees of
+/// freedom, v and µ of a contact that has none of its own, static friction, a step that is chosen.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
         Quantity::FrictionCoefficient => return scene.friction_law != Law::Frictionless,
@@ -209,15 +239,23 @@ fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
         Quantity::PulledContacts => return !scene.effects.detachment,
         // Where a tolerance chooses it, it is not for an importer to give.
         Quantity::IntegratorStep => return scene.selection == Selection::Given,
+        Quantity::DampingAlpha => return scene.effects.mass_damping,
+        Quantity::DampingBeta => return scene.effects.stiffness_damping,
+        Quantity::ExternalForce if scene.roles.of(Group::Forces).is_none() => return false,
         _ => {}
     }
     let Some(network) = scene.network() else {
-        let own = [Quantity::OwnVelocity, Quantity::OwnFriction, Quantity::OwnStaticFriction];
-        return !own.contains(&template.quantity);
+        return match template.quantity {
+            Quantity::OwnVelocity | Quantity::OwnFriction | Quantity::OwnStaticFriction => false,
+            Quantity::Stiffness => scene.effects.links || !LINKS.contains(&template.component),
+            Quantity::Preload => scene.effects.preload,
+            _ => true,
+        };
     };
     match (template.per, template.quantity) {
         (Per::Mass, Quantity::Mass) => true,
         (Per::Mass, _) => !network.masses[index].locked[template.component],
+        (_, Quantity::Preload) => network.springs[index].preload.is_some(),
         (_, Quantity::OwnVelocity) => network.contacts[index].velocity.is_some(),
         (_, Quantity::OwnFriction) => network.contacts[index].friction.is_some(),
         (_, Quantity::OwnStaticFriction) => network.contacts[index].static_friction.is_some(),

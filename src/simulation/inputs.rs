@@ -3,7 +3,7 @@
 
 use super::{Simulation, Variable, assign, variables};
 use crate::Error;
-use crate::scene::{Between, Scene, Table, TimeTable, meant_input};
+use crate::scene::{Between, Lack, Scene, Table, TimeTable, meant_input};
 use crate::simulation::catalogue::Causality;
 use std::path::Path;
 
@@ -25,15 +25,17 @@ impl Inputs {
     pub fn read(path: &Path, scene: &Scene) -> Result<Self, Error> {
         let table = TimeTable::read(path)?;
         let mut inputs = variables(scene);
-        inputs.retain(|variable| variable.template.causality == Causality::Input);
+        inputs.retain(|variable| variable.causality == Causality::Input);
         let mut columns = Vec::new();
         for (i, name) in table.names.iter().enumerate() {
             let Some(variable) = inputs.iter().find(|input| input.name == *name) else {
+                let help = match scene.lack_of_input(name) {
+                    Some(Lack { reason, help }) => format!("{reason}; {help}"),
+                    None => meant_input(name, &scene.input_names()),
+                };
+                let (path, scene) = (path.display(), &scene.name);
                 return Err(Error::argument(format!(
-                    "column `{name}` of {} is no input of {}; {}",
-                    path.display(),
-                    scene.name,
-                    meant_input(name, &scene.input_names())
+                    "column `{name}` of {path} is no input of {scene}; {help}"
                 )));
             };
             columns.push((variable.clone(), table.column(i, Between::Linear)));

@@ -36,6 +36,7 @@ use crate::model::ring::MODULE_DOFS;
 use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering};
 use crate::scene::{Method, Scene, Structure};
 use crate::stability::StepGuard;
+use catalogue::Quantity;
 use clock::{Clock, Leg};
 use serde::{Deserialize, Serialize};
 use signals::Driven;
@@ -337,9 +338,15 @@ impl Simulation {
         for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
             *acceleration = driven.slider_change(span, i) / step;
         }
-        for (variable, rate) in driven.force_rates(span[0]) {
-            let dof = dof(&self.scene, &self.numbering, variable);
-            self.drive.force_rate[dof] = rate;
+        let (scene, numbering) = (&self.scene, &self.numbering);
+        self.drive.force_rate.fill(0.0);
+        for (variable, rate) in driven.load_rates(span[0]) {
+            let force_rate = &mut self.drive.force_rate;
+            if variable.template.quantity == Quantity::Preload {
+                model::add_preload(scene, numbering, variable.index, rate, force_rate);
+            } else {
+                force_rate[dof(scene, numbering, variable)] += rate;
+            }
         }
     }
 

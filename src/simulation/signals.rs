@@ -104,10 +104,12 @@ impl Driven {
         at(end) - at(start)
     }
 
-    /// The driven external forces, with how fast they change from time `t` (s) on, per second.
-    pub(super) fn force_rates(&self, t: f64) -> impl Iterator<Item = (&Variable, f64)> {
-        let is_force = |input: &&Input| input.variable.template.quantity == Quantity::ExternalForce;
-        self.inputs.iter().filter(is_force).map(move |input| {
+    /// The driven external forces and preloads, with how fast they change from time `t` (s) on, per second.
+    pub(super) fn load_rates(&self, t: f64) -> impl Iterator<Item = (&Variable, f64)> {
+        let is_load = |input: &&Input| {
+            matches!(input.variable.template.quantity, Quantity::ExternalForce | Quantity::Preload)
+        };
+        self.inputs.iter().filter(is_load).map(move |input| {
             let shapes = input.signals.iter().map(|&i| &self.scene.signals[i].shape);
             (&input.variable, shapes.fold(0.0, |sum, shape| sum + shape.rate(t, self.slack)))
         })

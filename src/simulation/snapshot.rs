@@ -119,12 +119,12 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
         && a.slider.angle == b.slider.angle
         && a.step == b.step
         && a.method == b.method
-        && a.effects == b.effects
+        && (a.effects, a.roles) == (b.effects, b.roles)
         && a.friction_law == b.friction_law
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 3;
+const VERSION: u8 = 4;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;

@@ -6,7 +6,7 @@ use super::catalogue::variables;
 use super::catalogue::{Kind, Quantity, Template, Variable};
 use crate::Error;
 #[cfg(feature = "tools")]
-use crate::scene::nearest;
+use crate::scene::{Lack, nearest};
 use crate::scene::{Problem, Rule, Scene, Structure};
 #[cfg(feature = "tools")]
 use std::collections::HashSet;
@@ -47,7 +47,10 @@ macro_rules! place {
             (quantity, Structure::Network(network)) => match quantity {
                 Quantity::Mass => &$($mut)? network.masses[i].mass,
                 Quantity::Stiffness => &$($mut)? network.springs[i].stiffness,
-                Quantity::Preload => &$($mut)? network.springs[i].preload,
+                Quantity::Preload => match &$($mut)? network.springs[i].preload {
+                    Some(preload) => preload,
+                    None => return None,
+                },
                 Quantity::DamperDamping => &$($mut)? network.dampers[i].damping,
                 Quantity::ExternalForce => &$($mut)? network.masses[i].force[component],
                 Quantity::InitialDisplacement => &$($mut)? network.masses[i].displacement[component],
@@ -120,6 +123,9 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
             "integrator.step cannot be set: integrator.{} chooses it; give --integrator and --step",
             scene.selection
         )));
+    }
+    if let Some(Lack { reason, help }) = scene.lack(name) {
+        return Err(Error::argument(format!("{name} cannot be set: {reason}; {help}")));
     }
     if let Some(meant) = nearest(name, settable.iter().map(|variable| &*variable.name)) {
         return Err(Error::argument(format!(

@@ -89,6 +89,13 @@ fn signal_warnings(scene: &Scene) -> impl Iterator<Item = String> + '_ {
 /// Contacts that nothing presses on in the equilibrium, by name: their load may have been forgotten.
 fn load_warnings(simulation: &Simulation) -> Vec<String> {
     let scene = simulation.scene();
+    if scene.network().is_none() && !scene.effects.preload {
+        return vec![
+            "the ring has no preload, so no contact carries load in the equilibrium; \
+             write `preload` into its [ring]"
+                .to_owned(),
+        ];
+    }
     let forces = simulation.reference().normal_force.iter().enumerate();
     let idle = forces.filter(|(_, force)| **force == 0.0);
     let warning = |(i, _)| {

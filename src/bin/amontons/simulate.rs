@@ -129,7 +129,7 @@ fn write_run(
 ) -> Result<(), Box<dyn Error>> {
     let outputs: Vec<Variable> = variables(scene)
         .into_iter()
-        .filter(|variable| variable.template.causality == Causality::Output)
+        .filter(|variable| variable.causality == Causality::Output)
         .collect();
     write!(out, "time")?;
     for variable in &outputs {

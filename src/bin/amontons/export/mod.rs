@@ -87,7 +87,7 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
         counted(model.contacts.len(), "contact", "contacts")
     );
     let variables = variables(scene);
-    let count = |causality| variables.iter().filter(|v| v.template.causality == causality).count();
+    let count = |causality| variables.iter().filter(|v| v.causality == causality).count();
     println!(
         "  variables      {} inputs, {} outputs, {} parameters",
         count(Causality::Input),

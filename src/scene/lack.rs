@@ -1,0 +1,86 @@
+//! What other scenes have and this one goes without, by the FMU's names: why, and how to add it.
+
+use super::roles::{Group, Role};
+use super::{Scene, Spring};
+
+/// Why a scene does not have what a name asks for.
+pub(crate) struct Lack {
+    /// What the scene goes without.
+    pub(crate) reason: String,
+    /// How to add it to the scene.
+    pub(crate) help: String,
+}
+
+impl Lack {
+    fn new(reason: impl Into<String>, help: impl Into<String>) -> Option<Self> {
+        Some(Self { reason: reason.into(), help: help.into() })
+    }
+}
+
+impl Scene {
+    /// Why it has no variable of this name, if that is for lack of a value or an effect.
+    pub(crate) fn lack(&self, name: &str) -> Option<Lack> {
+        let effects = &self.effects;
+        match name {
+            "damping.alpha" if !effects.mass_damping => Lack::new(
+                "the scene has no mass-proportional damping",
+                "write `alpha = 0.0` into its [damping] to have some",
+            ),
+            "damping.beta" if !effects.stiffness_damping => Lack::new(
+                "the scene has no stiffness-proportional damping",
+                "write `beta = 0.0` into its [damping] to have some",
+            ),
+            "friction.static" if self.static_friction.is_none() => Lack::new(
+                "the scene has no static friction",
+                "write `static = …` into its [friction] to have some",
+            ),
+            _ if self.roles.of(Group::Forces).is_none() && self.is_force(name) => Lack::new(
+                "the scene has no external forces",
+                "write `forces = \"input\"` into its [inputs]",
+            ),
+            _ => self.lack_of_part(name),
+        }
+    }
+
+    /// Why it has no input of this name, if it could have one.
+    pub(crate) fn lack_of_input(&self, name: &str) -> Option<Lack> {
+        let mut given = self.may_be_driven();
+        match given.find(|(_, known)| known == name) {
+            Some((group, _)) if self.roles.of(group) == Some(Role::Parameter) => Lack::new(
+                "it is a parameter in this scene",
+                format!("write `{} = \"input\"` into its [inputs]", group.key()),
+            ),
+            _ => self.lack(name),
+        }
+    }
+
+    fn is_force(&self, name: &str) -> bool {
+        self.may_be_driven().any(|(group, known)| group == Group::Forces && known == name)
+    }
+
+    /// Links and preload of a module, or the preload of a spring.
+    fn lack_of_part(&self, name: &str) -> Option<Lack> {
+        let (part, key) = name.rsplit_once('.')?;
+        if let Some(network) = self.network() {
+            let has_none = |spring: &&Spring| {
+                spring.preload.is_none() && part.strip_prefix("spring.") == Some(&spring.name)
+            };
+            let spring = network.springs.iter().find(has_none).filter(|_| key == "preload")?;
+            let reason = format!("spring {} has no preload", spring.name);
+            return Lack::new(reason, "write `preload = 0.0` into its [[spring]] to have one");
+        }
+        let module = part.strip_prefix("module[")?.strip_suffix(']')?.parse().ok()?;
+        if !(1..=self.modules().len()).contains(&module) {
+            return None;
+        }
+        match key {
+            "k1" | "k2" if !self.effects.links => {
+                Lack::new("no links join the modules", "write `k1` and `k2` into its [ring]")
+            }
+            "preload" if !self.effects.preload => {
+                Lack::new("the ring has no preload", "write `preload = 0.0` into its [ring]")
+            }
+            _ => None,
+        }
+    }
+}
