@@ -13,7 +13,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// M ẍ = F − C ẋ − K x + Gᵀ λ, with the contact problem that gives λ.
 pub(super) struct Dynamics {
-    mass: SparseMatrix,
+    pub(super) mass: SparseMatrix,
     pub(super) stiffness: SparseMatrix,
     pub(super) damping: Damping,
     pub(super) dampers: SparseMatrix,
