@@ -1,7 +1,7 @@
 //! Orders, invariants and limits of the scheme, against closed forms.
 
 use amontons::contact::{ContactLaw, ContactState};
-use amontons::integrator::{Drive, Integrator, Motion, SparseForwardIncrement, Statistics};
+use amontons::integrator::{Drive, Motion, Statistics, sparse};
 use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 use amontons::scene::{Scene, builtin};
 use amontons::simulation::{Simulation, variables};
@@ -120,7 +120,7 @@ fn below_the_critical_step_motion_stays_bounded_and_above_it_does_not() {
         let largest = |step: f64, steps: u64| {
             let mut motion = at_rest(3, vec![]);
             motion.velocity[1] = 1.0;
-            let mut integrator = SparseForwardIncrement::new(&model).unwrap();
+            let mut integrator = sparse(&model).unwrap();
             integrator.advance(&mut motion, &no_drive(3), step, steps).unwrap();
             motion.displacement.iter().fold(0.0_f64, |largest, x| largest.max(x.abs()))
         };
@@ -135,7 +135,7 @@ fn without_damping_the_scheme_keeps_its_own_energy() {
     let step = 0.5 * critical_step(&model, 0.0).unwrap().step;
     let mut motion = at_rest(3, vec![]);
     motion.velocity = vec![1.0, -0.5, 0.2];
-    let mut integrator = SparseForwardIncrement::new(&model).unwrap();
+    let mut integrator = sparse(&model).unwrap();
     let energies = |motion: &Motion| {
         let (x, v) = (&motion.displacement, &motion.velocity);
         let force: Vec<f64> = (0..3).map(|i| model.stiffness.row_times(i, x)).collect();
@@ -175,7 +175,7 @@ fn a_touch_down_is_an_inelastic_impact_with_friction() {
     // It lands with v_N = −√(2 g y); friction takes µ |v_N| of the tangential velocity in the
     // impact, then µ g a second until the mass stands still.
     let (model, drive) = free_mass(10.0);
-    let mut integrator = SparseForwardIncrement::new(&model).unwrap();
+    let mut integrator = sparse(&model).unwrap();
     let mut motion = at_rest(2, vec![ContactState::Detached]);
     (motion.displacement, motion.velocity) = (vec![0.0, 0.05], vec![1.0, 0.0]);
     let step = 1e-6;
@@ -195,7 +195,7 @@ fn a_touch_down_is_an_inelastic_impact_with_friction() {
 fn a_mass_at_rest_under_friction_does_not_creep() {
     let (model, mut drive) = free_mass(10.0);
     drive.force[0] = 2.9; // below µ N = 3
-    let mut integrator = SparseForwardIncrement::new(&model).unwrap();
+    let mut integrator = sparse(&model).unwrap();
     let mut motion = at_rest(2, vec![ContactState::Stick]);
     integrator.advance(&mut motion, &drive, 1e-3, 100_000).unwrap();
     assert_eq!((motion.displacement, motion.velocity), (vec![0.0; 2], vec![0.0; 2]));

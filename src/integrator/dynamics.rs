@@ -14,7 +14,7 @@ const ROUNDING: f64 = 1e-14;
 
 /// M ẍ = F − C ẋ − K x + Gᵀ λ, with the contact problem that gives λ.
 pub(super) struct Dynamics {
-    mass: SparseMatrix,
+    pub(super) mass: SparseMatrix,
     pub(super) stiffness: SparseMatrix,
     pub(super) damping: Damping,
     pub(super) dampers: SparseMatrix,
@@ -92,12 +92,12 @@ impl Dynamics {
 
     /// Counts, where the law of contact is not whole, what would have needed the rest of it, for the velocities
     /// and multipliers that a step ends with.
-    pub(super) fn count_broken(&self, motion: &mut Motion, drive: &Drive) {
+    pub(super) fn count_broken(&self, motion: &mut Motion, velocity: &[f64], drive: &Drive) {
         let ContactLaw { sticking, detachment, friction } = self.law;
         let has_direction = !sticking && friction.about().sticks;
         for (i, contact) in self.contacts.iter().enumerate() {
             let surface = drive.slider_velocity[i];
-            let slip = surface - contact.tangent.dot(&motion.velocity);
+            let slip = surface - contact.tangent.dot(velocity);
             let is_closed = motion.contacts[i] != ContactState::Detached;
             let is_reversed = has_direction && is_closed && slip * surface < 0.0;
             let is_pulled = !detachment && self.multipliers.forces[i][0] < 0.0;

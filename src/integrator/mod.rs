@@ -16,7 +16,7 @@ pub use cost::Cost;
 pub use event_driven::EventDriven;
 #[cfg(feature = "tools")]
 pub use forward_increment::{RingBatch, Width};
-pub use forward_increment::{RingForwardIncrement, SparseForwardIncrement};
+pub use forward_increment::{RingForwardIncrement, dense, sparse};
 pub use select::{Selected, select, tidy};
 
 use crate::Error;
@@ -157,6 +157,21 @@ pub trait Integrator: Send {
     fn set_damping(&mut self, damping: Damping);
 }
 
+/// The loop over steps of the paper's scheme, compiled for one structure and what acts on it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Kernel {
+    /// The structure whose forces it evaluates.
+    pub structure: &'static str,
+    /// What its arithmetic is made for.
+    pub arithmetic: String,
+}
+
+/// All kernels that [`choose`] chooses from.
+#[must_use]
+pub fn kernels() -> Vec<Kernel> {
+    forward_increment::kernels()
+}
+
 /// The fastest integrator of this method that fits the structure of the model.
 ///
 /// # Errors
@@ -168,5 +183,8 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
     if let Some(ring) = RingForwardIncrement::new(model) {
         return Ok(Box::new(ring));
     }
-    Ok(Box::new(SparseForwardIncrement::new(model)?))
+    match dense(model)? {
+        Some(dense) => Ok(dense),
+        None => sparse(model),
+    }
 }

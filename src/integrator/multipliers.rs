@@ -23,12 +23,27 @@ pub(super) struct Multipliers {
     pub(super) forces: Vec<[f64; 2]>,
     /// The states that belong to it.
     pub(super) states: Vec<ContactState>,
+    /// The contacts that share no mass with others, and those that do; both ascending.
+    alone: Vec<usize>,
+    coupled: Vec<usize>,
+}
+
+/// How far a sweep is.
+#[derive(Clone, Copy)]
+struct Progress {
+    /// The largest change of a multiplier in it, N.
+    change: f64,
+    /// The largest multiplier, N.
+    largest: f64,
 }
 
 impl Multipliers {
     pub(super) fn new(delassus: Delassus) -> Self {
         let contacts = delassus.contacts();
+        let (alone, coupled) = (0..contacts).partition(|&i| delassus.others(i).is_empty());
         Self {
+            alone,
+            coupled,
             delassus,
             free: vec![[0.0; 2]; contacts],
             freedom: vec![Freedom::Open; contacts],
@@ -68,28 +83,48 @@ impl Multipliers {
         any
     }
 
-    /// One solution, with the limits as they are.
+    /// One solution, with the limits as they are. Contacts that share no mass with others are solved once;
+    /// sweeps go over the others.
     fn relax(&mut self) -> Result<u64, StepFailure> {
         self.forces.fill([0.0; 2]);
+        let mut alone = Progress { change: 0.0, largest: f64::MIN_POSITIVE };
+        for place in 0..self.alone.len() {
+            self.renew(self.alone[place], &mut alone, 1)?;
+        }
+        if self.coupled.is_empty() {
+            return Ok(1);
+        }
         for sweep in 1..=MAX_SWEEPS {
-            let (mut change, mut largest) = (0.0_f64, f64::MIN_POSITIVE);
-            for contact in 0..self.freedom.len() {
-                let LocalSolution { force, state } = self.solve_one(contact)?;
-                self.states[contact] = state;
-                if !force.iter().all(|force| force.is_finite()) {
-                    return Err(StepFailure::NoConvergence { sweeps: sweep });
-                }
-                for (old, new) in self.forces[contact].iter_mut().zip(force) {
-                    change = change.max((new - *old).abs());
-                    largest = largest.max(new.abs());
-                    *old = new;
-                }
+            let mut progress = Progress { change: 0.0, ..alone };
+            for place in 0..self.coupled.len() {
+                self.renew(self.coupled[place], &mut progress, sweep)?;
             }
-            if change <= TOLERANCE * largest {
+            if progress.change <= TOLERANCE * progress.largest {
                 return Ok(sweep);
             }
         }
         Err(StepFailure::NoConvergence { sweeps: MAX_SWEEPS })
+    }
+
+    /// Solves one contact in this sweep.
+    #[inline(always)]
+    fn renew(
+        &mut self,
+        contact: usize,
+        progress: &mut Progress,
+        sweep: u64,
+    ) -> Result<(), StepFailure> {
+        let LocalSolution { force, state } = self.solve_one(contact)?;
+        self.states[contact] = state;
+        if !force.iter().all(|force| force.is_finite()) {
+            return Err(StepFailure::NoConvergence { sweeps: sweep });
+        }
+        for (old, new) in self.forces[contact].iter_mut().zip(force) {
+            progress.change = progress.change.max((new - *old).abs());
+            progress.largest = progress.largest.max(new.abs());
+            *old = new;
+        }
+        Ok(())
     }
 
     /// Eqs. (19)–(21) for one contact: its force, those of the others held.

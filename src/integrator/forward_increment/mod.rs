@@ -11,14 +11,21 @@
 //! keeps E − ½ h xᵀ K ẋ. A touch-down is a perfectly inelastic impact; its multiplier is the
 //! impulse over h, so the forces that a user reads come from `contact_forces` instead.
 //!
-//! Two structures, one scheme: [`RingForwardIncrement`] for rings of modules, whose Delassus
-//! matrix G M⁻¹ Gᵀ is diagonal, so that Gauss–Seidel is done after one sweep;
-//! [`SparseForwardIncrement`] for anything else.
+//! Three structures, one scheme: [`RingForwardIncrement`] for rings of modules, whose Delassus matrix
+//! G M⁻¹ Gᵀ is diagonal, so that Gauss–Seidel is done after one sweep; [`dense`] for a few degrees of freedom;
+//! [`sparse`] for anything else.
 
+mod general;
 mod ring;
-mod sparse;
 
+pub use general::{dense, sparse};
 pub use ring::RingForwardIncrement;
 #[cfg(feature = "tools")]
 pub use ring::batch::{RingBatch, Width};
-pub use sparse::SparseForwardIncrement;
+
+use super::Kernel;
+
+/// All kernels of the scheme.
+pub(super) fn kernels() -> Vec<Kernel> {
+    [ring::kernels(), general::kernels()].concat()
+}

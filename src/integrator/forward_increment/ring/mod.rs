@@ -6,7 +6,8 @@ mod step;
 #[cfg(feature = "tools")]
 mod wide;
 
-use crate::contact::{ContactForce, ContactLaw, Friction, FrictionLaw, UnderLaw};
+use crate::contact::{ContactForce, ContactLaw, Friction, FrictionLaw, Law, UnderLaw};
+use crate::integrator::Kernel as Listed;
 use crate::integrator::{Drive, Integrator, Motion, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Contact, Damping, LumpedModel};
@@ -73,6 +74,44 @@ impl UnderLaw for Choice {
             (false, false, false) => Rings::run::<With<false, false, false>, L>,
         }
     }
+}
+
+/// The law of friction of a kernel.
+struct Named;
+
+impl UnderLaw for Named {
+    type Output = String;
+
+    fn under<L: FrictionLaw>(self) -> String {
+        let path = std::any::type_name::<L>().replace("f64", "");
+        let is_end = |c: char| !c.is_alphanumeric();
+        let names = path.split(is_end).filter(|part| part.starts_with(char::is_uppercase));
+        names.collect::<Vec<_>>().join(" ")
+    }
+}
+
+/// All kernels of rings. Modules that nothing links are a structure of their own.
+pub(super) fn kernels() -> Vec<Listed> {
+    let mut all = Vec::new();
+    let switches = [false, true];
+    for law in Law::ALL {
+        for sticking in switches {
+            for (detachment, damping) in switches.map(|a| switches.map(|b| (a, b))).concat() {
+                for structure in ["ring", "modules"] {
+                    let name = law.apply(sticking, Named);
+                    let opens = if detachment { "opens" } else { "held" };
+                    let damps = if damping { "Rayleigh damping" } else { "no damping" };
+                    let arithmetic = format!("{name}, {opens}, {damps}");
+                    let listed = Listed { structure, arithmetic };
+                    // Laws that cannot stick are the same without sticking.
+                    if !all.contains(&listed) {
+                        all.push(listed);
+                    }
+                }
+            }
+        }
+    }
+    all
 }
 
 impl RingForwardIncrement {

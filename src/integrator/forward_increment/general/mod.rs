@@ -1,0 +1,237 @@
+//! The scheme on a model of any structure, as a family of kernels.
+//!
+//! A kernel is the loop over the steps of a call, compiled for one way of evaluating forces ([`Structure`]),
+//! one kind of damping ([`Damps`]), and with contacts or without. It is chosen when the integrator is made or
+//! gets another damping. The step tests no option, and what is off is not in its code.
+
+mod contacts;
+mod dense;
+mod sparse;
+
+use crate::Error;
+use crate::contact::ContactForce;
+use crate::integrator::dynamics::Dynamics;
+use crate::integrator::{Drive, Integrator, Kernel, Motion, StepFailure};
+use crate::model::{Damping, LumpedModel};
+use contacts::Contacts;
+use dense::Dense;
+use sparse::{DiagonalMass, FullMass, Sparse};
+
+/// The scheme on sparse matrices: a step costs as much as K and D have entries (and M⁻¹, if it is full), and
+/// the contacts that share masses.
+///
+/// # Errors
+/// A mass matrix that is not positive definite.
+pub fn sparse(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
+    if model.mass.as_diagonal().is_some() {
+        Scheme::<Sparse<DiagonalMass>>::boxed(model)
+    } else {
+        Scheme::<Sparse<FullMass>>::boxed(model)
+    }
+}
+
+/// The scheme on full matrices of a fixed size, for up to 16 degrees of freedom with a diagonal mass matrix;
+/// `None` for others. Its doubles are those of [`sparse`].
+///
+/// # Errors
+/// A mass matrix that is not positive definite.
+pub fn dense(model: &LumpedModel) -> Result<Option<Box<dyn Integrator>>, Error> {
+    if model.mass.as_diagonal().is_none() {
+        return Ok(None);
+    }
+    Ok(Some(match model.dofs() {
+        0..=1 => Scheme::<Dense<1>>::boxed(model)?,
+        2 => Scheme::<Dense<2>>::boxed(model)?,
+        3..=4 => Scheme::<Dense<4>>::boxed(model)?,
+        5..=8 => Scheme::<Dense<8>>::boxed(model)?,
+        9..=16 => Scheme::<Dense<16>>::boxed(model)?,
+        _ => return Ok(None),
+    }))
+}
+
+/// All kernels of [`sparse`] and [`dense`].
+pub(super) fn kernels() -> Vec<Kernel> {
+    [
+        Scheme::<Sparse<DiagonalMass>>::list("sparse"),
+        Scheme::<Sparse<FullMass>>::list("sparse"),
+        Scheme::<Dense<1>>::list("dense"),
+        Scheme::<Dense<2>>::list("dense"),
+        Scheme::<Dense<4>>::list("dense"),
+        Scheme::<Dense<8>>::list("dense"),
+        Scheme::<Dense<16>>::list("dense"),
+    ]
+    .concat()
+}
+
+/// How a structure evaluates its forces.
+trait Structure: Send + Sized {
+    /// What tells it from others of its kind.
+    const NAME: &'static str;
+    /// One value a degree of freedom, in the place where the steps of a call have it.
+    type Vector: AsRef<[f64]> + AsMut<[f64]>;
+
+    /// Of this model.
+    fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self;
+
+    /// Takes the motion over for the steps of a call, under the outer forces `load` (N).
+    fn take(&mut self, motion: &mut Motion, load: &[f64]) -> Vectors<Self::Vector>;
+
+    /// Gives it back.
+    fn give(&mut self, vectors: Vectors<Self::Vector>, motion: &mut Motion);
+
+    /// Writes the acceleration without contact forces, M⁻¹ (F − C ẋ − K x).
+    fn accelerate<D: Damps>(&mut self, dynamics: &Dynamics, vectors: &mut Vectors<Self::Vector>);
+}
+
+/// What the steps of a call work on.
+struct Vectors<V> {
+    /// F, N. It has no negative zero, so no force has one: how many zeros a row of K was summed with then
+    /// leaves no trace, not even in a sign.
+    load: V,
+    /// x, m.
+    x: V,
+    /// ẋ, m/s.
+    v: V,
+    /// ẍ, m/s².
+    a: V,
+}
+
+/// What damps.
+trait Damps {
+    /// Is α M + β K part of C?
+    const RAYLEIGH: bool;
+    /// Is D?
+    const DAMPERS: bool;
+}
+
+struct Undamped;
+struct Rayleigh;
+/// Besides Rayleigh damping.
+struct SingleDampers;
+
+impl Damps for Undamped {
+    const RAYLEIGH: bool = false;
+    const DAMPERS: bool = false;
+}
+
+impl Damps for Rayleigh {
+    const RAYLEIGH: bool = true;
+    const DAMPERS: bool = false;
+}
+
+impl Damps for SingleDampers {
+    const RAYLEIGH: bool = true;
+    const DAMPERS: bool = true;
+}
+
+/// Takes `count` steps of length `step`.
+type Run<S> =
+    fn(&mut Scheme<S>, &mut Motion, &Drive, step: f64, count: u64) -> Result<(), StepFailure>;
+
+/// The scheme on one structure.
+struct Scheme<S> {
+    dynamics: Dynamics,
+    contacts: Contacts,
+    structure: S,
+    run: Run<S>,
+}
+
+/// Names of the rows and columns of [`Scheme::KERNELS`].
+const DAMPINGS: [&str; 3] = ["no damping", "Rayleigh damping", "single dampers"];
+const CONTACTS: [&str; 2] = ["no contacts", "contacts"];
+
+impl<S: Structure + 'static> Scheme<S> {
+    const KERNELS: [[Run<S>; 2]; 3] = [
+        [Self::run::<Undamped, false>, Self::run::<Undamped, true>],
+        [Self::run::<Rayleigh, false>, Self::run::<Rayleigh, true>],
+        [Self::run::<SingleDampers, false>, Self::run::<SingleDampers, true>],
+    ];
+
+    fn boxed(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
+        let dynamics = Dynamics::new(model)?;
+        let contacts = Contacts::new(&dynamics.contacts);
+        let structure = S::new(model, &dynamics);
+        let run = Self::kernel(&dynamics);
+        Ok(Box::new(Self { dynamics, contacts, structure, run }))
+    }
+
+    /// The kernel for this dynamics.
+    fn kernel(dynamics: &Dynamics) -> Run<S> {
+        let Damping { alpha, beta } = dynamics.damping;
+        let damping = match dynamics.dampers.is_empty() {
+            true if alpha == 0.0 && beta == 0.0 => 0,
+            true => 1,
+            false => 2,
+        };
+        Self::KERNELS[damping][usize::from(!dynamics.contacts.is_empty())]
+    }
+
+    fn list(structure: &'static str) -> Vec<Kernel> {
+        let row = |(row, damping): ([Run<S>; 2], &'static str)| {
+            row.into_iter().zip(CONTACTS).map(move |(_, contacts)| Kernel {
+                structure,
+                arithmetic: format!("{}, {damping}, {contacts}", S::NAME),
+            })
+        };
+        Self::KERNELS.into_iter().zip(DAMPINGS).flat_map(row).collect()
+    }
+
+    fn run<D: Damps, const IN_CONTACT: bool>(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        h: f64,
+        count: u64,
+    ) -> Result<(), StepFailure> {
+        let mut vectors = self.structure.take(motion, &drive.force);
+        let mut outcome = Ok(());
+        for _ in 0..count {
+            self.structure.accelerate::<D>(&self.dynamics, &mut vectors);
+            let Vectors { x, v, a, .. } = &mut vectors;
+            let (x, v, a) = (x.as_mut(), v.as_mut(), a.as_mut());
+            if IN_CONTACT {
+                let moving = (&mut *x, &mut *v, &mut *a);
+                outcome = self.contacts.step(&mut self.dynamics, motion, moving, drive, h);
+                if outcome.is_err() {
+                    break;
+                }
+            } else {
+                for ((x, v), a) in x.iter_mut().zip(v).zip(a) {
+                    *v += h * *a;
+                    *x += h * *v;
+                }
+            }
+        }
+        if !IN_CONTACT {
+            motion.statistics.steps += count;
+        }
+        self.structure.give(vectors, motion);
+        outcome
+    }
+}
+
+impl<S: Structure + 'static> Integrator for Scheme<S> {
+    fn advance(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        step: f64,
+        count: u64,
+    ) -> Result<(), StepFailure> {
+        (self.run)(self, motion, drive, step, count)
+    }
+
+    fn contact_forces(
+        &mut self,
+        motion: &Motion,
+        drive: &Drive,
+        forces: &mut [ContactForce],
+    ) -> Result<(), StepFailure> {
+        self.dynamics.contact_forces(motion, drive, forces)
+    }
+
+    fn set_damping(&mut self, damping: Damping) {
+        self.dynamics.damping = damping;
+        self.run = Self::kernel(&self.dynamics);
+    }
+}

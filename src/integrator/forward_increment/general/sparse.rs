@@ -1,0 +1,140 @@
+//! Forces of a large structure: sparse matrices by rows.
+
+use super::{Damps, Structure, Vectors};
+use crate::integrator::Motion;
+use crate::integrator::dynamics::Dynamics;
+use crate::model::{Damping, LumpedModel};
+use std::mem::take;
+
+/// K and D by rows, from the dynamics. A motion stays where it is.
+pub(super) struct Sparse<M> {
+    mass: M,
+    load: Vec<f64>,
+    /// x + β ẋ, on which K acts for springs and dampers at once.
+    strained: Vec<f64>,
+    acceleration: Vec<f64>,
+}
+
+/// What a structure does with its mass matrix.
+pub(super) trait Mass: Send + 'static {
+    const NAME: &'static str;
+
+    fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self;
+
+    /// A row of M ẋ.
+    fn row_times(&self, dynamics: &Dynamics, row: usize, v: &[f64]) -> f64;
+
+    /// Makes M⁻¹ f of f.
+    fn divide(&mut self, dynamics: &Dynamics, force: &mut [f64]);
+}
+
+/// With its inverse.
+pub(super) struct DiagonalMass {
+    mass: Vec<f64>,
+    inverse: Vec<f64>,
+}
+
+pub(super) struct FullMass {
+    force: Vec<f64>,
+}
+
+impl Mass for DiagonalMass {
+    const NAME: &'static str = "diagonal mass";
+
+    fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self {
+        let [mass, inverse] = [&model.mass, &dynamics.inverse_mass]
+            .map(|matrix| (0..matrix.rows()).map(|i| matrix.get(i, i)).collect());
+        Self { mass, inverse }
+    }
+
+    #[inline(always)]
+    fn row_times(&self, _: &Dynamics, row: usize, v: &[f64]) -> f64 {
+        self.mass[row] * v[row]
+    }
+
+    #[inline(always)]
+    fn divide(&mut self, _: &Dynamics, force: &mut [f64]) {
+        for (force, inverse) in force.iter_mut().zip(&self.inverse) {
+            *force *= inverse;
+        }
+    }
+}
+
+impl Mass for FullMass {
+    const NAME: &'static str = "full mass";
+
+    fn new(model: &LumpedModel, _: &Dynamics) -> Self {
+        Self { force: vec![0.0; model.dofs()] }
+    }
+
+    #[inline(always)]
+    fn row_times(&self, dynamics: &Dynamics, row: usize, v: &[f64]) -> f64 {
+        dynamics.mass.row_times(row, v)
+    }
+
+    #[inline(always)]
+    fn divide(&mut self, dynamics: &Dynamics, force: &mut [f64]) {
+        self.force.copy_from_slice(force);
+        for (row, acceleration) in force.iter_mut().enumerate() {
+            *acceleration = dynamics.inverse_mass.row_times(row, &self.force);
+        }
+    }
+}
+
+impl<M: Mass> Structure for Sparse<M> {
+    const NAME: &'static str = M::NAME;
+    type Vector = Vec<f64>;
+
+    fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self {
+        let zero = vec![0.0; model.dofs()];
+        Self {
+            mass: M::new(model, dynamics),
+            load: zero.clone(),
+            strained: zero.clone(),
+            acceleration: zero,
+        }
+    }
+
+    fn take(&mut self, motion: &mut Motion, load: &[f64]) -> Vectors<Vec<f64>> {
+        for (kept, load) in self.load.iter_mut().zip(load) {
+            *kept = load + 0.0;
+        }
+        Vectors {
+            load: take(&mut self.load),
+            x: take(&mut motion.displacement),
+            v: take(&mut motion.velocity),
+            a: take(&mut self.acceleration),
+        }
+    }
+
+    fn give(&mut self, vectors: Vectors<Vec<f64>>, motion: &mut Motion) {
+        let Vectors { load, x, v, a } = vectors;
+        (self.load, self.acceleration) = (load, a);
+        (motion.displacement, motion.velocity) = (x, v);
+    }
+
+    #[inline(always)]
+    fn accelerate<D: Damps>(&mut self, dynamics: &Dynamics, vectors: &mut Vectors<Vec<f64>>) {
+        let Damping { alpha, beta } = dynamics.damping;
+        let Vectors { load, x, v, a } = vectors;
+        let strained = if D::RAYLEIGH {
+            for ((strained, x), v) in self.strained.iter_mut().zip(&*x).zip(&*v) {
+                *strained = x + beta * v;
+            }
+            &self.strained
+        } else {
+            &*x
+        };
+        for (row, (a, load)) in a.iter_mut().zip(&*load).enumerate() {
+            let mut force = load - dynamics.stiffness.row_times(row, strained);
+            if D::RAYLEIGH {
+                force -= alpha * self.mass.row_times(dynamics, row, v);
+            }
+            if D::DAMPERS {
+                force -= dynamics.dampers.row_times(row, v);
+            }
+            *a = force;
+        }
+        self.mass.divide(dynamics, a);
+    }
+}
