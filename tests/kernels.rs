@@ -55,7 +55,7 @@ fn of_scene(name: &str) -> LumpedModel {
 /// A motion that slides, sticks and opens where it can.
 fn moved(integrator: &mut dyn Integrator, model: &LumpedModel) -> Motion {
     let contacts = model.contacts.len();
-    let friction = amontons::contact::Friction::with_static(0.4, 0.6);
+    let friction = Friction::with_static(0.4, 0.6);
     let drive = Drive::uniform(model.load.clone(), contacts, 0.05, friction);
     let mut motion = Motion {
         displacement: vec![0.0; model.dofs()],
@@ -189,7 +189,8 @@ fn the_kernels_of_rings_and_of_networks_agree_on_every_part_of_the_law_of_contac
                 [Box::new(of_ring), dense(&model).unwrap().unwrap(), sparse(&model).unwrap()];
             let [ring, dense, sparse] = boxed.map(|mut integrator| {
                 let mut motion = Motion {
-                    displacement: vec![0.0; 12],
+                    // Pressed on; at N = 0 the two would have to agree on what is open.
+                    displacement: [0.0, -1e-4, 0.0, 0.0].repeat(3),
                     velocity: (0..12)
                         .map(|i| if i % 4 == 3 { 0.0 } else { 0.01 * f64::from(i - 6) })
                         .collect(),
@@ -216,7 +217,7 @@ fn the_kernels_of_rings_and_of_networks_agree_on_every_part_of_the_law_of_contac
             // Each part was there to be missed.
             let is_frozen = law.is_frozen() && friction.about().sticks;
             assert_eq!(reversed > 0, is_frozen, "{law:?}: {reversed}");
-            assert!(detachment || law.is_frozen() || changes > 10, "{law:?}: {changes}");
+            assert!(detachment || law.is_frozen() || changes > 4, "{law:?}: {changes}");
             assert!(pulled == 0 || !detachment, "{law:?}");
         }
     }
