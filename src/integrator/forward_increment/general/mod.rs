@@ -149,7 +149,7 @@ impl<S: Structure + 'static> Scheme<S> {
 
     fn boxed(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
         let dynamics = Dynamics::new(model)?;
-        let contacts = Contacts::new(&dynamics.contacts);
+        let contacts = Contacts::new(&dynamics);
         let structure = S::new(model, &dynamics);
         let run = Self::kernel(&dynamics);
         Ok(Box::new(Self { dynamics, contacts, structure, run }))
