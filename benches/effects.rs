@@ -25,7 +25,7 @@ const TIMED: u64 = 20_000;
 const SLICES: usize = 100;
 
 /// Parts of scenes.
-const RAYLEIGH: &str = "[damping]\nalpha = 1.0\nbeta = 1e-6\n";
+const RAYLEIGH: &str = "[damping]\nalpha = 1.0\nbeta = 3e-5\n";
 const DAMPER: &str =
     "[[damper]]\nname = \"d\"\nbetween = [\"m\", \"ground\"]\ndirection = 1.1\ndamping = 2.0\n";
 const CONTACT: &str = "[[contact]]\nname = \"c\"\nmass = \"m\"\n";
@@ -37,7 +37,7 @@ const STATIC: &str = "[friction]\ncoefficient = 0.3\nstatic = 0.5\n";
 const RING: &str = r#"
 [slider]
 velocity = 0.025
-angle = 0.2617993877991494
+angle = 0.5
 [ring]
 modules = 2
 m1 = 0.3
@@ -53,7 +53,7 @@ preload = 5e-3
 step = 1e-6
 [[initial]]
 module = 1
-v1 = 1e-5
+v1 = 1e-7
 "#;
 
 /// What is added to a structure: a name, and parts of the scene file.

@@ -36,6 +36,7 @@ impl LocalProblem {
     ///
     /// where `free` holds the normal and tangential accelerations (m/s²) without this contact.
     /// The cases are tried in turn: open, stick, slide. W is positive definite, so one of them holds.
+    #[inline]
     #[must_use]
     pub fn solve(&self, free: [f64; 2], range: &FrictionRange) -> LocalSolution {
         let [free_normal, free_tangential] = free;
@@ -63,6 +64,7 @@ impl LocalProblem {
     /// The multipliers of a contact that does slip, with `friction` = µ_k in the given direction (±1);
     /// `None` where it wedges (Painlevé): friction then presses the mass on more than it is
     /// pressed, W_NN ± µ W_NT ≤ 0.
+    #[inline]
     #[must_use]
     pub fn slide(&self, free_normal: f64, friction: f64, direction: f64) -> Option<LocalSolution> {
         let slope = direction * friction;

@@ -183,8 +183,5 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
     if let Some(ring) = RingForwardIncrement::new(model) {
         return Ok(Box::new(ring));
     }
-    match dense(model)? {
-        Some(dense) => Ok(dense),
-        None => sparse(model),
-    }
+    forward_increment::faster(model)
 }

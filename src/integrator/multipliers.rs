@@ -28,15 +28,6 @@ pub(super) struct Multipliers {
     coupled: Vec<usize>,
 }
 
-/// How far a sweep is.
-#[derive(Clone, Copy)]
-struct Progress {
-    /// The largest change of a multiplier in it, N.
-    change: f64,
-    /// The largest multiplier, N.
-    largest: f64,
-}
-
 impl Multipliers {
     pub(super) fn new(delassus: Delassus) -> Self {
         let contacts = delassus.contacts();
@@ -59,6 +50,7 @@ impl Multipliers {
     /// What a contact holds while others let go depends on them, so static friction comes first: all are
     /// solved with their ranges as the limit, then those that slip even so with µ_k against it, and all again.
     /// They may then hold, or slip the other way: what they let go of loads others, which push them back.
+    #[inline]
     pub(super) fn solve(&mut self) -> Result<u64, StepFailure> {
         let mut sweeps = self.relax()?;
         while self.let_go() {
@@ -85,50 +77,48 @@ impl Multipliers {
 
     /// One solution, with the limits as they are. Contacts that share no mass with others are solved once;
     /// sweeps go over the others.
+    #[inline]
     fn relax(&mut self) -> Result<u64, StepFailure> {
-        self.forces.fill([0.0; 2]);
-        let mut alone = Progress { change: 0.0, largest: f64::MIN_POSITIVE };
         for place in 0..self.alone.len() {
-            self.renew(self.alone[place], &mut alone, 1)?;
+            let contact = self.alone[place];
+            (self.forces[contact], self.states[contact]) = self.solve_one(contact, 1)?;
         }
-        if self.coupled.is_empty() {
-            return Ok(1);
+        if self.coupled.is_empty() { Ok(1) } else { self.sweep() }
+    }
+
+    /// Solves the contacts that are coupled; those that are not are solved already.
+    fn sweep(&mut self) -> Result<u64, StepFailure> {
+        for &contact in &self.coupled {
+            self.forces[contact] = [0.0; 2];
         }
+        let size = |largest: f64, force: &f64| largest.max(force.abs());
+        let alone = self.forces.iter().flatten().fold(f64::MIN_POSITIVE, size);
         for sweep in 1..=MAX_SWEEPS {
-            let mut progress = Progress { change: 0.0, ..alone };
+            let (mut change, mut largest) = (0.0_f64, alone);
             for place in 0..self.coupled.len() {
-                self.renew(self.coupled[place], &mut progress, sweep)?;
+                let contact = self.coupled[place];
+                let (force, state) = self.solve_one(contact, sweep)?;
+                self.states[contact] = state;
+                for (old, new) in self.forces[contact].iter_mut().zip(force) {
+                    change = change.max((new - *old).abs());
+                    largest = largest.max(new.abs());
+                    *old = new;
+                }
             }
-            if progress.change <= TOLERANCE * progress.largest {
+            if change <= TOLERANCE * largest {
                 return Ok(sweep);
             }
         }
         Err(StepFailure::NoConvergence { sweeps: MAX_SWEEPS })
     }
 
-    /// Solves one contact in this sweep.
-    #[inline(always)]
-    fn renew(
-        &mut self,
+    /// Eqs. (19)–(21) for one contact in this sweep: its force, those of the others held, and its state.
+    #[inline]
+    fn solve_one(
+        &self,
         contact: usize,
-        progress: &mut Progress,
         sweep: u64,
-    ) -> Result<(), StepFailure> {
-        let LocalSolution { force, state } = self.solve_one(contact)?;
-        self.states[contact] = state;
-        if !force.iter().all(|force| force.is_finite()) {
-            return Err(StepFailure::NoConvergence { sweeps: sweep });
-        }
-        for (old, new) in self.forces[contact].iter_mut().zip(force) {
-            progress.change = progress.change.max((new - *old).abs());
-            progress.largest = progress.largest.max(new.abs());
-            *old = new;
-        }
-        Ok(())
-    }
-
-    /// Eqs. (19)–(21) for one contact: its force, those of the others held.
-    fn solve_one(&self, contact: usize) -> Result<LocalSolution, StepFailure> {
+    ) -> Result<([f64; 2], ContactState), StepFailure> {
         let own = self.delassus.own(contact);
         let local = LocalProblem { nn: own[0], nt: own[1], tt: own[3] };
         let [mut normal, mut tangential] = self.free[contact];
@@ -147,7 +137,11 @@ impl Multipliers {
             }
             &Freedom::Guided { slope, state } => local.guide(normal, slope, state),
         };
-        solution.ok_or(StepFailure::Wedged { contact })
+        let LocalSolution { force, state } = solution.ok_or(StepFailure::Wedged { contact })?;
+        if !force.iter().all(|force| force.is_finite()) {
+            return Err(StepFailure::NoConvergence { sweeps: sweep });
+        }
+        Ok((force, state))
     }
 }
 

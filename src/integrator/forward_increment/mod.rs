@@ -18,12 +18,13 @@
 mod general;
 mod ring;
 
+use super::Kernel;
+
+pub(super) use general::faster;
 pub use general::{dense, sparse};
 pub use ring::RingForwardIncrement;
 #[cfg(feature = "tools")]
 pub use ring::batch::{RingBatch, Width};
-
-use super::Kernel;
 
 /// All kernels of the scheme.
 pub(super) fn kernels() -> Vec<Kernel> {

@@ -3,18 +3,43 @@
 use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::{Drive, Motion, StepFailure};
-use crate::model::Contact;
+use crate::model::Direction;
+use std::ops::Range;
 
-/// The contacts that lie along degrees of freedom.
+/// G and M⁻¹ Gᵀ, one contact after the other in one list.
 pub(super) struct Contacts {
-    /// Of each contact: the degree of freedom that is its gap, and the one that is its tangential displacement.
-    along: Vec<[Option<usize>; 2]>,
+    /// Degrees of freedom and factors.
+    parts: Vec<(usize, f64)>,
+    places: Vec<Place>,
+}
+
+/// Where a contact stands in the list, and what it lies along.
+struct Place {
+    normal: Range<usize>,
+    tangent: Range<usize>,
+    /// M⁻¹ Gᵀ for the normal and for the tangent.
+    responses: [Range<usize>; 2],
+    /// The degree of freedom that is its gap, and the one that is its tangential displacement, if one is.
+    along: [Option<usize>; 2],
 }
 
 impl Contacts {
-    pub(super) fn new(contacts: &[Contact]) -> Self {
-        let along = |contact: &Contact| [contact.normal.as_unit(), contact.tangent.as_unit()];
-        Self { along: contacts.iter().map(along).collect() }
+    pub(super) fn new(dynamics: &Dynamics) -> Self {
+        let mut parts = Vec::new();
+        let mut add = |direction: &Direction| {
+            let start = parts.len();
+            parts.extend(&direction.0);
+            start..parts.len()
+        };
+        let pairs = dynamics.contacts.iter().zip(&dynamics.responses);
+        let places = pairs.map(|(contact, responses)| Place {
+            normal: add(&contact.normal),
+            tangent: add(&contact.tangent),
+            responses: responses.each_ref().map(&mut add),
+            along: [contact.normal.as_unit(), contact.tangent.as_unit()],
+        });
+        let places = places.collect();
+        Self { parts, places }
     }
 
     /// Takes a step from x and ẋ with the acceleration ẍ that there would be without contact forces. The
@@ -27,35 +52,50 @@ impl Contacts {
         drive: &Drive,
         h: f64,
     ) -> Result<(), StepFailure> {
-        let Dynamics { contacts, multipliers, responses, freedom_of, .. } = &mut *dynamics;
-        for (i, contact) in contacts.iter().enumerate() {
-            let normal = contact.normal.dot(v);
-            let slip = contact.tangent.dot(v) - drive.slider_velocity[i];
+        let Dynamics { multipliers, freedom_of, .. } = &mut *dynamics;
+        // In slices of one length no index needs a check of its own.
+        let (v, a) = (&mut v[..x.len()], &mut a[..x.len()]);
+        let contacts = self.places.len();
+        let (before, slider) = (&motion.contacts[..contacts], &drive.slider_velocity[..contacts]);
+        let (friction, free) = (&drive.friction[..contacts], &mut multipliers.free[..contacts]);
+        let freedom = &mut multipliers.freedom[..contacts];
+        for (i, place) in self.places.iter().enumerate() {
+            let (mut normal, mut gap, mut approach) = (0.0, 0.0, 0.0);
+            for &(dof, factor) in &self.parts[place.normal.clone()] {
+                normal += factor * v[dof];
+                gap += factor * x[dof];
+                approach += factor * a[dof];
+            }
+            let (mut slip, mut drift) = (0.0, 0.0);
+            for &(dof, factor) in &self.parts[place.tangent.clone()] {
+                slip += factor * v[dof];
+                drift += factor * a[dof];
+            }
             // A closed contact has no gap: a rounding error of one would be an impulse gap/h.
-            let gap = match motion.contacts[i] {
+            gap = match before[i] {
                 // Below zero it is what rounding leaves when a contact opens.
-                ContactState::Detached => contact.normal.dot(x).max(0.0),
+                ContactState::Detached => f64::max(gap, 0.0),
                 _ => 0.0,
             };
-            let surface = drive.slider_velocity[i];
-            multipliers.freedom[i] =
-                freedom_of(drive.friction[i], -slip, surface, motion.contacts[i]);
-            multipliers.free[i] =
-                [contact.normal.dot(a) + (normal + gap / h) / h, contact.tangent.dot(a) + slip / h];
+            let slip = slip - slider[i];
+            freedom[i] = freedom_of(friction[i], -slip, slider[i], before[i]);
+            free[i] = [approach + (normal + gap / h) / h, drift + slip / h];
         }
         let sweeps = multipliers.solve()?;
         motion.statistics.steps += 1;
         motion.statistics.count_sweeps(sweeps);
 
-        for (force, responses) in multipliers.forces.iter().zip(&*responses) {
-            for (&force, response) in force.iter().zip(responses) {
-                response.add_to(a, force);
+        for (place, forces) in self.places.iter().zip(&multipliers.forces) {
+            for (force, response) in forces.iter().zip(&place.responses) {
+                for &(dof, factor) in &self.parts[response.clone()] {
+                    a[dof] += force * factor;
+                }
             }
         }
         for (v, a) in v.iter_mut().zip(&*a) {
             *v += h * a;
         }
-        self.settle(&multipliers.states, motion, (x, &mut *v), drive, h);
+        self.settle(&multipliers.states, motion, (x, &mut *v), slider, h);
         if dynamics.law.is_reduced() {
             dynamics.count_broken(motion, v, drive);
         }
@@ -69,7 +109,7 @@ impl Contacts {
         states: &[ContactState],
         motion: &mut Motion,
         (x, v): (&mut [f64], &mut [f64]),
-        drive: &Drive,
+        slider: &[f64],
         h: f64,
     ) {
         for (i, (&state, old)) in states.iter().zip(&mut motion.contacts).enumerate() {
@@ -78,17 +118,14 @@ impl Contacts {
                 motion.statistics.touch_downs += u64::from(*old == ContactState::Detached);
                 *old = state;
             }
-            if let ([_, Some(tangent)], ContactState::Stick) = (self.along[i], state) {
-                v[tangent] = drive.slider_velocity[i];
+            if let ([_, Some(tangent)], ContactState::Stick) = (self.places[i].along, state) {
+                v[tangent] = slider[i];
             }
         }
         let held = || {
-            let closed = self
-                .along
-                .iter()
-                .zip(states)
-                .filter(|(_, state)| **state != ContactState::Detached);
-            closed.filter_map(|(along, _)| along[0])
+            let closed = |state: &ContactState| *state != ContactState::Detached;
+            let places = self.places.iter().zip(states).filter(move |(_, state)| closed(state));
+            places.filter_map(|(place, _)| place.along[0])
         };
         for normal in held() {
             v[normal] = (0.0 - x[normal]) / h;
