@@ -302,6 +302,7 @@ impl Ring {
                 velocity: scene.initial_velocities().collect(),
                 contacts: vec![ContactState::Slide; model.contacts.len()],
                 statistics: Statistics::default(),
+                ledger: None,
             },
             integrator: integrator::choose(&model, scene.method).expect("its masses are positive"),
             model,

@@ -8,6 +8,7 @@ mod delassus;
 mod dynamics;
 mod event_driven;
 mod forward_increment;
+mod ledger;
 mod multipliers;
 mod select;
 
@@ -16,6 +17,7 @@ pub use event_driven::EventDriven;
 #[cfg(feature = "tools")]
 pub use forward_increment::{RingBatch, Width};
 pub use forward_increment::{RingForwardIncrement, SparseForwardIncrement};
+pub use ledger::{Energy, Ledger};
 pub use select::{Selected, select, tidy};
 
 use crate::Error;
@@ -35,6 +37,8 @@ pub struct Motion {
     pub contacts: Vec<ContactState>,
     /// What has been counted since the start.
     pub statistics: Statistics,
+    /// Where energy has gone; for an integrator with a ledger.
+    pub ledger: Option<Ledger>,
 }
 
 /// What an integrator counts.
@@ -163,4 +167,22 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
         return Ok(Box::new(ring));
     }
     Ok(Box::new(SparseForwardIncrement::new(model)?))
+}
+
+/// The same that writes the ledger of its motion, step by step; of a motion without one it moves the motion alone.
+///
+/// # Errors
+/// As [`choose`].
+pub fn choose_with_ledger(
+    model: &LumpedModel,
+    method: Method,
+) -> Result<Box<dyn Integrator>, Error> {
+    use forward_increment::WithLedger;
+    if method == Method::EventDriven {
+        return Ok(Box::new(event_driven::WithLedger::new(model)?));
+    }
+    if let Some(ring) = RingForwardIncrement::new(model) {
+        return Ok(Box::new(WithLedger::new(ring, model)));
+    }
+    Ok(Box::new(WithLedger::new(SparseForwardIncrement::new(model)?, model)))
 }

@@ -197,9 +197,11 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
 }
 
 /// Locked degrees of freedom have no variables, v and µ of a contact have one only where the contact
-/// has its own, static friction where there is some, the step where it is given.
+/// has its own, static friction where there is some, the step where it is given, energy where the scene asks
+/// for it.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
+        Quantity::Energy => return scene.effects.energy,
         Quantity::StaticFriction => return scene.static_friction.is_some(),
         // Where a tolerance chooses it, it is not for an importer to give.
         Quantity::IntegratorStep => return scene.selection == Selection::Given,

@@ -172,6 +172,9 @@ impl Simulation {
                 let count = u32::try_from(self.motion.statistics.state_changes);
                 f64::from(count.map_or(i32::MAX, |count| i32::try_from(count).unwrap_or(i32::MAX)))
             }
+            Quantity::Energy => {
+                self.energy().map_or(f64::NAN, |energy| energy.parts()[variable.template.component])
+            }
             _ => read_scene(&self.scene, variable).expect("every other quantity is a scene's"),
         })
     }

@@ -1,5 +1,6 @@
 //! Instants at which velocities end or jump: slips that stop, and impacts.
 
+use super::ledger::Witness;
 use super::rounding::THROWN;
 use super::watch::Event;
 use super::{Drive, EventDriven, Motion, StepFailure};
@@ -32,7 +33,12 @@ impl EventDriven {
     /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
     /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
     /// there: else two that throw each other off would go on to do so.
-    pub(super) fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+    pub(super) fn impact(
+        &mut self,
+        witness: &mut impl Witness,
+        motion: &mut Motion,
+        drive: &Drive,
+    ) -> Result<(), StepFailure> {
         let Dynamics { contacts, multipliers, responses, .. } = &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
             let state = motion.contacts[i];
@@ -53,6 +59,7 @@ impl EventDriven {
                 response.add_to(&mut motion.velocity, impulse);
             }
         }
+        witness.is_struck(self, motion);
         self.stand(motion);
         Ok(())
     }

@@ -13,6 +13,7 @@
 mod held;
 mod impact;
 mod law;
+mod ledger;
 mod reduced;
 mod report;
 mod roots;
@@ -28,6 +29,8 @@ use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Contact, Damping, Direction, LumpedModel};
 use held::MAX_GROUP;
 use impact::frictionless;
+pub(super) use ledger::WithLedger;
+use ledger::Witness;
 use reduced::MOST_PLACES;
 use rounding::{NOISE, THROWN, pulls};
 use series::{ORDER, Polynomial, Series};
@@ -113,7 +116,13 @@ impl EventDriven {
         })
     }
 
-    fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
+    fn step(
+        &mut self,
+        witness: &mut impl Witness,
+        motion: &mut Motion,
+        drive: &Drive,
+        h: f64,
+    ) -> Result<(), StepFailure> {
         motion.statistics.steps += 1;
         let (mut left, mut events, mut standstill) = (h, 0, 0);
         self.repeats.fill(0);
@@ -121,7 +130,7 @@ impl EventDriven {
         self.follow_slider(motion, h);
         self.note_closed(motion);
         if motion.statistics.steps == 1 {
-            self.stop_approach(motion, drive)?;
+            self.stop_approach(witness, motion, drive)?;
         }
         while left > 0.0 {
             let Self { series, dynamics, force, .. } = self;
@@ -142,6 +151,7 @@ impl EventDriven {
                 self.repeats.fill(0);
             }
             if passed > 0.0 {
+                witness.passes(self, motion, drive, part);
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
@@ -153,7 +163,7 @@ impl EventDriven {
                 for (repeats, event) in self.repeats.iter_mut().zip(&self.events) {
                     *repeats += u32::from(event.is_some());
                 }
-                self.change(motion, drive, standstill > 0)?;
+                self.change(witness, motion, drive, standstill > 0)?;
                 events += 1;
                 standstill += 1;
                 let contacts = self.events.len() as u64;
@@ -222,7 +232,12 @@ impl EventDriven {
     }
 
     /// A motion may be started with closed contacts that approach: an impact too.
-    fn stop_approach(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+    fn stop_approach(
+        &mut self,
+        witness: &mut impl Witness,
+        motion: &mut Motion,
+        drive: &Drive,
+    ) -> Result<(), StepFailure> {
         let speed = self.speed(motion);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let approaches = motion.contacts[i] != ContactState::Detached
@@ -230,7 +245,7 @@ impl EventDriven {
             self.events[i] = approaches.then_some(Event::Touch);
         }
         if self.events.iter().any(Option::is_some) {
-            self.change(motion, drive, false)
+            self.change(witness, motion, drive, false)
         } else {
             Ok(())
         }
@@ -262,6 +277,7 @@ impl EventDriven {
     /// The states that follow on the events, by the law of contact; `again`: at the instant of the last ones.
     fn change(
         &mut self,
+        witness: &mut impl Witness,
         motion: &mut Motion,
         drive: &Drive,
         again: bool,
@@ -272,7 +288,7 @@ impl EventDriven {
         let speed = self.speed(motion);
         self.stop(motion);
         if landed {
-            self.impact(motion, drive)?;
+            self.impact(witness, motion, drive)?;
         }
         self.dynamics.free_acceleration(motion, &self.force);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
@@ -328,7 +344,7 @@ impl Integrator for EventDriven {
         count: u64,
     ) -> Result<(), StepFailure> {
         for _ in 0..count {
-            self.step(motion, drive, step)?;
+            self.step(&mut (), motion, drive, step)?;
         }
         Ok(())
     }

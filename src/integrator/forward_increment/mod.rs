@@ -15,9 +15,11 @@
 //! matrix G M⁻¹ Gᵀ is diagonal, so that Gauss–Seidel is done after one sweep;
 //! [`SparseForwardIncrement`] for anything else.
 
+mod ledger;
 mod ring;
 mod sparse;
 
+pub(super) use ledger::WithLedger;
 pub use ring::RingForwardIncrement;
 #[cfg(feature = "tools")]
 pub use ring::batch::{RingBatch, Width};

@@ -22,6 +22,11 @@ impl SparseForwardIncrement {
         Ok(Self { dynamics: Dynamics::new(model)? })
     }
 
+    /// (N, T) of each contact over the last step, N.
+    pub(super) fn last_multipliers(&self) -> &[[f64; 2]] {
+        &self.dynamics.multipliers.forces
+    }
+
     fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
         self.dynamics.free_acceleration(motion, &drive.force);
         let Dynamics { contacts, multipliers, responses, acceleration, .. } = &mut self.dynamics;
