@@ -179,7 +179,7 @@ pub fn choose_with_ledger(
 ) -> Result<Box<dyn Integrator>, Error> {
     use forward_increment::WithLedger;
     if method == Method::EventDriven {
-        return Ok(Box::new(event_driven::WithLedger::new(model)?));
+        return Ok(Box::new(EventDriven::with_witness(model, event_driven::Writer::new(model))?));
     }
     if let Some(ring) = RingForwardIncrement::new(model) {
         return Ok(Box::new(WithLedger::new(ring, model)));

@@ -1,6 +1,6 @@
 //! Instants at which velocities end or jump: slips that stop, and impacts.
 
-use super::ledger::Witness;
+use super::ledger::{Strike, Witness};
 use super::rounding::THROWN;
 use super::watch::Event;
 use super::{Drive, EventDriven, Motion, StepFailure};
@@ -8,7 +8,7 @@ use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::multipliers::Freedom;
 
-impl EventDriven {
+impl<W: Witness> EventDriven<W> {
     /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
     pub(super) fn stop(&mut self, motion: &mut Motion) {
         let stops = |event: &Option<Event>| *event == Some(Event::Stop);
@@ -33,12 +33,7 @@ impl EventDriven {
     /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
     /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
     /// there: else two that throw each other off would go on to do so.
-    pub(super) fn impact(
-        &mut self,
-        witness: &mut impl Witness,
-        motion: &mut Motion,
-        drive: &Drive,
-    ) -> Result<(), StepFailure> {
+    pub(super) fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
         let Dynamics { contacts, multipliers, responses, .. } = &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
             let state = motion.contacts[i];
@@ -59,7 +54,8 @@ impl EventDriven {
                 response.add_to(&mut motion.velocity, impulse);
             }
         }
-        witness.is_struck(self, motion);
+        let Self { witness, dynamics, surface, .. } = self;
+        witness.is_struck(Strike { dynamics, surface }, motion);
         self.stand(motion);
         Ok(())
     }

@@ -1,74 +1,51 @@
-//! Exact motion with a ledger: what [`EventDriven`] lets a witness see, and the witness that writes one.
+//! Exact motion with a ledger: what [`EventDriven`](super::EventDriven) lets a witness see, and the witness that
+//! writes one.
 
-use super::series::{ORDER, Polynomial, index};
-use super::{EventDriven, Integrator};
-use crate::Error;
-use crate::contact::{ContactForce, ContactState};
-use crate::integrator::{Drive, Motion, StepFailure};
+use super::series::{ORDER, Polynomial, Series, index};
+use crate::contact::ContactState;
+use crate::integrator::dynamics::Dynamics;
+use crate::integrator::{Drive, Motion};
 use crate::model::{Damping, LumpedModel};
 
-/// Whoever looks at what happens on the way; nobody, as a rule, for whom nothing is compiled.
-pub(super) trait Witness {
-    /// The motion is about to pass this part of the series' span.
-    fn passes(&mut self, of: &mut EventDriven, motion: &mut Motion, drive: &Drive, part: f64);
+/// A part of a series that the motion is about to pass.
+pub struct Passage<'a> {
+    pub(super) dynamics: &'a Dynamics,
+    pub(super) series: &'a mut Series,
+    /// The outer forces, N, and the velocities of the sliders, m/s, where it begins.
+    pub(super) force: &'a [f64],
+    pub(super) surface: &'a [f64],
+    pub(super) drive: &'a Drive,
+    /// How much of the span.
+    pub(super) part: f64,
+}
 
-    /// The impulses of an impact have acted.
-    fn is_struck(&mut self, of: &EventDriven, motion: &mut Motion);
+/// An impact whose impulses have acted: the multipliers.
+pub struct Strike<'a> {
+    pub(super) dynamics: &'a Dynamics,
+    /// The velocities of the sliders, m/s.
+    pub(super) surface: &'a [f64],
+}
+
+/// Whoever looks at what happens on the way. It is a type parameter, so that nobody, who looks as a rule, costs
+/// nothing.
+pub trait Witness: Send {
+    fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion);
+
+    fn is_struck(&mut self, strike: Strike<'_>, motion: &mut Motion);
 }
 
 /// Nobody.
 impl Witness for () {
     #[inline(always)]
-    fn passes(&mut self, _: &mut EventDriven, _: &mut Motion, _: &Drive, _: f64) {}
+    fn passes(&mut self, _: Passage<'_>, _: &mut Motion) {}
 
     #[inline(always)]
-    fn is_struck(&mut self, _: &EventDriven, _: &mut Motion) {}
+    fn is_struck(&mut self, _: Strike<'_>, _: &mut Motion) {}
 }
 
-/// The event-driven integrator that writes the ledger of its motion. Between events all integrands are products
-/// of polynomials, so its entries are exact but for rounding.
-pub(in crate::integrator) struct WithLedger {
-    integrator: EventDriven,
-    writer: Writer,
-}
-
-impl WithLedger {
-    pub(in crate::integrator) fn new(model: &LumpedModel) -> Result<Self, Error> {
-        Ok(Self { integrator: EventDriven::new(model)?, writer: Writer::new(model) })
-    }
-}
-
-impl Integrator for WithLedger {
-    fn advance(
-        &mut self,
-        motion: &mut Motion,
-        drive: &Drive,
-        step: f64,
-        count: u64,
-    ) -> Result<(), StepFailure> {
-        for _ in 0..count {
-            self.integrator.step(&mut self.writer, motion, drive, step)?;
-        }
-        Ok(())
-    }
-
-    fn contact_forces(
-        &mut self,
-        motion: &Motion,
-        drive: &Drive,
-        forces: &mut [ContactForce],
-    ) -> Result<(), StepFailure> {
-        self.integrator.contact_forces(motion, drive, forces)
-    }
-
-    fn set_damping(&mut self, damping: Damping) {
-        self.writer.model.damping = damping;
-        self.integrator.set_damping(damping);
-    }
-}
-
-/// Writes the ledger.
-struct Writer {
+/// Writes the ledger of the motion. Between events all integrands are products of polynomials, so its entries are
+/// exact but for rounding.
+pub(in crate::integrator) struct Writer {
     model: LumpedModel,
     /// The powers of dx/du over a part of a series in which u goes from 0 to 1, m; row by row, one value a degree
     /// of freedom.
@@ -81,7 +58,7 @@ struct Writer {
 }
 
 impl Writer {
-    fn new(model: &LumpedModel) -> Self {
+    pub(in crate::integrator) fn new(model: &LumpedModel) -> Self {
         let room = || vec![0.0; ORDER * model.dofs()];
         Self {
             model: model.clone(),
@@ -93,10 +70,9 @@ impl Writer {
     }
 
     /// ∫ ẋᵀ C ẋ dt over the part at hand, which takes `time` (s).
-    fn damping(&mut self, time: f64) -> f64 {
-        let LumpedModel { mass, stiffness, dampers, damping, .. } = &self.model;
+    fn damping(&mut self, Damping { alpha, beta }: Damping, time: f64) -> f64 {
+        let LumpedModel { mass, stiffness, dampers, .. } = &self.model;
         let dofs = self.model.dofs();
-        let Damping { alpha, beta } = *damping;
         if alpha == 0.0 && beta == 0.0 && dampers.is_empty() {
             return 0.0;
         }
@@ -119,9 +95,9 @@ impl Writer {
 }
 
 impl Witness for Writer {
-    fn passes(&mut self, of: &mut EventDriven, motion: &mut Motion, drive: &Drive, part: f64) {
+    fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion) {
         let Some(ledger) = &mut motion.ledger else { return };
-        let EventDriven { series, dynamics, force, surface, .. } = of;
+        let Passage { dynamics, series, force, surface, drive, part } = passage;
         let (dofs, time) = (force.len(), part * series.span());
         let powers = series.order();
         self.moved.resize(powers * dofs, 0.0);
@@ -134,7 +110,7 @@ impl Witness for Writer {
                 *moved = factor * c;
             }
         }
-        ledger.damping += self.damping(time);
+        ledger.damping += self.damping(dynamics.damping, time);
 
         // Forces are f + ḟ t; both are looked at once for each power.
         for (k, moved) in self.moved.chunks_exact(dofs).enumerate() {
@@ -170,15 +146,15 @@ impl Witness for Writer {
         }
     }
 
-    fn is_struck(&mut self, of: &EventDriven, motion: &mut Motion) {
+    fn is_struck(&mut self, Strike { dynamics, surface }: Strike<'_>, motion: &mut Motion) {
         let Some(ledger) = &mut motion.ledger else { return };
-        let multipliers = &of.dynamics.multipliers;
-        for (i, contact) in of.dynamics.contacts.iter().enumerate() {
+        let multipliers = &dynamics.multipliers;
+        for (i, contact) in dynamics.contacts.iter().enumerate() {
             let [approach, slip] = multipliers.free[i];
-            let before = [approach, slip + of.surface[i]];
+            let before = [approach, slip + surface[i]];
             let after = [&contact.normal, &contact.tangent].map(|row| row.dot(&motion.velocity));
             let mean = [0, 1].map(|part| 0.5 * (before[part] + after[part]));
-            ledger.add_impulses(multipliers.forces[i], mean, of.surface[i]);
+            ledger.add_impulses(multipliers.forces[i], mean, surface[i]);
         }
     }
 }

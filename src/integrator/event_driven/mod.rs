@@ -29,8 +29,8 @@ use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Contact, Damping, Direction, LumpedModel};
 use held::MAX_GROUP;
 use impact::frictionless;
-pub(super) use ledger::WithLedger;
-use ledger::Witness;
+pub(super) use ledger::Writer;
+use ledger::{Passage, Witness};
 use reduced::MOST_PLACES;
 use rounding::{NOISE, THROWN, pulls};
 use series::{ORDER, Polynomial, Series};
@@ -48,7 +48,8 @@ const SHORTEST: f64 = 1e-12;
 /// Structures with up to 16 degrees of freedom (two more for each contact between two masses or at an
 /// angle to them) get a full matrix for each contact state that they meet, of which up to 64 are kept, in
 /// at most 300 kB. That room is taken when the integrator is made. Larger structures use sparse matrices.
-pub struct EventDriven {
+pub struct EventDriven<W = ()> {
+    witness: W,
     dynamics: Dynamics,
     series: Series,
     /// Does any contact hold more than one degree of freedom at a time?
@@ -87,6 +88,12 @@ impl EventDriven {
     /// # Errors
     /// A mass matrix that is not positive definite; more contacts that share masses than it can hold.
     pub fn new(model: &LumpedModel) -> Result<Self, Error> {
+        Self::with_witness(model, ())
+    }
+}
+
+impl<W: Witness> EventDriven<W> {
+    pub(super) fn with_witness(model: &LumpedModel, witness: W) -> Result<Self, Error> {
         let dynamics = Dynamics::new(model)?;
         let contacts = model.contacts.len();
         let series = Series::new(&dynamics);
@@ -97,6 +104,7 @@ impl EventDriven {
             )));
         }
         Ok(Self {
+            witness,
             series,
             is_inclined: model.contacts.iter().any(|contact| {
                 contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
@@ -116,13 +124,7 @@ impl EventDriven {
         })
     }
 
-    fn step(
-        &mut self,
-        witness: &mut impl Witness,
-        motion: &mut Motion,
-        drive: &Drive,
-        h: f64,
-    ) -> Result<(), StepFailure> {
+    fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
         motion.statistics.steps += 1;
         let (mut left, mut events, mut standstill) = (h, 0, 0);
         self.repeats.fill(0);
@@ -130,7 +132,7 @@ impl EventDriven {
         self.follow_slider(motion, h);
         self.note_closed(motion);
         if motion.statistics.steps == 1 {
-            self.stop_approach(witness, motion, drive)?;
+            self.stop_approach(motion, drive)?;
         }
         while left > 0.0 {
             let Self { series, dynamics, force, .. } = self;
@@ -151,7 +153,8 @@ impl EventDriven {
                 self.repeats.fill(0);
             }
             if passed > 0.0 {
-                witness.passes(self, motion, drive, part);
+                let Self { witness, dynamics, series, force, surface, .. } = self;
+                witness.passes(Passage { dynamics, series, force, surface, drive, part }, motion);
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
@@ -163,7 +166,7 @@ impl EventDriven {
                 for (repeats, event) in self.repeats.iter_mut().zip(&self.events) {
                     *repeats += u32::from(event.is_some());
                 }
-                self.change(witness, motion, drive, standstill > 0)?;
+                self.change(motion, drive, standstill > 0)?;
                 events += 1;
                 standstill += 1;
                 let contacts = self.events.len() as u64;
@@ -232,12 +235,7 @@ impl EventDriven {
     }
 
     /// A motion may be started with closed contacts that approach: an impact too.
-    fn stop_approach(
-        &mut self,
-        witness: &mut impl Witness,
-        motion: &mut Motion,
-        drive: &Drive,
-    ) -> Result<(), StepFailure> {
+    fn stop_approach(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
         let speed = self.speed(motion);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let approaches = motion.contacts[i] != ContactState::Detached
@@ -245,7 +243,7 @@ impl EventDriven {
             self.events[i] = approaches.then_some(Event::Touch);
         }
         if self.events.iter().any(Option::is_some) {
-            self.change(witness, motion, drive, false)
+            self.change(motion, drive, false)
         } else {
             Ok(())
         }
@@ -277,7 +275,6 @@ impl EventDriven {
     /// The states that follow on the events, by the law of contact; `again`: at the instant of the last ones.
     fn change(
         &mut self,
-        witness: &mut impl Witness,
         motion: &mut Motion,
         drive: &Drive,
         again: bool,
@@ -288,7 +285,7 @@ impl EventDriven {
         let speed = self.speed(motion);
         self.stop(motion);
         if landed {
-            self.impact(witness, motion, drive)?;
+            self.impact(motion, drive)?;
         }
         self.dynamics.free_acceleration(motion, &self.force);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
@@ -335,7 +332,7 @@ impl EventDriven {
     }
 }
 
-impl Integrator for EventDriven {
+impl<W: Witness> Integrator for EventDriven<W> {
     fn advance(
         &mut self,
         motion: &mut Motion,
@@ -344,7 +341,7 @@ impl Integrator for EventDriven {
         count: u64,
     ) -> Result<(), StepFailure> {
         for _ in 0..count {
-            self.step(&mut (), motion, drive, step)?;
+            self.step(motion, drive, step)?;
         }
         Ok(())
     }
