@@ -394,6 +394,9 @@ fn a_ledger_is_the_same_however_the_run_is_split_and_after_a_restore() {
             assert!(straight.save() == split.save());
             assert_eq!(energy(&straight), energy(&split));
             assert!(energy(&straight).friction > 0.0);
+            // A slider whose velocity jumps between steps leaves no gap in the balance.
+            let part = energy(&straight).residual.abs() / turnover(&energy(&straight));
+            assert!(part < if method == EventDriven { 1e-13 } else { 1e-3 }, "{part:e}");
             // It starts anew with the run.
             let fresh = Simulation::new(scene, 0.0).unwrap();
             assert_eq!(energy(&fresh).parts()[2..], [0.0; 6]);
@@ -428,22 +431,24 @@ fn a_scene_that_does_not_ask_for_it_has_nothing_of_it() {
 
 #[test]
 fn what_an_importer_reads_is_the_ledger() {
-    let scene = with_ledger(set1(), EventDriven, 1e-3);
-    let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
-    simulation.advance_to(0.1).unwrap();
-    let found = energy(&simulation);
-    for (name, expected) in [
-        ("kinetic", found.kinetic),
-        ("elastic", found.elastic),
-        ("damping", found.damping),
-        ("friction", found.friction),
-        ("impact", found.impact),
-        ("slider", found.slider),
-        ("forces", found.forces),
-        ("residual", found.residual),
-    ] {
-        let variable = variable(&scene, &format!("energy.{name}"));
-        assert_eq!(simulation.read(&variable).unwrap(), expected, "{name}");
+    for scene in [set1(), network()] {
+        let scene = with_ledger(scene, EventDriven, 1e-3);
+        let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
+        simulation.advance_to(0.1).unwrap();
+        let found = energy(&simulation);
+        for (name, expected) in [
+            ("kinetic", found.kinetic),
+            ("elastic", found.elastic),
+            ("damping", found.damping),
+            ("friction", found.friction),
+            ("impact", found.impact),
+            ("slider", found.slider),
+            ("forces", found.forces),
+            ("residual", found.residual),
+        ] {
+            let variable = variable(&scene, &format!("energy.{name}"));
+            assert_eq!(simulation.read(&variable).unwrap(), expected, "{name}");
+        }
     }
 }
 
@@ -471,4 +476,29 @@ fn batches_write_the_ledgers_of_single_runs() {
             assert!(single.save() == run.as_ref().unwrap().save());
         }
     }
+}
+
+#[test]
+fn the_shipped_scene_lands_sticks_at_once_and_then_lives_on_the_belt() {
+    let scene = parse("energy", include_str!("../scenes/effects/energy.toml")).unwrap();
+    let interval = scene.experiment.output_interval;
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    let lands = 1e-3_f64.sqrt();
+    for row in 1..=400 {
+        let t = interval * f64::from(row);
+        simulation.advance_to(t).unwrap();
+        let now = energy(&simulation);
+        // 10 N · 5 mm.
+        assert_near(now.impact, if t < lands { 0.0 } else { 0.05 }, 1e-15);
+        assert!(now.residual.abs() < 1e-14, "{now:?} at {t} s");
+        assert_eq!(now.forces != 0.0, t > 1.0 + 1e-9, "{now:?} at {t} s");
+        let stuck = t - lands;
+        if (0.0..0.5).contains(&stuck) {
+            // The impulse of 0.1 N s that gives it the belt's velocity, then spring and damper.
+            assert_near(now.friction, 0.1 * (0.1 - 0.5 * 0.1), 1e-15);
+            assert_near(now.slider, 0.01 + 0.5 * stuck * stuck + 0.005 * stuck, 1e-14);
+        }
+    }
+    let Energy { slider, friction, damping, .. } = energy(&simulation);
+    assert!(friction > 1.0 && damping > 0.02 && slider > friction);
 }

@@ -153,10 +153,10 @@ impl Simulation {
     /// Contact forces that have no solution.
     pub fn read(&mut self, variable: &Variable) -> Result<f64, Error> {
         let index = variable.index;
-        let dof = super::dof(&self.scene, &self.numbering, variable);
+        let dof = || super::dof(&self.scene, &self.numbering, variable);
         Ok(match variable.template.quantity {
-            Quantity::Displacement => self.motion.displacement[dof],
-            Quantity::Velocity => self.motion.velocity[dof],
+            Quantity::Displacement => self.motion.displacement[dof()],
+            Quantity::Velocity => self.motion.velocity[dof()],
             Quantity::ContactState => f64::from(self.contact_forces()?[index].state as u8),
             Quantity::NormalForce => self.contact_forces()?[index].normal_force,
             Quantity::FrictionForce => self.contact_forces()?[index].friction_force,
