@@ -302,6 +302,7 @@ impl Ring {
                 velocity: scene.initial_velocities().collect(),
                 contacts: vec![ContactState::Slide; model.contacts.len()],
                 statistics: Statistics::default(),
+                ledger: None,
             },
             integrator: integrator::choose(&model, scene.method).expect("its masses are positive"),
             model,
@@ -370,7 +371,7 @@ impl DenseLoop {
         let problem = Problem::from(&*ring);
         // SAFETY: this is the function's type in the C file.
         let function = unsafe { self.0.get::<Function>("dense_loop") }.expect("it is in there");
-        let Motion { displacement: x, velocity: v, contacts, statistics } = &mut ring.motion;
+        let Motion { displacement: x, velocity: v, contacts, statistics, .. } = &mut ring.motion;
         assert!(x.len() == 8 && v.len() == 8);
         let mut states: [i32; 2] = from_fn(|i| contacts[i] as i32);
         let (x, v) = (x.as_mut_ptr(), v.as_mut_ptr());

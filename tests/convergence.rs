@@ -105,6 +105,7 @@ fn at_rest(dofs: usize, contacts: Vec<ContactState>) -> Motion {
         velocity: vec![0.0; dofs],
         contacts,
         statistics: Statistics::default(),
+        ledger: None,
     }
 }
 

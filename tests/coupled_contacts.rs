@@ -45,6 +45,7 @@ fn closed(contacts: usize, velocity: &[f64]) -> Motion {
         velocity,
         contacts: vec![ContactState::Slide; contacts],
         statistics: Statistics::default(),
+        ledger: None,
     }
 }
 
@@ -182,6 +183,7 @@ fn two_contacts_that_hold_one_mass_in_a_groove_converge_and_keep_it_there() {
         velocity: vec![0.0; 2],
         contacts: vec![ContactState::Stick; 2],
         statistics: Statistics::default(),
+        ledger: None,
     };
     let mut integrator = sparse(&model).unwrap();
     integrator.advance(&mut motion, &drive, STEP, 10_000).unwrap();

@@ -38,6 +38,7 @@ fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
         velocity: start(mode.eigenvalue),
         contacts: sliding.clone(),
         statistics: Statistics::default(),
+        ledger: None,
     };
     let mut drive = Drive::uniform(vec![0.0; 8], 2, velocity, mu);
     for (i, contact) in model.contacts.iter().enumerate() {

@@ -79,6 +79,7 @@ fn a_rod_that_falls_on_one_end_is_thrown_on_the_other_by_one_and_a_half_times_it
             velocity: vec![0.0; 3],
             contacts: vec![Detached; 2],
             statistics: Statistics::default(),
+            ledger: None,
         };
         let mut forces = [amontons::contact::ContactForce::detached(0.0); 2];
         for row in 1..=100 {
@@ -149,6 +150,7 @@ fn beside(scene: &Scene, p: &DMatrix<f64>, end: f64) -> Vec<ContactState> {
         velocity: (&inverse * &run.now[1]).as_slice().to_vec(),
         contacts: run.states(),
         statistics: Statistics::default(),
+        ledger: None,
     };
     let mut integrator = choose(&model, Method::EventDriven).unwrap();
     let mut met = Vec::new();

@@ -159,6 +159,7 @@ fn a_contact_that_stands_twice_changes_no_motion() {
                 velocity: vec![0.0, 0.3],
                 contacts: vec![Detached; contacts],
                 statistics: Statistics::default(),
+                ledger: None,
             };
             let mut states = Vec::new();
             for _ in 0..20_000 {
@@ -479,6 +480,7 @@ proptest! {
                     velocity: velocity.to_vec(),
                     contacts: vec![Detached; contacts],
                     statistics: Statistics::default(),
+                    ledger: None,
                 };
                 for contact in &model.contacts {
                     motion.displacement[contact.normal.as_unit().unwrap()] = 1e-4;

@@ -81,8 +81,13 @@ fn steps_reads_and_writes_allocate_nothing() {
     let rings = ["set1", "ring12"].map(|name| builtin(name).unwrap().scene());
     let exact = |scene: &Scene| Scene { method: Method::EventDriven, ..scene.clone() };
     let exactly: Vec<Scene> = rings.iter().chain([&network, &driven]).map(exact).collect();
-    for scene in rings.into_iter().chain([network, driven]).chain(exactly) {
-        let name = scene.name.clone();
+    let mut scenes: Vec<Scene> =
+        rings.into_iter().chain([network, driven]).chain(exactly).collect();
+    let mut with_ledgers = scenes.clone();
+    with_ledgers.iter_mut().for_each(|scene| scene.effects.energy = true);
+    scenes.append(&mut with_ledgers);
+    for scene in scenes {
+        let name = format!("{}, {}, {:?}", scene.name, scene.method, scene.effects);
         let all = variables(&scene);
         let mut simulation = Simulation::new(scene, 0.0).unwrap();
         let before = ALLOCATIONS.get();

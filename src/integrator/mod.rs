@@ -9,6 +9,7 @@ mod dynamics;
 mod event_driven;
 mod forward_increment;
 mod freedom;
+mod ledger;
 mod multipliers;
 mod select;
 
@@ -17,6 +18,7 @@ pub use event_driven::EventDriven;
 #[cfg(feature = "tools")]
 pub use forward_increment::{RingBatch, Width};
 pub use forward_increment::{RingForwardIncrement, dense, sparse};
+pub use ledger::{Energy, Ledger};
 pub use select::{Selected, select, tidy};
 
 use crate::Error;
@@ -36,6 +38,8 @@ pub struct Motion {
     pub contacts: Vec<ContactState>,
     /// What has been counted since the start.
     pub statistics: Statistics,
+    /// Where energy has gone; for an integrator with a ledger.
+    pub ledger: Option<Ledger>,
 }
 
 /// What an integrator counts.
@@ -153,6 +157,12 @@ pub trait Integrator: Send {
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure>;
 
+    /// (N, T) of each contact over the last step, N; `None` where the method has no such forces, or each contact
+    /// lies along degrees of freedom of its own, whose momentum gives them.
+    fn multipliers(&self) -> Option<&[[f64; 2]]> {
+        None
+    }
+
     /// Takes over another damping.
     fn set_damping(&mut self, damping: Damping);
 }
@@ -184,4 +194,19 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
         return Ok(Box::new(ring));
     }
     forward_increment::faster(model)
+}
+
+/// The same that writes the ledger of its motion, step by step; of a motion without one it moves the motion alone.
+///
+/// # Errors
+/// As [`choose`].
+pub fn choose_with_ledger(
+    model: &LumpedModel,
+    method: Method,
+) -> Result<Box<dyn Integrator>, Error> {
+    use forward_increment::WithLedger;
+    if method == Method::EventDriven {
+        return Ok(Box::new(EventDriven::with_witness(model, event_driven::Writer::new(model))?));
+    }
+    Ok(Box::new(WithLedger::new(choose(model, method)?, model)))
 }

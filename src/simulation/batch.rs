@@ -7,7 +7,8 @@ use crate::integrator::{RingBatch, Width};
 use crate::scene::Method;
 
 /// Simulations of scenes that differ in values alone. Where the paper's scheme meets rings they take their
-/// steps in the lanes of the processor's vectors, else one after the other; the doubles are the same.
+/// steps in the lanes of the processor's vectors, else (as with an energy ledger) one after the other; the doubles
+/// are the same.
 pub struct Batch {
     simulations: Vec<Result<Simulation, Error>>,
     lanes: Option<RingBatch>,
@@ -61,7 +62,7 @@ fn rings<'a>(
 ) -> Option<RingBatch> {
     let mut models = Vec::new();
     for Simulation { scene, model, .. } in simulations {
-        if scene.method != Method::ForwardIncrement {
+        if scene.method != Method::ForwardIncrement || scene.effects.energy {
             return None;
         }
         models.push(model);

@@ -229,9 +229,10 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
 const LINKS: [usize; 2] = [0, 1];
 
 /// What a scene goes without has no variables: damping, links, preload, external forces, locked degrees of
-/// freedom, v and µ of a contact that has none of its own, static friction, a step that is chosen.
+/// freedom, v and µ of a contact that has none of its own, static friction, energy, a step that is chosen.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
+        Quantity::Energy => return scene.effects.energy,
         Quantity::FrictionCoefficient => return scene.friction_law != Law::Frictionless,
         Quantity::StaticFriction => return scene.static_friction.is_some(),
         Quantity::StribeckVelocity => return scene.stribeck_velocity.is_some(),

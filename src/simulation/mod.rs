@@ -31,7 +31,9 @@ pub use warning::{broken_assumptions, step_warning, warnings};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
-use crate::integrator::{self, Drive, Integrator, Motion, Selected, Statistics, StepFailure};
+use crate::integrator::{
+    self, Drive, Energy, Integrator, Ledger, Motion, Selected, Statistics, StepFailure,
+};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering};
 use crate::scene::{Method, Scene, Structure};
@@ -114,8 +116,11 @@ impl Simulation {
         let model = LumpedModel::from(acting);
         let equilibrium = model::equilibrium(acting, &model)?;
         let reference = Reference { equilibrium, load: model.load.clone() };
-        let motion = initial_motion(acting, &model);
+        let mut motion = initial_motion(acting, &model);
         check_closed(acting, &model, &motion)?;
+        if scene.effects.energy {
+            motion.ledger = Some(Ledger::new(&model, &reference.equilibrium, &motion));
+        }
         let made = Self::assemble(scene, driven, model, reference, motion, clock)?;
         Ok(Self { selected, ..made })
     }
@@ -136,7 +141,11 @@ impl Simulation {
         if let Some(guard) = &mut guard {
             guard.check(&model.with_most_friction(acting), friction)?;
         }
-        let integrator = integrator::choose(&model, scene.method)?;
+        let integrator = if scene.effects.energy {
+            integrator::choose_with_ledger(&model, scene.method)?
+        } else {
+            integrator::choose(&model, scene.method)?
+        };
         let drive = Drive::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
         let numbering = scene.network().map_or_else(Numbering::default, Numbering::of);
         let contact_forces = vec![ContactForce::detached(0.0); model.contacts.len()];
@@ -212,6 +221,12 @@ impl Simulation {
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         self.motion.statistics
+    }
+
+    /// Where energy is, and where it has gone since the start; `None` unless the scene asks for it.
+    #[must_use]
+    pub fn energy(&self) -> Option<Energy> {
+        self.motion.ledger.as_ref().map(|ledger| ledger.energy(&self.model, &self.motion))
     }
 
     /// The equilibrium that displacements are measured from.
@@ -450,6 +465,7 @@ fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
         displacement,
         velocity,
         statistics: Statistics::default(),
+        ledger: None,
     }
 }
 

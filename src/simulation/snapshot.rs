@@ -9,7 +9,7 @@ use super::clock::Clock;
 use super::signals::{self, Driven};
 use super::{Reference, Simulation};
 use crate::Error;
-use crate::integrator::Motion;
+use crate::integrator::{Ledger, Motion};
 use crate::model::LumpedModel;
 use crate::scene::{Module, Scene, Signal, Structure};
 use serde::{Deserialize, Serialize};
@@ -43,6 +43,8 @@ impl Snapshot {
         self.motion.displacement.len() == dofs
             && self.motion.velocity.len() == dofs
             && self.motion.contacts.len() == contacts
+            && self.motion.ledger.as_ref().map(Ledger::dofs)
+                == self.scene.effects.energy.then_some(dofs)
             && self.reference.load.len() == dofs
             && self.reference.equilibrium.displacement.len() == dofs
             && self.reference.equilibrium.normal_force.len() == contacts

@@ -163,10 +163,10 @@ impl Simulation {
     /// Contact forces that have no solution.
     pub fn read(&mut self, variable: &Variable) -> Result<f64, Error> {
         let index = variable.index;
-        let dof = super::dof(&self.scene, &self.numbering, variable);
+        let dof = || super::dof(&self.scene, &self.numbering, variable);
         Ok(match variable.template.quantity {
-            Quantity::Displacement => self.motion.displacement[dof],
-            Quantity::Velocity => self.motion.velocity[dof],
+            Quantity::Displacement => self.motion.displacement[dof()],
+            Quantity::Velocity => self.motion.velocity[dof()],
             Quantity::ContactState => f64::from(self.contact_forces()?[index].state as u8),
             Quantity::NormalForce => self.contact_forces()?[index].normal_force,
             Quantity::FrictionForce => self.contact_forces()?[index].friction_force,
@@ -181,6 +181,9 @@ impl Simulation {
             Quantity::StateChanges => count(self.motion.statistics.state_changes),
             Quantity::ReversedSlips => count(self.motion.statistics.reversed_slips),
             Quantity::PulledContacts => count(self.motion.statistics.pulled_contacts),
+            Quantity::Energy => {
+                self.energy().map_or(f64::NAN, |energy| energy.parts()[variable.template.component])
+            }
             _ => read_scene(&self.scene, variable).expect("every other quantity is a scene's"),
         })
     }

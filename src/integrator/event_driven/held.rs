@@ -106,6 +106,12 @@ impl HeldContacts {
         }
     }
 
+    /// T/N of a contact that slides; zero for any other.
+    pub(super) fn slope(&self, contact: usize) -> f64 {
+        let mut unknowns = self.unknowns.iter();
+        unknowns.find(|unknown| unknown.contact == contact).map_or(0.0, |unknown| unknown.slope)
+    }
+
     /// Appends the inverse of the matrix of the unknowns from `first` on.
     fn invert(&mut self, dynamics: &Dynamics, first: usize) {
         let unknowns = &self.unknowns[first..];

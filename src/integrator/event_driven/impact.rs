@@ -1,5 +1,6 @@
 //! Instants at which velocities end or jump: slips that stop, and impacts.
 
+use super::ledger::{Strike, Witness};
 use super::rounding::THROWN;
 use super::watch::Event;
 use super::{Drive, EventDriven, Motion, StepFailure};
@@ -7,7 +8,7 @@ use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::freedom::Freedom;
 
-impl EventDriven {
+impl<W: Witness> EventDriven<W> {
     /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
     pub(super) fn stop(&mut self, motion: &mut Motion) {
         let stops = |event: &Option<Event>| *event == Some(Event::Stop);
@@ -53,6 +54,8 @@ impl EventDriven {
                 response.add_to(&mut motion.velocity, impulse);
             }
         }
+        let Self { witness, dynamics, surface, .. } = self;
+        witness.is_struck(Strike { dynamics, surface }, motion);
         self.stand(motion);
         Ok(())
     }

@@ -89,6 +89,11 @@ impl StateLaw {
         self.places[contact]
     }
 
+    /// T/N of a contact that slides; zero for any other.
+    pub(super) fn slope(&self, contact: usize) -> f64 {
+        self.held.slope(contact)
+    }
+
     /// Takes over contact states and µ of each contact.
     pub(super) fn set(
         &mut self,

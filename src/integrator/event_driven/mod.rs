@@ -13,6 +13,7 @@
 mod held;
 mod impact;
 mod law;
+mod ledger;
 mod reduced;
 mod report;
 mod roots;
@@ -28,6 +29,8 @@ use crate::contact::{ContactForce, ContactLaw, ContactState, Friction};
 use crate::model::{Contact, Damping, Direction, LumpedModel};
 use held::MAX_GROUP;
 use impact::frictionless;
+pub(super) use ledger::Writer;
+use ledger::{Passage, Witness};
 use reduced::MOST_PLACES;
 use rounding::{NOISE, THROWN, pulls};
 use series::{ORDER, Polynomial, Series};
@@ -45,7 +48,8 @@ const SHORTEST: f64 = 1e-12;
 /// Structures with up to 16 degrees of freedom (two more for each contact between two masses or at an
 /// angle to them) get a full matrix for each contact state that they meet, of which up to 64 are kept, in
 /// at most 300 kB. That room is taken when the integrator is made. Larger structures use sparse matrices.
-pub struct EventDriven {
+pub struct EventDriven<W = ()> {
+    witness: W,
     dynamics: Dynamics,
     series: Series,
     /// Does any contact hold more than one degree of freedom at a time?
@@ -84,6 +88,12 @@ impl EventDriven {
     /// # Errors
     /// A mass matrix that is not positive definite; more contacts that share masses than it can hold.
     pub fn new(model: &LumpedModel) -> Result<Self, Error> {
+        Self::with_witness(model, ())
+    }
+}
+
+impl<W: Witness> EventDriven<W> {
+    pub(super) fn with_witness(model: &LumpedModel, witness: W) -> Result<Self, Error> {
         let ContactLaw { friction, sticking, detachment } = model.law;
         let about = friction.about();
         if !about.is_constant {
@@ -108,6 +118,7 @@ impl EventDriven {
             )));
         }
         Ok(Self {
+            witness,
             series,
             is_inclined: model.contacts.iter().any(|contact| {
                 contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
@@ -159,6 +170,8 @@ impl EventDriven {
                 self.repeats.fill(0);
             }
             if passed > 0.0 {
+                let Self { witness, dynamics, series, force, surface, .. } = self;
+                witness.passes(Passage { dynamics, series, force, surface, drive, part }, motion);
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
@@ -342,7 +355,7 @@ impl EventDriven {
     }
 }
 
-impl Integrator for EventDriven {
+impl<W: Witness> Integrator for EventDriven<W> {
     fn advance(
         &mut self,
         motion: &mut Motion,

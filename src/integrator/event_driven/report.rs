@@ -1,6 +1,7 @@
 //! The contact forces of the states that the motion is in.
 
 use super::EventDriven;
+use super::ledger::Witness;
 use super::rounding::{NOISE, largest};
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Motion};
@@ -9,7 +10,7 @@ use crate::integrator::{Drive, Motion};
 /// [`NOISE`] at a limit that they stay at.
 const CLOSE: f64 = 16.0;
 
-impl EventDriven {
+impl<W: Witness> EventDriven<W> {
     /// Writes the forces that hold the motion in its present states; `false` if those break the law of
     /// contact, as they may when an input was changed since the last step.
     ///

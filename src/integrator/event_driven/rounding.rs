@@ -1,6 +1,7 @@
 //! What counts as nothing: in which sizes rounding is measured.
 
 use super::EventDriven;
+use super::ledger::Witness;
 use crate::integrator::Motion;
 use crate::integrator::dynamics::Dynamics;
 use crate::model::{Direction, SparseMatrix};
@@ -16,7 +17,7 @@ const UNDOUBTED: u32 = 2;
 /// The most often.
 const MOST_DOUBLINGS: u32 = 12;
 
-impl EventDriven {
+impl<W: Witness> EventDriven<W> {
     /// The fastest velocity, m/s, which others are nothing beside.
     pub(super) fn speed(&self, motion: &Motion) -> f64 {
         largest(&motion.velocity).max(self.slowest())

@@ -350,6 +350,11 @@ impl Series {
         self.span
     }
 
+    /// The highest power of the displacements.
+    pub(super) fn order(&self) -> usize {
+        self.order
+    }
+
     /// The state of a contact.
     pub(super) fn state(&self, contact: usize) -> ContactState {
         self.states[contact]
@@ -431,6 +436,20 @@ impl Series {
         let [normal, _] = self.law.places(contact);
         let terms = self.order - 1;
         self.gather(&self.forces, normal, &mut polynomial[..terms]);
+        terms
+    }
+
+    /// Writes the powers of T of a closed contact, N; their number. `law` must be set to the states of the series.
+    pub(super) fn friction_force(&self, contact: usize, polynomial: &mut Polynomial) -> usize {
+        if self.states[contact] != ContactState::Stick {
+            let terms = self.normal_force(contact, polynomial);
+            let slope = self.law.slope(contact);
+            polynomial[..terms].iter_mut().for_each(|value| *value *= slope);
+            return terms;
+        }
+        let [_, tangent] = self.law.places(contact);
+        let terms = self.order - 1;
+        self.gather(&self.forces, tangent, &mut polynomial[..terms]);
         terms
     }
 

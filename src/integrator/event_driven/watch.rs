@@ -1,5 +1,6 @@
 //! What must not become negative while the contact states stay, and when it does.
 
+use super::ledger::Witness;
 use super::rounding::{DIFFERENCE, NOISE, THROWN};
 use super::{EventDriven, roots};
 use crate::contact::{ContactLaw, ContactState};
@@ -18,7 +19,7 @@ pub(super) enum Event {
     Slip(ContactState),
 }
 
-impl EventDriven {
+impl<W: Witness> EventDriven<W> {
     /// The next event, in parts of the series' span, and in `events` what happens then.
     pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive) -> Option<f64> {
         self.events.fill(None);

@@ -16,12 +16,14 @@
 //! [`sparse`] for anything else.
 
 mod general;
+mod ledger;
 mod ring;
 
 use super::Kernel;
 
 pub(super) use general::faster;
 pub use general::{dense, sparse};
+pub(super) use ledger::WithLedger;
 pub use ring::RingForwardIncrement;
 #[cfg(feature = "tools")]
 pub use ring::batch::{RingBatch, Width};

@@ -248,6 +248,10 @@ impl<S: Structure + 'static> Integrator for Scheme<S> {
         self.dynamics.contact_forces(motion, drive, forces)
     }
 
+    fn multipliers(&self) -> Option<&[[f64; 2]]> {
+        Some(&self.dynamics.multipliers.forces)
+    }
+
     fn set_damping(&mut self, damping: Damping) {
         self.dynamics.damping = damping;
         self.run = Self::kernel(&self.dynamics);

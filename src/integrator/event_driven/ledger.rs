@@ -1,0 +1,175 @@
+//! Exact motion with a ledger: what [`EventDriven`](super::EventDriven) lets a witness see, and the witness that
+//! writes one.
+
+use super::series::{ORDER, Polynomial, Series, index};
+use crate::contact::ContactState;
+use crate::integrator::dynamics::Dynamics;
+use crate::integrator::{Drive, Motion};
+use crate::model::{Damping, LumpedModel};
+
+/// A part of a series that the motion is about to pass.
+pub struct Passage<'a> {
+    pub(super) dynamics: &'a Dynamics,
+    pub(super) series: &'a mut Series,
+    /// The outer forces, N, and the velocities of the sliders, m/s, where it begins.
+    pub(super) force: &'a [f64],
+    pub(super) surface: &'a [f64],
+    pub(super) drive: &'a Drive,
+    /// How much of the span.
+    pub(super) part: f64,
+}
+
+/// An impact whose impulses have acted: the multipliers.
+pub struct Strike<'a> {
+    pub(super) dynamics: &'a Dynamics,
+    /// The velocities of the sliders, m/s.
+    pub(super) surface: &'a [f64],
+}
+
+/// Whoever looks at what happens on the way. It is a type parameter, so that nobody, who looks as a rule, costs
+/// nothing.
+pub trait Witness: Send {
+    fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion);
+
+    fn is_struck(&mut self, strike: Strike<'_>, motion: &mut Motion);
+}
+
+/// Nobody.
+impl Witness for () {
+    #[inline(always)]
+    fn passes(&mut self, _: Passage<'_>, _: &mut Motion) {}
+
+    #[inline(always)]
+    fn is_struck(&mut self, _: Strike<'_>, _: &mut Motion) {}
+}
+
+/// Writes the ledger of the motion. Between events all integrands are products of polynomials, so its entries are
+/// exact but for rounding.
+pub(in crate::integrator) struct Writer {
+    model: LumpedModel,
+    /// The powers of dx/du over a part of a series in which u goes from 0 to 1, m; row by row, one value a degree
+    /// of freedom.
+    moved: Vec<f64>,
+    /// C dx/du likewise, N s.
+    damped: Vec<f64>,
+    /// Of one contact: T, N, and how far the slider moves against the mass, m.
+    friction: Polynomial,
+    slipped: Polynomial,
+}
+
+impl Writer {
+    pub(in crate::integrator) fn new(model: &LumpedModel) -> Self {
+        let room = || vec![0.0; ORDER * model.dofs()];
+        Self {
+            model: model.clone(),
+            moved: room(),
+            damped: room(),
+            friction: [0.0; ORDER + 1],
+            slipped: [0.0; ORDER + 1],
+        }
+    }
+
+    /// ∫ ẋᵀ C ẋ dt over the part at hand, which takes `time` (s).
+    fn damping(&mut self, Damping { alpha, beta }: Damping, time: f64) -> f64 {
+        let LumpedModel { mass, stiffness, dampers, .. } = &self.model;
+        let dofs = self.model.dofs();
+        if alpha == 0.0 && beta == 0.0 && dampers.is_empty() {
+            return 0.0;
+        }
+        for (damped, moved) in self.damped.chunks_exact_mut(dofs).zip(self.moved.chunks_exact(dofs))
+        {
+            for (row, damped) in damped.iter_mut().enumerate() {
+                *damped = alpha * mass.row_times(row, moved)
+                    + beta * stiffness.row_times(row, moved)
+                    + dampers.row_times(row, moved);
+            }
+        }
+        let mut sum = 0.0;
+        for (i, moved) in self.moved.chunks_exact(dofs).enumerate() {
+            for (j, damped) in self.damped.chunks_exact(dofs).enumerate() {
+                sum += dot(moved, damped) / index(i + j + 1);
+            }
+        }
+        sum / time
+    }
+}
+
+impl Witness for Writer {
+    fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion) {
+        let Some(ledger) = &mut motion.ledger else { return };
+        let Passage { dynamics, series, force, surface, drive, part } = passage;
+        let (dofs, time) = (force.len(), part * series.span());
+        let powers = series.order();
+        self.moved.resize(powers * dofs, 0.0);
+        self.damped.resize(powers * dofs, 0.0);
+        let mut power = 1.0;
+        for (k, moved) in self.moved.chunks_exact_mut(dofs).enumerate() {
+            power *= part;
+            let factor = index(k + 1) * power;
+            for (moved, c) in moved.iter_mut().zip(series.power(k + 1)) {
+                *moved = factor * c;
+            }
+        }
+        ledger.damping += self.damping(dynamics.damping, time);
+
+        // Forces are f + ḟ t; both are looked at once for each power.
+        for (k, moved) in self.moved.chunks_exact(dofs).enumerate() {
+            for (dof, moved) in moved.iter().enumerate() {
+                let constant = (force[dof] + ledger.balance[dof]) / index(k + 1);
+                let rising = time * drive.force_rate[dof] / index(k + 2);
+                ledger.forces += moved * (constant + rising);
+            }
+        }
+
+        series.law.set(dynamics, &motion.contacts, &drive.friction);
+        for (i, contact) in dynamics.contacts.iter().enumerate() {
+            if motion.contacts[i] == ContactState::Detached {
+                continue;
+            }
+            let terms = series.friction_force(i, &mut self.friction);
+            let mut power = 1.0;
+            for friction in &mut self.friction[..terms] {
+                *friction *= power;
+                power *= part;
+            }
+            let friction = &self.friction[..terms];
+            let carried = [time * surface[i], time * time * drive.slider_acceleration[i]];
+            let slipped = &mut self.slipped[..powers];
+            for (slipped, moved) in slipped.iter_mut().zip(self.moved.chunks_exact(dofs)) {
+                *slipped = -contact.tangent.dot(moved);
+            }
+            for (slipped, carried) in slipped.iter_mut().zip(carried) {
+                *slipped += carried;
+            }
+            ledger.slider += integral(friction, &carried);
+            ledger.friction += integral(friction, slipped);
+        }
+    }
+
+    fn is_struck(&mut self, Strike { dynamics, surface }: Strike<'_>, motion: &mut Motion) {
+        let Some(ledger) = &mut motion.ledger else { return };
+        let multipliers = &dynamics.multipliers;
+        for (i, contact) in dynamics.contacts.iter().enumerate() {
+            let [approach, slip] = multipliers.free[i];
+            let before = [approach, slip + surface[i]];
+            let after = [&contact.normal, &contact.tangent].map(|row| row.dot(&motion.velocity));
+            let mean = [0, 1].map(|part| 0.5 * (before[part] + after[part]));
+            ledger.add_impulses(multipliers.forces[i], mean, surface[i]);
+        }
+    }
+}
+
+/// ∫ a b du for u from 0 to 1.
+fn integral(a: &[f64], b: &[f64]) -> f64 {
+    let mut sum = 0.0;
+    for (i, a) in a.iter().enumerate() {
+        for (j, b) in b.iter().enumerate() {
+            sum += a * b / index(i + j + 1);
+        }
+    }
+    sum
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
+}

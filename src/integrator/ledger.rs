@@ -1,0 +1,132 @@
+//! The energy ledger: where the energy of a motion comes from, and where it goes.
+//!
+//! Displacements count from the reference position, whose contact forces λ₀ balance the load there. Of impulses
+//! P = (P_N, P_T) of a contact, along which the masses have the mean velocities u_N and u_T while the slider has v,
+//!
+//! | entry, J | is |
+//! | --- | --- |
+//! | kinetic | ½ ẋᵀ M ẋ |
+//! | elastic | ½ xᵀ K x + x·Gᵀ λ₀, of springs and constant loads, less what they have in the reference position |
+//! | damping | ∫ ẋᵀ C ẋ dt |
+//! | friction | Σ P_T (v − u_T), of impacts too |
+//! | impact | −Σ P_N u_N, which is nothing but where a contact lands |
+//! | slider | Σ P_T v, the work of the sliders on the masses |
+//! | forces | the work of external forces, and of loads so far as they have changed |
+//! | residual | (kinetic + elastic) − those at the start − slider − forces + damping + friction + impact |
+//!
+//! The entries from damping to forces gather since the start. Nothing of this is in the integrators themselves:
+//! each has a twin that writes the ledger of a motion as it goes, and is made where a ledger is asked for
+//! ([`choose_with_ledger`](super::choose_with_ledger)).
+
+use super::Motion;
+use crate::model::{Equilibrium, LumpedModel, SparseMatrix};
+use serde::{Deserialize, Serialize};
+
+/// What has been done and dissipated since the start of a motion.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ledger {
+    /// Gᵀ λ₀, N, one value a degree of freedom: what of a drive's forces is no work of its own.
+    pub(super) balance: Vec<f64>,
+    /// Kinetic and elastic energy at the start, J.
+    start: f64,
+    pub(super) damping: f64,
+    pub(super) friction: f64,
+    pub(super) impact: f64,
+    pub(super) slider: f64,
+    pub(super) forces: f64,
+}
+
+/// The energy of a motion, J.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Energy {
+    /// Of the masses, at this instant.
+    pub kinetic: f64,
+    /// Of springs and constant loads, at this instant; zero in the reference position.
+    pub elastic: f64,
+    /// Dissipated by damping since the start.
+    pub damping: f64,
+    /// Dissipated by friction since the start, in impacts too.
+    pub friction: f64,
+    /// Dissipated by normal impulses of impacts since the start.
+    pub impact: f64,
+    /// Work of the sliders on the masses since the start.
+    pub slider: f64,
+    /// Work of external forces and of changed loads since the start.
+    pub forces: f64,
+    /// What does not add up.
+    pub residual: f64,
+}
+
+impl Energy {
+    /// All of it, in the order of the catalogue of variables.
+    #[must_use]
+    pub fn parts(&self) -> [f64; 8] {
+        let &Self { kinetic, elastic, damping, friction, impact, slider, forces, residual } = self;
+        [kinetic, elastic, damping, friction, impact, slider, forces, residual]
+    }
+}
+
+impl Ledger {
+    /// The ledger of a motion that starts now, measured from an equilibrium of the model.
+    #[must_use]
+    pub fn new(model: &LumpedModel, reference: &Equilibrium, motion: &Motion) -> Self {
+        let mut balance = vec![0.0; model.dofs()];
+        let forces = reference.normal_force.iter().zip(&reference.friction_force);
+        for (contact, (&normal, &friction)) in model.contacts.iter().zip(forces) {
+            contact.normal.add_to(&mut balance, normal);
+            contact.tangent.add_to(&mut balance, friction);
+        }
+        let [kinetic, elastic] = present(model, &balance, motion);
+        Self {
+            balance,
+            start: kinetic + elastic,
+            damping: 0.0,
+            friction: 0.0,
+            impact: 0.0,
+            slider: 0.0,
+            forces: 0.0,
+        }
+    }
+
+    /// The energy of the motion that this is the ledger of.
+    #[must_use]
+    pub fn energy(&self, model: &LumpedModel, motion: &Motion) -> Energy {
+        let &Self { start, damping, friction, impact, slider, forces, .. } = self;
+        let [kinetic, elastic] = present(model, &self.balance, motion);
+        let supplied = slider + forces;
+        let dissipated = damping + friction + impact;
+        let residual = (kinetic + elastic - start) - (supplied - dissipated);
+        Energy { kinetic, elastic, damping, friction, impact, slider, forces, residual }
+    }
+
+    /// The number of degrees of freedom that it is for.
+    #[must_use]
+    pub fn dofs(&self) -> usize {
+        self.balance.len()
+    }
+
+    /// Takes down the impulses (normal, tangential; N s) of a contact, where the masses have these mean velocities
+    /// along them and the slider this one, m/s.
+    pub(super) fn add_impulses(
+        &mut self,
+        [normal, tangential]: [f64; 2],
+        [approach, along]: [f64; 2],
+        surface: f64,
+    ) {
+        self.impact -= normal * approach;
+        self.friction += tangential * (surface - along);
+        self.slider += tangential * surface;
+    }
+}
+
+/// Kinetic and elastic energy, J.
+fn present(model: &LumpedModel, balance: &[f64], motion: &Motion) -> [f64; 2] {
+    let (x, v) = (&*motion.displacement, &*motion.velocity);
+    let held = x.iter().zip(balance).fold(0.0, |sum, (x, balance)| sum + x * balance);
+    [half_form(&model.mass, v), half_form(&model.stiffness, x) + held]
+}
+
+/// ½ uᵀ A u.
+fn half_form(matrix: &SparseMatrix, u: &[f64]) -> f64 {
+    (0..u.len()).fold(0.0, |sum, row| sum + 0.5 * u[row] * matrix.row_times(row, u))
+}
