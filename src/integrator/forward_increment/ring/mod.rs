@@ -13,7 +13,7 @@ use crate::model::{Contact, Damping, LumpedModel};
 use std::marker::PhantomData;
 use step::{
     Block, Common, Fixed, Moving, NORMAL, StepConstants, Surface, Surfaces, TANGENT, Vector,
-    linked, strain,
+    linked,
 };
 
 /// Forward increment Lagrange multipliers on a ring of modules.
@@ -50,10 +50,10 @@ impl RingForwardIncrement {
     }
 
     fn strain(&mut self, motion: &Motion) {
-        let (x, _) = motion.displacement.as_chunks();
-        let (v, _) = motion.velocity.as_chunks();
-        for ((strained, x), v) in self.strained.iter_mut().zip(x).zip(v) {
-            *strained = strain(x, v, self.damping.beta);
+        // As `step::strain`, number by number: of one step this is a good part.
+        let moving = motion.displacement.iter().zip(&motion.velocity);
+        for (strained, (x, v)) in self.strained.as_flattened_mut().iter_mut().zip(moving) {
+            *strained = x + self.damping.beta * v;
         }
     }
 
