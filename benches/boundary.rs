@@ -241,7 +241,8 @@ impl Instance<'_> {
     fn do_step(&mut self, steps: u32) {
         let now = f64::from(self.steps) * self.step;
         // SAFETY: the instance lives, and the function is FMI's.
-        let status = unsafe { (self.do_step)(self.component, now, f64::from(steps) * self.step, 1) };
+        let status =
+            unsafe { (self.do_step)(self.component, now, f64::from(steps) * self.step, 1) };
         assert_eq!(status, 0, "the step failed");
         self.steps += steps;
     }

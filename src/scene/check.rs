@@ -10,6 +10,9 @@ use crate::Error;
 /// The most rows of results that a run may have.
 const MAX_ROWS: f64 = 1e9;
 
+/// The most rows of a dense matrix whose eigenvalues are found during a run.
+const MAX_WATCHED_ROWS: usize = 255;
+
 /// What a value belongs to, by its place from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
@@ -88,7 +91,28 @@ impl Scene {
             }
         }
         checks.problems.extend(self.unknown_inputs());
+        checks.problems.extend(self.too_large_to_watch());
         checks.problems
+    }
+
+    /// A structure whose eigenvalues would hold a run up.
+    fn too_large_to_watch(&self) -> Option<Problem> {
+        let is_damped = self.network().is_some_and(|network| !network.dampers.is_empty());
+        let (most, with) = match is_damped {
+            // Displacements and velocities then have a row each.
+            true => (MAX_WATCHED_ROWS / 2, " with dampers"),
+            false => (MAX_WATCHED_ROWS, ""),
+        };
+        let dofs = self.external_forces().count();
+        let message = format!(
+            "is for up to {most} degrees of freedom{with}, whose eigenvalues take a fraction of a \
+             second for each contact state; this scene has {dofs}"
+        );
+        (self.effects.stability && dofs > most).then(|| {
+            Problem::new("effects.stability", message)
+                .of(true)
+                .help("leave it out; amontons-stability analyses one contact state of larger ones")
+        })
     }
 
     /// Static friction of contacts that have their own.

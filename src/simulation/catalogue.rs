@@ -197,12 +197,16 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
 }
 
 /// Locked degrees of freedom have no variables, v and µ of a contact have one only where the contact
-/// has its own, static friction where there is some, the step where it is given.
+/// has its own, static friction where there is some, the step where it is given, effects where the scene asks
+/// for them.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
         Quantity::StaticFriction => return scene.static_friction.is_some(),
         // Where a tolerance chooses it, it is not for an importer to give.
         Quantity::IntegratorStep => return scene.selection == Selection::Given,
+        Quantity::GrowthRate | Quantity::ModeFrequency | Quantity::ModeCount => {
+            return scene.effects.stability;
+        }
         _ => {}
     }
     let Some(network) = scene.network() else {

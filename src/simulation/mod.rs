@@ -7,6 +7,7 @@ mod clock;
 mod fingerprint;
 #[cfg(feature = "tools")]
 mod inputs;
+mod monitor;
 mod signals;
 mod snapshot;
 mod values;
@@ -37,6 +38,7 @@ use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering, OwnValu
 use crate::scene::{Method, Scene, Structure};
 use crate::stability::StepGuard;
 use clock::{Clock, Leg};
+use monitor::Monitor;
 use serde::{Deserialize, Serialize};
 use signals::Driven;
 
@@ -63,6 +65,8 @@ pub struct Simulation {
     clock: Clock,
     drive: Drive,
     contact_forces: Vec<ContactForce>,
+    /// Of a scene that asks for it.
+    monitor: Option<Monitor>,
     /// What a change of values has made out of date.
     stale: Stale,
 }
@@ -140,6 +144,7 @@ impl Simulation {
         let contact_forces = vec![ContactForce::detached(0.0); model.contacts.len()];
         let stale = Stale { drive: true, limit: false, contact_forces: true };
         Ok(Self {
+            monitor: scene.effects.stability.then(Monitor::default),
             scene,
             selected: None,
             driven,

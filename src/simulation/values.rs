@@ -172,6 +172,9 @@ impl Simulation {
                 let count = u32::try_from(self.motion.statistics.state_changes);
                 f64::from(count.map_or(i32::MAX, |count| i32::try_from(count).unwrap_or(i32::MAX)))
             }
+            Quantity::GrowthRate => self.outlook()?.growth_rate,
+            Quantity::ModeFrequency => self.outlook()?.frequency,
+            Quantity::ModeCount => f64::from(self.outlook()?.modes),
             _ => read_scene(&self.scene, variable).expect("every other quantity is a scene's"),
         })
     }

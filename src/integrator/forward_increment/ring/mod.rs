@@ -12,8 +12,7 @@ use crate::model::ring::MODULE_DOFS;
 use crate::model::{Contact, Damping, LumpedModel};
 use std::marker::PhantomData;
 use step::{
-    Block, Common, Fixed, Moving, NORMAL, StepConstants, Surface, Surfaces, TANGENT, Vector,
-    linked,
+    Block, Common, Fixed, Moving, NORMAL, StepConstants, Surface, Surfaces, TANGENT, Vector, linked,
 };
 
 /// Forward increment Lagrange multipliers on a ring of modules.
