@@ -110,7 +110,7 @@ fn a_contact_state_that_was_met_is_watched_without_allocating() {
     scene.effects.stability = true;
     let all = variables(&scene);
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
-    let mut read = |simulation: &mut Simulation| {
+    let read = |simulation: &mut Simulation| {
         let before = ALLOCATIONS.get();
         for variable in &all {
             simulation.read(variable).unwrap();
@@ -171,6 +171,10 @@ mod c {
     }
 }
 
+fn is_real(variable: &Variable) -> bool {
+    matches!(variable.template.kind, Kind::Real { .. })
+}
+
 /// What an importer does between the communication points of a run: sets all that may be set, steps, reads all.
 #[test]
 fn a_run_across_the_c_interface_allocates_nothing() {
@@ -190,7 +194,6 @@ fn a_run_across_the_c_interface_allocates_nothing() {
             let numbers = (0..).zip(&all).filter(|(_, variable)| wanted(variable));
             numbers.map(|(number, _)| number).collect()
         };
-        let is_real = |variable: &Variable| matches!(variable.template.kind, Kind::Real { .. });
         let [reals, integers, inputs] =
             [of(is_real), of(|v| !is_real(v)), of(Variable::is_tunable)];
         let mut values = vec![0.0; reals.len()];

@@ -72,7 +72,12 @@ impl RingForwardIncrement {
         let first = surfaces.of(0);
         // Compiled once for a surface that is common to all and stays in registers, once for surfaces that
         // are looked up.
-        if (0..modules).all(|i| surfaces.of(i) == first) {
+        // Without a branch for each: a call may be for one step.
+        let velocities =
+            surfaces.velocities.iter().fold(true, |same, v| same & (*v == first.velocity));
+        let laws =
+            surfaces.frictions.iter().fold(true, |same, f| same & (L::from(*f) == first.law));
+        if velocities & laws {
             self.run_on(motion, drive, (step, count), Common(first));
         } else {
             self.run_on(motion, drive, (step, count), surfaces);
@@ -155,7 +160,7 @@ impl Integrator for RingForwardIncrement {
         count: u64,
     ) -> Result<(), StepFailure> {
         let frictions = &drive.friction[..self.blocks.len()];
-        if frictions.iter().all(|friction| friction.static_ == friction.kinetic) {
+        if frictions.iter().fold(true, |equal, f| equal & (f.static_ == f.kinetic)) {
             self.run::<Coulomb>(motion, drive, (step, count));
         } else {
             self.run::<Friction>(motion, drive, (step, count));
