@@ -1,9 +1,9 @@
 //! The crate fmi-rs as a second importer: what it finds in Set 1's FMU, and that it gets the
-//! doubles of the library itself.
+//! doubles of the library itself. So does Set 1 with its stability watched.
 #![cfg(feature = "tools")]
 
 use amontons::package;
-use amontons::scene::{Scene, builtin};
+use amontons::scene::{Scene, builtin, parse};
 use amontons::simulation::catalogue::Causality;
 use amontons::simulation::{Simulation, Variable, variables, write_scene};
 use fmi_rs::fmi2::builder::FMU2Builder;
@@ -17,12 +17,21 @@ use tempfile::TempDir;
 const STOP_TIME: f64 = 0.05;
 const OUTPUT_INTERVAL: f64 = 1e-3;
 
-/// Set 1's FMU as a file, in a folder that goes with it.
-fn fmu() -> (TempDir, PathBuf) {
+/// Set 1's file; with its stability watched if so.
+fn set1(watched: bool) -> String {
+    let effects = if watched { "\n[effects]\nstability = true\n" } else { "" };
+    format!("{}{effects}", builtin("set1").unwrap().text)
+}
+
+fn scene(text: &str) -> Scene {
+    parse("set1", text).unwrap()
+}
+
+/// A scene's FMU as a file, in a folder that goes with it.
+fn fmu(text: &str) -> (TempDir, PathBuf) {
     let folder = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let path = folder.path().join("set1.fmu");
-    let set1 = builtin("set1").unwrap();
-    std::fs::write(&path, package::fmu(&set1.scene(), &set1.text.into(), None).unwrap()).unwrap();
+    std::fs::write(&path, package::fmu(&scene(text), &text.into(), None).unwrap()).unwrap();
     (folder, path)
 }
 
@@ -35,11 +44,11 @@ fn outputs(scene: &Scene) -> Vec<Variable> {
 type Table = (Vec<f64>, Vec<Vec<u64>>);
 
 /// The run through fmi-rs.
-fn imported(values: &[(&str, f64)]) -> Table {
-    let (_folder, path) = fmu();
+fn imported(text: &str, values: &[(&str, f64)]) -> Table {
+    let (_folder, path) = fmu(text);
     let FMU2Builder { unzipdir, model_description, .. } = FMU2Builder::new(&path).unwrap();
     let model_description = Arc::new(model_description);
-    let names = outputs(&builtin("set1").unwrap().scene());
+    let names = outputs(&scene(text));
     let indices = names
         .iter()
         .map(|variable| model_description.variable_index_by_name(&variable.name).unwrap())
@@ -85,8 +94,8 @@ fn imported(values: &[(&str, f64)]) -> Table {
 }
 
 /// The run without an importer, at the times given.
-fn native(values: &[(&str, f64)], times: &[f64]) -> Table {
-    let mut scene = builtin("set1").unwrap().scene();
+fn native(text: &str, values: &[(&str, f64)], times: &[f64]) -> Table {
+    let mut scene = scene(text);
     let known = variables(&scene);
     for (name, value) in values {
         let variable = known.iter().find(|variable| variable.name == *name).unwrap();
@@ -106,39 +115,50 @@ fn native(values: &[(&str, f64)], times: &[f64]) -> Table {
 
 #[test]
 fn fmi_rs_finds_no_problem_in_the_model_description() {
-    let (_folder, path) = fmu();
-    let description = FMU2Builder::new(&path).unwrap().model_description;
-    let problems: Vec<String> =
-        description.validate().into_iter().map(|problem| problem.message).collect();
-    assert_eq!(problems, [""; 0]);
-    assert_eq!(description.modelName, "set1");
-    let scene = builtin("set1").unwrap().scene();
-    assert_eq!(description.modelVariables.len(), variables(&scene).len());
-    assert_eq!(description.outputs.len(), outputs(&scene).len());
+    for watched in [false, true] {
+        let text = set1(watched);
+        let (_folder, path) = fmu(&text);
+        let description = FMU2Builder::new(&path).unwrap().model_description;
+        let problems: Vec<String> =
+            description.validate().into_iter().map(|problem| problem.message).collect();
+        assert_eq!(problems, [""; 0]);
+        assert_eq!(description.modelName, "set1");
+        let scene = scene(&text);
+        assert_eq!(description.modelVariables.len(), variables(&scene).len());
+        assert_eq!(description.outputs.len(), outputs(&scene).len());
+    }
 }
 
 #[test]
 fn fmi_rs_gets_the_doubles_of_the_library() {
-    for values in [
-        vec![],
-        vec![("initial.module[1].v2", 0.3)],
-        vec![
-            ("initial.module[2].v1", -0.2),
-            ("friction.coefficient", 1.1),
-            ("slider.velocity", 0.06),
-            ("module[1].k2", 61.7e3),
-        ],
+    for (watched, values) in [
+        (false, vec![]),
+        (false, vec![("initial.module[1].v2", 0.3)]),
+        (true, vec![("initial.module[1].v2", 0.3)]),
+        (
+            false,
+            vec![
+                ("initial.module[2].v1", -0.2),
+                ("friction.coefficient", 1.1),
+                ("slider.velocity", 0.06),
+                ("module[1].k2", 61.7e3),
+            ],
+        ),
     ] {
-        let imported = imported(&values);
+        let text = set1(watched);
+        let imported = imported(&text, &values);
         assert_eq!(imported.0.len(), 51);
-        assert_eq!(imported, native(&values, &imported.0), "{values:?}");
+        assert_eq!(imported.1[0].len(), outputs(&scene(&text)).len());
+        assert_eq!(imported, native(&text, &values, &imported.0), "{values:?}");
     }
 }
 
 #[test]
 fn the_comparison_notices_another_number() {
-    let imported = imported(&[("initial.module[1].v2", 0.3)]);
-    let off = native(&[("initial.module[1].v2", 0.3), ("module[1].k2", 60e3 + 1e-7)], &imported.0);
+    let text = set1(false);
+    let imported = imported(&text, &[("initial.module[1].v2", 0.3)]);
+    let others = [("initial.module[1].v2", 0.3), ("module[1].k2", 60e3 + 1e-7)];
+    let off = native(&text, &others, &imported.0);
     assert_eq!(imported.0, off.0);
     assert_ne!(imported.1, off.1);
 }

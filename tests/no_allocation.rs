@@ -2,9 +2,11 @@
 #![allow(unsafe_code)]
 
 use amontons::scene::{Method, Scene, builtin, parse};
-use amontons::simulation::{Simulation, variables};
+use amontons::simulation::catalogue::Kind;
+use amontons::simulation::{Simulation, Variable, fingerprint, variables};
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::cell::Cell;
+use std::ffi::CString;
 
 struct Counting;
 
@@ -104,6 +106,133 @@ fn steps_reads_and_writes_allocate_nothing() {
             }
         }
         assert_eq!(ALLOCATIONS.get() - before, 0, "{name}");
+    }
+}
+
+#[test]
+fn a_contact_state_that_was_met_is_watched_without_allocating() {
+    let mut scene = builtin("set1").unwrap().scene();
+    scene.effects.stability = true;
+    let all = variables(&scene);
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    let read = |simulation: &mut Simulation| {
+        let before = ALLOCATIONS.get();
+        for variable in &all {
+            simulation.read(variable).unwrap();
+        }
+        ALLOCATIONS.get() - before
+    };
+    assert!(read(&mut simulation) > 0, "a state that is new is solved");
+    for row in 1..=100_u32 {
+        simulation.advance_to(f64::from(row) * 1e-4).unwrap();
+        assert_eq!(read(&mut simulation), 0);
+    }
+}
+
+/// The functions of the FMU's library, which this test links.
+mod c {
+    use std::ffi::{c_char, c_int, c_uint, c_void};
+
+    unsafe extern "C" {
+        pub fn fmi2Instantiate(
+            name: *const c_char,
+            kind: c_int,
+            guid: *const c_char,
+            resources: *const c_char,
+            callbacks: *const c_void,
+            visible: c_int,
+            logging_on: c_int,
+        ) -> *mut c_void;
+        pub fn fmi2SetupExperiment(
+            it: *mut c_void,
+            tolerance_defined: c_int,
+            tolerance: f64,
+            start: f64,
+            stop_defined: c_int,
+            stop: f64,
+        ) -> c_int;
+        pub fn fmi2EnterInitializationMode(it: *mut c_void) -> c_int;
+        pub fn fmi2ExitInitializationMode(it: *mut c_void) -> c_int;
+        pub fn fmi2DoStep(it: *mut c_void, now: f64, size: f64, no_return: c_int) -> c_int;
+        pub fn fmi2GetReal(
+            it: *mut c_void,
+            references: *const c_uint,
+            count: usize,
+            values: *mut f64,
+        ) -> c_int;
+        pub fn fmi2GetInteger(
+            it: *mut c_void,
+            references: *const c_uint,
+            count: usize,
+            values: *mut c_int,
+        ) -> c_int;
+        pub fn fmi2SetReal(
+            it: *mut c_void,
+            references: *const c_uint,
+            count: usize,
+            values: *const f64,
+        ) -> c_int;
+        pub fn fmi2FreeInstance(it: *mut c_void);
+    }
+}
+
+fn is_real(variable: &Variable) -> bool {
+    matches!(variable.template.kind, Kind::Real { .. })
+}
+
+/// What an importer does between the communication points of a run: sets all that may be set, steps, reads all.
+#[test]
+fn a_run_across_the_c_interface_allocates_nothing() {
+    let set1 = builtin("set1").unwrap().text.to_owned();
+    let ring = builtin("ring12").unwrap().text.to_owned();
+    let exactly =
+        |text: &str| text.replacen("[integrator]", "[integrator]\nmethod = \"event-driven\"", 1);
+    let driven = format!("{NETWORK}{SIGNALS}");
+    for text in [exactly(&set1), exactly(NETWORK), set1, ring, NETWORK.to_owned(), driven] {
+        let scene = parse("scene", &text).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("scene.toml"), &text).unwrap();
+        let location = CString::new(format!("file://{}", folder.path().display())).unwrap();
+        let guid = CString::new(fingerprint(&(&*text).into())).unwrap();
+        let all = variables(&scene);
+        let of = |wanted: fn(&Variable) -> bool| -> Vec<u32> {
+            let numbers = (0..).zip(&all).filter(|(_, variable)| wanted(variable));
+            numbers.map(|(number, _)| number).collect()
+        };
+        let [reals, integers, inputs] =
+            [of(is_real), of(|v| !is_real(v)), of(Variable::is_tunable)];
+        let mut values = vec![0.0; reals.len()];
+        let mut numbers = vec![0; integers.len()];
+        let mut given = vec![0.0; inputs.len()];
+        // SAFETY: FMI's calls in FMI's order; every array is as long as said, every string is terminated.
+        unsafe {
+            let null = std::ptr::null();
+            let (guid, location) = (guid.as_ptr(), location.as_ptr());
+            let it = c::fmi2Instantiate(c"one".as_ptr(), 1, guid, location, null, 0, 0);
+            assert!(!it.is_null());
+            assert_eq!(c::fmi2SetupExperiment(it, 0, 0.0, 0.0, 0, 0.0), 0);
+            assert_eq!(c::fmi2EnterInitializationMode(it), 0);
+            assert_eq!(c::fmi2ExitInitializationMode(it), 0);
+            let count = inputs.len();
+            assert_eq!(c::fmi2GetReal(it, inputs.as_ptr(), count, given.as_mut_ptr()), 0);
+            let before = ALLOCATIONS.get();
+            let mut steps = 0;
+            for size in [1_u32, 1, 100, 1].into_iter().cycle().take(400) {
+                // Preload and µ do change; within the bound of the critical step nothing is solved.
+                given.iter_mut().for_each(|value| *value *= 1.0 + 1e-9);
+                assert_eq!(c::fmi2SetReal(it, inputs.as_ptr(), count, given.as_ptr()), 0);
+                let [now, size_s] = [steps, size].map(|steps| f64::from(steps) * scene.step);
+                assert_eq!(c::fmi2DoStep(it, now, size_s, 1), 0);
+                steps += size;
+                assert_eq!(c::fmi2GetReal(it, reals.as_ptr(), reals.len(), values.as_mut_ptr()), 0);
+                assert_eq!(
+                    c::fmi2GetInteger(it, integers.as_ptr(), integers.len(), numbers.as_mut_ptr()),
+                    0
+                );
+            }
+            assert_eq!(ALLOCATIONS.get() - before, 0, "{:?}", scene.method);
+            c::fmi2FreeInstance(it);
+        }
     }
 }
 

@@ -92,15 +92,18 @@ impl Instance {
     }
 
     /// Refuses a call that the present phase does not allow.
+    #[inline]
     pub(super) fn require(&self, call: Call) -> Result<(), Error> {
-        if call.is_allowed_in(self.phase) {
-            return Ok(());
-        }
-        Err(Error::call(format!(
+        if call.is_allowed_in(self.phase) { Ok(()) } else { Err(self.not_allowed(call)) }
+    }
+
+    #[cold]
+    fn not_allowed(&self, call: Call) -> Error {
+        Error::call(format!(
             "{call} is not allowed in phase {:?}; it is in {}",
             self.phase,
             call.phases()
-        )))
+        ))
     }
 
     /// Takes note of a failed call. A caught panic leaves nothing to rely on.

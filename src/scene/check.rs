@@ -12,6 +12,10 @@ use crate::Error;
 /// The most rows of results that a run may have.
 const MAX_ROWS: f64 = 1e9;
 
+/// The most rows of a dense matrix whose eigenvalues are found during a run: some 30 ms for each contact state.
+/// From 256 on the analyser finds them in another way, and in other last digits.
+const MAX_WATCHED_ROWS: usize = 255;
+
 /// What a value belongs to, by its place from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Part {
@@ -91,7 +95,26 @@ impl Scene {
         }
         effects_check::check(self, &mut checks);
         checks.problems.extend(self.unknown_inputs());
+        checks.problems.extend(self.too_large_to_watch());
         checks.problems
+    }
+
+    /// A structure whose eigenvalues would hold a run up.
+    fn too_large_to_watch(&self) -> Option<Problem> {
+        let is_damped = self.network().is_some_and(|network| !network.dampers.is_empty());
+        let (most, with) = match is_damped {
+            // Displacements and velocities then have a row each.
+            true => (MAX_WATCHED_ROWS / 2, " with dampers"),
+            false => (MAX_WATCHED_ROWS, ""),
+        };
+        let dofs = self.external_forces().count();
+        let message =
+            format!("is for up to {most} degrees of freedom{with}, and this scene has {dofs}");
+        (self.effects.stability && dofs > most).then(|| {
+            Problem::new("effects.stability", message)
+                .of(true)
+                .help("leave it out; amontons-stability analyses one contact state of larger ones")
+        })
     }
 
     /// Static friction of contacts that have their own.

@@ -229,7 +229,7 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
 const LINKS: [usize; 2] = [0, 1];
 
 /// What a scene goes without has no variables: damping, links, preload, external forces, locked degrees of
-/// freedom, v and µ of a contact that has none of its own, static friction, energy, a step that is chosen.
+/// freedom, v and µ of a contact that has none of its own, static friction, effects, a step that is chosen.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
         Quantity::Energy => return scene.effects.energy,
@@ -243,6 +243,9 @@ fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
         Quantity::DampingAlpha => return scene.effects.mass_damping,
         Quantity::DampingBeta => return scene.effects.stiffness_damping,
         Quantity::ExternalForce if scene.roles.of(Group::Forces).is_none() => return false,
+        Quantity::GrowthRate | Quantity::ModeFrequency | Quantity::ModeCount => {
+            return scene.effects.stability;
+        }
         _ => {}
     }
     let Some(network) = scene.network() else {

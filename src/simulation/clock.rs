@@ -56,13 +56,18 @@ impl Leg {
         self.origin + (self.first + step) as f64 * self.step
     }
 
+    /// How many steps are left.
+    pub(super) fn left(&self) -> u64 {
+        self.count - self.done
+    }
+
     /// How many steps from the next one on end before time `until` (s); at least that one, at most those
     /// that are left.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub(super) fn steps_before(&self, until: f64) -> u64 {
         // One less than fit in leaves the last one's end a step before that time. Casts saturate.
         let count = ((until - self.time(self.done)) / self.step).floor() as u64;
-        count.saturating_sub(1).clamp(1, self.count - self.done)
+        count.saturating_sub(1).clamp(1, self.left())
     }
 }
 
@@ -103,11 +108,11 @@ impl Clock {
         if !(asked >= -rounding && (target - self.start) / step < COUNTABLE) {
             return None;
         }
-        let multiple = (asked / step).round() * step;
+        let multiple = nearest(asked / step) * step;
         let is_multiple = (asked - multiple).abs() <= TOLERANCE * asked + rounding;
         let nothing = (NOTHING * step).min(DIGITS * target.abs()).max(rounding);
         if (is_multiple && multiple > 0.0) || asked <= nothing {
-            let steps = (((target - self.start) / step).round() as u64).max(self.steps);
+            let steps = (nearest((target - self.start) / step) as u64).max(self.steps);
             let arrival = Self { steps, asked: target, ..self };
             let (origin, first) = (self.start, self.steps);
             let count = steps - self.steps;
@@ -121,9 +126,34 @@ impl Clock {
     }
 }
 
+/// The whole number that is nearest to x, of two the larger one; 0 where x is below. `f64::round` is a call
+/// into the C library, which a short step would feel.
+fn nearest(x: f64) -> f64 {
+    /// From here on no double has a fraction.
+    const WHOLE: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
+    if x >= WHOLE {
+        return x;
+    }
+    let x = x.max(0.0);
+    // Rounds halves to even ones.
+    let even = (x + WHOLE) - WHOLE;
+    if x - even >= 0.5 { even + 1.0 } else { even }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn steps_are_counted_to_the_nearest_whole_number() {
+        let whole = 2.0_f64.powi(52);
+        for x in [0.0, 0.5, 1.0, 1.5, 2.5, 7.0, 1e6 + 0.5, whole / 2.0 + 0.5, whole, 3.0 * whole] {
+            for x in [x, f64::next_down(x), f64::next_up(x)] {
+                assert_eq!(nearest(x), x.round().max(0.0), "{x:e}");
+            }
+        }
+        assert!(nearest(-7.3) == 0.0 && nearest(f64::INFINITY) == f64::INFINITY);
+    }
 
     const H: f64 = 1e-5;
 

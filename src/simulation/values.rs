@@ -184,6 +184,9 @@ impl Simulation {
             Quantity::Energy => {
                 self.energy().map_or(f64::NAN, |energy| energy.parts()[variable.template.component])
             }
+            Quantity::GrowthRate => self.outlook()?.growth_rate,
+            Quantity::ModeFrequency => self.outlook()?.frequency,
+            Quantity::ModeCount => f64::from(self.outlook()?.modes),
             _ => read_scene(&self.scene, variable).expect("every other quantity is a scene's"),
         })
     }

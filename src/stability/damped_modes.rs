@@ -1,12 +1,15 @@
 //! The quadratic eigenvalue problem (λ² M̃ + λ C̃ + K̃) u = 0 at its full size (paper, eq. 6), for any C̃.
 
 use super::eigenvalues::eigenvalues;
-use super::modes::{Eigenpair, eigenpairs, per_mass};
+#[cfg(feature = "tools")]
+use super::modes::{Eigenpair, eigenpairs};
+use super::reduced_problem::per_mass;
 use crate::Error;
 use crate::model::ReducedMatrices;
 use nalgebra::{Complex, DMatrix};
 
 /// All eigenvalues λ, 1/s, with their vectors u.
+#[cfg(feature = "tools")]
 pub(super) fn solve(reduced: &ReducedMatrices) -> Result<Vec<Eigenpair>, Error> {
     let (companion, unit) = companion(reduced)?;
     let size = reduced.mass.nrows();
@@ -51,7 +54,7 @@ fn companion(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, f64), Error> {
     Ok((DMatrix::from_fn(2 * size, 2 * size, entry), unit))
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "tools"))]
 mod tests {
     use crate::contact::ContactState::{Slide, Stick};
     use crate::model::{Damping, LumpedModel, SparseMatrix};

@@ -7,12 +7,14 @@
 //! ed., algorithms 7.4.2 and 7.5.1; exceptional shifts as in LAPACK's `dlahqr`). Both are orthogonal,
 //! so the eigenvalues are those of a matrix that differs from the given one by rounding.
 
+#[cfg(feature = "tools")]
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// From this size on faer, which works on blocks, is faster.
+/// From this size on faer, which works on blocks, is faster; the library inside an FMU goes without.
+#[cfg(feature = "tools")]
 const LARGE: usize = 256;
 /// After so many sweeps without success the shift is another one: ordinary ones may circle.
 const PATIENCE: u32 = 10;
@@ -24,10 +26,16 @@ const MAX_SWEEPS: u32 = 600;
 /// `None` where an entry is not finite, or the iteration does not converge.
 #[must_use]
 pub fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    let size = matrix.nrows();
-    if size < LARGE {
-        return by_francis(matrix);
+    #[cfg(feature = "tools")]
+    if matrix.nrows() >= LARGE {
+        return by_faer(&matrix);
     }
+    by_francis(matrix)
+}
+
+#[cfg(feature = "tools")]
+fn by_faer(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    let size = matrix.nrows();
     let found = Mat::from_fn(size, size, |i, j| matrix[(i, j)]).eigenvalues();
     found.ok().map(|values| values.iter().map(|v| Complex::new(v.re, v.im)).collect())
 }

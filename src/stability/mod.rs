@@ -6,6 +6,7 @@
 //! | `damped_step` | the same for a state with single dampers |
 //! | `frequency_bound` | bounds over all contact states |
 //! | `eigenvalues` | the eigenvalues of a matrix |
+//! | `reduced_problem` | the eigenvalue problem of one contact state |
 //! | `damped_modes` | the full problem where there are single dampers |
 //! | `modes` | eigenvalues and shapes of one contact state |
 //! | `symmetry` | which states of a ring are alike; waves in place of the whole ring |
@@ -16,7 +17,8 @@
 //! | `candidates` | ranges of µ that can be bi-stable |
 //! | `map` | the verdict over two parameters |
 //!
-//! All but the critical step need the feature `tools`.
+//! The critical step and the eigenvalues of one state go into the library inside an FMU; all else needs the
+//! feature `tools`.
 
 mod critical_step;
 mod damped_step;
@@ -33,14 +35,18 @@ pub fn highest_frequency(model: &LumpedModel) -> Option<f64> {
     frequency_bound::frictionless(model)
 }
 
+mod damped_modes;
+mod eigenvalues;
+mod reduced_problem;
+mod spectrum;
+mod symmetry;
+
+pub use {eigenvalues::eigenvalues, spectrum::Spectrum, symmetry::Symmetry};
+
 #[cfg(feature = "tools")]
 pub mod candidates;
 #[cfg(feature = "tools")]
-mod damped_modes;
-#[cfg(feature = "tools")]
 mod departure;
-#[cfg(feature = "tools")]
-mod eigenvalues;
 #[cfg(feature = "tools")]
 pub mod locus;
 #[cfg(feature = "tools")]
@@ -50,18 +56,11 @@ mod modes;
 #[cfg(feature = "tools")]
 pub(crate) mod parallel;
 #[cfg(feature = "tools")]
-mod spectrum;
-#[cfg(feature = "tools")]
 mod states;
-#[cfg(feature = "tools")]
-mod symmetry;
 
 #[cfg(feature = "tools")]
 pub use {
     departure::{Departure, departure},
-    eigenvalues::eigenvalues,
     modes::{Mode, Modes, modes},
-    spectrum::Spectrum,
     states::{MAX_CONTACTS, StateClasses},
-    symmetry::Symmetry,
 };

@@ -1,7 +1,7 @@
 //! The eigenvalues of one contact state, without shapes.
 
 use super::damped_modes;
-use super::modes::{Kind, check_size, quadratic_roots};
+use super::reduced_problem::{Kind, check_size, quadratic_roots};
 use super::symmetry::all_stiffness_eigenvalues;
 use crate::Error;
 use crate::contact::{ContactState, Joined};
@@ -60,6 +60,15 @@ impl Spectrum {
     pub fn growth_rate(&self) -> f64 {
         let oscillating = self.oscillating.iter().map(|eigenvalue| eigenvalue.re);
         oscillating.chain(self.real.iter().copied()).fold(f64::NEG_INFINITY, f64::max)
+    }
+
+    /// The eigenvalue with the largest growth rate, of a pair that with Im λ > 0; of equals the first that
+    /// oscillates, by frequency. `None` where nothing can move.
+    #[must_use]
+    pub fn fastest_growing(&self) -> Option<Complex<f64>> {
+        let real = self.real.iter().map(|&value| Complex::new(value, 0.0));
+        let all = self.oscillating.iter().copied().chain(real);
+        all.reduce(|fastest, other| if other.re > fastest.re { other } else { fastest })
     }
 
     /// Does anything grow?

@@ -1,6 +1,6 @@
 //! What the symmetry of a ring of equal modules saves.
 
-use super::modes::stiffness_eigenvalues;
+use super::reduced_problem::stiffness_eigenvalues;
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::ring::MODULE_DOFS;

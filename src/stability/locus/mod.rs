@@ -15,7 +15,7 @@
 mod events;
 mod follow;
 
-use super::modes::quadratic_roots;
+use super::reduced_problem::quadratic_roots;
 use super::spectrum::Spectrum;
 use super::symmetry::Part;
 use crate::Error;

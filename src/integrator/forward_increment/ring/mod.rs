@@ -14,7 +14,7 @@ use crate::model::{Contact, Damping, LumpedModel};
 use std::marker::PhantomData;
 use step::{
     Block, Effects, Fixed, Moving, NORMAL, StepConstants, Surface, Surfaces, TANGENT, Vector, With,
-    linked, strain,
+    linked,
 };
 
 /// Forward increment Lagrange multipliers on a ring of modules.
@@ -138,10 +138,10 @@ impl Rings {
     }
 
     fn strain(&mut self, motion: &Motion) {
-        let (x, _) = motion.displacement.as_chunks();
-        let (v, _) = motion.velocity.as_chunks();
-        for ((strained, x), v) in self.strained.iter_mut().zip(x).zip(v) {
-            *strained = strain(x, v, self.damping.beta);
+        // As `step::strain`, number by number: of one step this is a good part.
+        let moving = motion.displacement.iter().zip(&motion.velocity);
+        for (strained, (x, v)) in self.strained.as_flattened_mut().iter_mut().zip(moving) {
+            *strained = x + self.damping.beta * v;
         }
     }
 

@@ -1,0 +1,166 @@
+//! Watches the stability of the present contact state.
+
+use super::Simulation;
+use super::signals;
+use crate::Error;
+use crate::contact::ContactState;
+use crate::model::{Damping, LumpedModel, SparseMatrix};
+use crate::stability::Spectrum;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+/// The most contact states that are remembered; a long ring may meet any number.
+const MOST_KNOWN: usize = 4096;
+
+/// What would become of a small disturbance if the contacts stayed in their states.
+///
+/// All is zero where the contacts hold every motion: what is held stays where it is put.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Outlook {
+    /// The largest real part of all eigenvalues, 1/s: positive where a disturbance grows.
+    pub(super) growth_rate: f64,
+    /// The frequency of that mode, Hz; 0 for one that does not oscillate.
+    pub(super) frequency: f64,
+    /// How many modes there are: pairs that oscillate, and real eigenvalues. −1 where there are no
+    /// eigenvalues, and so nothing is known: friction wedges the contacts, or their states contradict each
+    /// other.
+    pub(super) modes: i32,
+}
+
+impl Outlook {
+    fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Self {
+        let unknown = Self { modes: -1, ..Self::default() };
+        let Ok(spectrum) = Spectrum::of(model, states, friction) else { return unknown };
+        let Some(fastest) = spectrum.fastest_growing() else {
+            let is_held = model.reduced(states, friction).is_some();
+            return if is_held { Self::default() } else { unknown };
+        };
+        let modes = spectrum.oscillating.len() + spectrum.real.len();
+        Self {
+            growth_rate: fastest.re,
+            frequency: fastest.im / TAU,
+            modes: i32::try_from(modes).unwrap_or(i32::MAX),
+        }
+    }
+}
+
+/// Outlooks of the contact states that were met, each found once. They are found when they are read, and feed
+/// nothing back.
+#[derive(Default)]
+pub(super) struct Monitor {
+    /// What else they depend on, of that which may change during a run: µ of each contact, and the damping.
+    friction: Vec<f64>,
+    damping: Damping,
+    dampers: Option<SparseMatrix>,
+    known: HashMap<Box<[ContactState]>, Outlook>,
+    /// The states at hand.
+    states: Vec<ContactState>,
+}
+
+impl Monitor {
+    /// Forgets what was found with another friction or damping.
+    fn keep_up(&mut self, model: &LumpedModel, friction: impl Iterator<Item = f64> + Clone) {
+        let is_same = self.friction.iter().copied().eq(friction.clone())
+            && self.damping == model.damping
+            && self.dampers.as_ref() == Some(&model.dampers);
+        if !is_same {
+            self.known.clear();
+            self.friction.clear();
+            self.friction.extend(friction);
+            self.damping = model.damping;
+            self.dampers = Some(model.dampers.clone());
+        }
+    }
+
+    /// The outlook of these states; `common` is µ of contacts without one of their own.
+    fn outlook(
+        &mut self,
+        model: &LumpedModel,
+        states: impl Iterator<Item = ContactState>,
+        common: f64,
+    ) -> Outlook {
+        self.states.clear();
+        self.states.extend(states);
+        if let Some(&known) = self.known.get(&*self.states) {
+            return known;
+        }
+        let found = Outlook::of(model, &self.states, common);
+        if self.known.len() >= MOST_KNOWN {
+            self.known.clear();
+        }
+        self.known.insert(self.states.clone().into(), found);
+        found
+    }
+}
+
+impl Simulation {
+    /// The outlook of the present contact states, as they are read, with the present friction and damping;
+    /// of a scene that does not ask for it, nothing. It allocates where these states are new.
+    ///
+    /// # Errors
+    /// Contact forces that have no solution.
+    pub(super) fn outlook(&mut self) -> Result<Outlook, Error> {
+        self.contact_forces()?;
+        let Some(monitor) = &mut self.monitor else { return Ok(Outlook::default()) };
+        let common = signals::acting(self.driven.as_ref(), &self.scene).friction_coefficient;
+        let friction = self.model.contacts.iter().map(|contact| contact.friction(common));
+        monitor.keep_up(&self.model, friction);
+        let states = self.contact_forces.iter().map(|force| force.state);
+        Ok(monitor.outlook(&self.model, states, common))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::ContactState::{Detached, ReverseSlide, Slide, Stick};
+    use crate::model::{Contact, Direction};
+
+    /// A mass of two degrees of freedom with M = [[1, a], [a, 1]], K = 4 along each, and contacts along the
+    /// first with the second as their normal.
+    fn mass(a: f64, contacts: usize) -> LumpedModel {
+        let entries = vec![(0, 0, 1.0), (0, 1, a), (1, 0, a), (1, 1, 1.0)];
+        LumpedModel {
+            mass: SparseMatrix::from_entries(2, entries),
+            stiffness: SparseMatrix::diagonal(&[4.0, 4.0]),
+            damping: Damping::default(),
+            dampers: SparseMatrix::zero(2),
+            load: vec![0.0; 2],
+            contacts: vec![Contact::new(Direction::unit(1), Direction::unit(0)); contacts],
+        }
+    }
+
+    #[test]
+    fn states_without_eigenvalues_are_told_from_those_that_hold_everything() {
+        let unknown = Outlook { modes: -1, ..Outlook::default() };
+        let two = mass(0.0, 2);
+        assert_eq!(Outlook::of(&two, &[Slide, ReverseSlide], 0.5), unknown);
+        assert_eq!(Outlook::of(&two, &[Stick, Stick], 0.5), Outlook::default());
+        assert_eq!(Outlook::of(&two, &[Slide, Slide], 0.5).modes, 1);
+        // M̃ = 1 ± µ a: one way friction wedges the mass, the other way it is twice as heavy.
+        let coupled = mass(0.5, 1);
+        let ways = [Slide, ReverseSlide].map(|state| Outlook::of(&coupled, &[state], 2.0));
+        assert!(ways.contains(&unknown), "{ways:?}");
+        let free = ways.into_iter().find(|way| *way != unknown).unwrap();
+        assert!((TAU * free.frequency - 2.0_f64.sqrt()).abs() < 1e-12 && free.modes == 1);
+        assert_eq!(Outlook::of(&coupled, &[Detached], 2.0).modes, 2);
+    }
+
+    #[test]
+    fn a_state_is_solved_once_until_friction_or_damping_is_another() {
+        let (mut monitor, mut model) = (Monitor::default(), mass(0.0, 1));
+        let mut look = |model: &LumpedModel, friction: f64, state: ContactState| {
+            monitor.keep_up(model, std::iter::once(friction));
+            monitor.outlook(model, std::iter::once(state), friction);
+            monitor.known.len()
+        };
+        assert_eq!([Slide, Stick, Slide].map(|state| look(&model, 0.5, state)), [1, 2, 2]);
+        assert_eq!(look(&model, 0.6, Slide), 1);
+        assert_eq!(look(&model, 0.6, Stick), 2);
+        model.damping.beta = 1e-3;
+        assert_eq!(look(&model, 0.6, Stick), 1);
+        assert_eq!(look(&model, 0.6, Slide), 2);
+        model.dampers = SparseMatrix::diagonal(&[1.0, 0.0]);
+        assert_eq!(look(&model, 0.6, Slide), 1);
+    }
+}

@@ -1,0 +1,129 @@
+//! The eigenvalue problem of one contact state (paper, eqs. 3–6), without shapes.
+//!
+//! With C̃ = α M̃ + β K̃, which Rayleigh damping gives because friction follows the whole normal
+//! force, the quadratic problem (λ² M̃ + λ C̃ + K̃) u = 0 has the eigenvectors of M̃⁻¹ K̃, and each of
+//! its eigenvalues σ two eigenvalues of the state: λ² + (α + β σ) λ + σ = 0. So the problem solved is
+//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not. With single
+//! dampers there are no such σ; `damped_modes` then solves the problem at its full size.
+
+use super::eigenvalues::eigenvalues;
+use crate::Error;
+use crate::contact::{ContactState, Joined};
+use crate::model::{LumpedModel, ReducedMatrices};
+use nalgebra::{Complex, DMatrix};
+
+/// The eigenvalues σ of M̃⁻¹ K̃, 1/s², from the whole matrices; those of a state's modes where there
+/// are no single dampers.
+pub(super) fn stiffness_eigenvalues(
+    model: &LumpedModel,
+    states: &[ContactState],
+    friction: f64,
+) -> Result<Vec<Complex<f64>>, Error> {
+    check_size(model)?;
+    let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
+    let (operator, _) = operator(&reduced)?;
+    let floor = rounding(&operator);
+    let found = eigenvalues(operator).ok_or_else(|| {
+        let states = Joined(states);
+        Error::analysis(format!(
+            "the eigenvalues of state {states} were not found at µ = {friction}"
+        ))
+    })?;
+    Ok(found.into_iter().map(|sigma| cleaned(sigma, floor)).collect())
+}
+
+/// What rounding leaves of an eigenvalue zero, 1/s².
+pub(super) fn rounding(operator: &DMatrix<f64>) -> f64 {
+    let size = u32::try_from(operator.nrows()).unwrap_or(u32::MAX);
+    f64::from(size) * f64::EPSILON * operator.amax()
+}
+
+/// A double real eigenvalue comes out of rounding as a pair that is complex by a little, and that of
+/// a motion which strains no spring as one that is not quite zero. Where two real ones do merge, this
+/// moves the place by the square of that little.
+pub(super) fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
+    if sigma.norm() <= floor {
+        return Complex::new(0.0, 0.0);
+    }
+    let is_real = sigma.im.abs() <= 1e-7 * sigma.re.abs();
+    if is_real { Complex::new(sigma.re, 0.0) } else { sigma }
+}
+
+/// The most degrees of freedom that are analysed as one dense matrix: some seconds of work.
+const MAX_DENSE: usize = 1200;
+
+pub(super) fn check_size(model: &LumpedModel) -> Result<(), Error> {
+    if model.dofs() <= MAX_DENSE {
+        return Ok(());
+    }
+    Err(Error::analysis(format!(
+        "{} degrees of freedom: dense eigenvalues are found for up to {MAX_DENSE}; of longer rings \
+         only those of equal modules that are all in one state, wave by wave",
+        model.dofs()
+    )))
+}
+
+/// A matrix with the eigenvalues of M̃⁻¹ K̃, and what each component of its eigenvectors w is to be
+/// multiplied by to give those of M̃⁻¹ K̃. Where M̃ is diagonal it is M̃^-½ K̃ M̃^-½, which keeps the
+/// digits of low modes where masses differ by orders of magnitude.
+pub(super) fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
+    let ReducedMatrices { mass, stiffness, .. } = reduced;
+    let size = mass.nrows();
+    let diagonal = mass.diagonal();
+    let is_diagonal = *mass == DMatrix::from_diagonal(&diagonal);
+    let (operator, scale) = if is_diagonal && diagonal.iter().all(|mass| *mass > 0.0) {
+        let scale: Vec<f64> = diagonal.iter().map(|mass| 1.0 / mass.sqrt()).collect();
+        (DMatrix::from_fn(size, size, |i, j| scale[i] * stiffness[(i, j)] * scale[j]), scale)
+    } else {
+        (per_mass(mass, stiffness)?, vec![1.0; size])
+    };
+    finite(&operator)?;
+    Ok((operator, scale))
+}
+
+/// M̃⁻¹ A.
+pub(super) fn per_mass(mass: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
+    let quotient = mass.clone().lu().solve(matrix).ok_or_else(|| {
+        Error::analysis("the masses that this contact state leaves free cannot be accelerated")
+    })?;
+    finite(&quotient)?;
+    Ok(quotient)
+}
+
+fn finite(matrix: &DMatrix<f64>) -> Result<(), Error> {
+    if matrix.iter().all(|value| value.is_finite()) {
+        return Ok(());
+    }
+    Err(Error::analysis(
+        "M⁻¹ K or M⁻¹ C leaves the range of numbers; look for a value that is too large",
+    ))
+}
+
+/// Which of the eigenvalues of a real problem one is.
+pub(super) enum Kind {
+    Oscillating,
+    Conjugate,
+    Real,
+}
+
+impl Kind {
+    pub(super) fn of(eigenvalue: Complex<f64>) -> Self {
+        // Below this part of |λ| an imaginary part is what rounding leaves of zero.
+        if eigenvalue.im.abs() <= 1e-9 * eigenvalue.norm() {
+            Self::Real
+        } else if eigenvalue.im > 0.0 {
+            Self::Oscillating
+        } else {
+            Self::Conjugate
+        }
+    }
+}
+
+/// The roots of λ² + (α + β σ) λ + σ = 0, without cancellation.
+pub(super) fn quadratic_roots(model: &LumpedModel, sigma: Complex<f64>) -> [Complex<f64>; 2] {
+    let half = (sigma * model.damping.beta + model.damping.alpha) * -0.5;
+    let root = (half * half - sigma).sqrt();
+    // The larger of the two, then the other from their product σ.
+    let larger = if (half.conj() * root).re >= 0.0 { half + root } else { half - root };
+    if larger.norm() == 0.0 { [larger; 2] } else { [larger, sigma / larger] }
+}
