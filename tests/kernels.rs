@@ -62,6 +62,7 @@ fn moved(integrator: &mut dyn Integrator, model: &LumpedModel) -> Motion {
         velocity: (0..model.dofs()).map(|i| 0.02 * (i as f64 - 1.3)).collect(),
         contacts: vec![Slide; contacts],
         statistics: Statistics::default(),
+        ledger: None,
     };
     for _ in 0..3 {
         integrator.advance(&mut motion, &drive, 1e-5, 2_000).unwrap();
@@ -196,6 +197,7 @@ fn the_kernels_of_rings_and_of_networks_agree_on_every_part_of_the_law_of_contac
                         .collect(),
                     contacts: vec![Slide; 3],
                     statistics: Statistics::default(),
+                    ledger: None,
                 };
                 integrator.advance(&mut motion, &drive, 1e-6, 20_000).unwrap();
                 motion

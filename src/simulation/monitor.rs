@@ -102,6 +102,7 @@ impl Simulation {
     pub(super) fn outlook(&mut self) -> Result<Outlook, Error> {
         self.contact_forces()?;
         let Some(monitor) = &mut self.monitor else { return Ok(Outlook::default()) };
+        self.model.linearise(&self.reference.equilibrium);
         let common = signals::acting(self.driven.as_ref(), &self.scene).friction_coefficient;
         let friction = self.model.contacts.iter().map(|contact| contact.friction(common));
         monitor.keep_up(&self.model, friction);
@@ -113,6 +114,7 @@ impl Simulation {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::contact::ContactLaw;
     use crate::contact::ContactState::{Detached, ReverseSlide, Slide, Stick};
     use crate::model::{Contact, Direction};
 
@@ -127,6 +129,7 @@ mod tests {
             dampers: SparseMatrix::zero(2),
             load: vec![0.0; 2],
             contacts: vec![Contact::new(Direction::unit(1), Direction::unit(0)); contacts],
+            law: ContactLaw::default(),
         }
     }
 
