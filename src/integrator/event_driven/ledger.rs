@@ -7,6 +7,17 @@ use crate::integrator::dynamics::Dynamics;
 use crate::integrator::{Drive, Motion};
 use crate::model::{Damping, LumpedModel};
 
+/// ∫ u^k du for u from 0 to 1: 1 / (k + 1).
+const INTEGRATED: [f64; 2 * ORDER] = {
+    let mut integrated = [1.0; 2 * ORDER];
+    let (mut k, mut power) = (0, 1.0);
+    while k < integrated.len() {
+        integrated[k] = 1.0 / power;
+        (k, power) = (k + 1, power + 1.0);
+    }
+    integrated
+};
+
 /// A part of a series that the motion is about to pass.
 pub struct Passage<'a> {
     pub(super) dynamics: &'a Dynamics,
@@ -86,9 +97,11 @@ impl Writer {
         }
         let mut sum = 0.0;
         for (i, moved) in self.moved.chunks_exact(dofs).enumerate() {
-            for (j, damped) in self.damped.chunks_exact(dofs).enumerate() {
-                sum += dot(moved, damped) / index(i + j + 1);
+            // C is symmetric: each pair of powers counts twice.
+            for (j, damped) in self.damped.chunks_exact(dofs).enumerate().take(i) {
+                sum += 2.0 * INTEGRATED[i + j] * dot(moved, damped);
             }
+            sum += INTEGRATED[2 * i] * dot(moved, &self.damped[i * dofs..]);
         }
         sum / time
     }
@@ -113,13 +126,15 @@ impl Witness for Writer {
         ledger.damping += self.damping(dynamics.damping, time);
 
         // Forces are f + ḟ t; both are looked at once for each power.
+        let mut work = 0.0;
         for (k, moved) in self.moved.chunks_exact(dofs).enumerate() {
             for (dof, moved) in moved.iter().enumerate() {
-                let constant = (force[dof] + ledger.balance[dof]) / index(k + 1);
-                let rising = time * drive.force_rate[dof] / index(k + 2);
-                ledger.forces += moved * (constant + rising);
+                let constant = (force[dof] + ledger.balance[dof]) * INTEGRATED[k];
+                let rising = time * drive.force_rate[dof] * INTEGRATED[k + 1];
+                work += moved * (constant + rising);
             }
         }
+        ledger.forces += work;
 
         series.law.set(dynamics, &motion.contacts, &drive.friction);
         for (i, contact) in dynamics.contacts.iter().enumerate() {
@@ -163,9 +178,7 @@ impl Witness for Writer {
 fn integral(a: &[f64], b: &[f64]) -> f64 {
     let mut sum = 0.0;
     for (i, a) in a.iter().enumerate() {
-        for (j, b) in b.iter().enumerate() {
-            sum += a * b / index(i + j + 1);
-        }
+        sum += a * dot(b, &INTEGRATED[i..]);
     }
     sum
 }
