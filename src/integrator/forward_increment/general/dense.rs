@@ -63,22 +63,22 @@ impl<const N: usize> Structure for Dense<N> {
             }
         }
         let springs = product(&self.stiffness, &strained);
-        for i in 0..N {
-            a[i] = load[i] - springs[i];
+        for ((a, load), springs) in a.iter_mut().zip(load).zip(springs) {
+            *a = *load - springs;
         }
         if D::RAYLEIGH {
-            for i in 0..N {
-                a[i] -= alpha * (self.mass[i] * v[i]);
+            for ((a, mass), v) in a.iter_mut().zip(&self.mass).zip(&*v) {
+                *a -= alpha * (mass * v);
             }
         }
         if D::DAMPERS {
             let damped = product(&self.dampers, v);
-            for i in 0..N {
-                a[i] -= damped[i];
+            for (a, damped) in a.iter_mut().zip(damped) {
+                *a -= damped;
             }
         }
-        for i in 0..N {
-            a[i] *= self.inverse_mass[i];
+        for (a, inverse) in a.iter_mut().zip(&self.inverse_mass) {
+            *a *= inverse;
         }
     }
 }
