@@ -46,7 +46,7 @@ fn turnover(energy: &Energy) -> f64 {
 fn oscillator(more: &str) -> String {
     format!(
         "[[mass]]\nname = \"a\"\nmass = 0.5\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
-        between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n{more}"
+        between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\npreload = 0.0\n{more}"
     )
 }
 

@@ -4,6 +4,8 @@
 mod batch;
 pub mod catalogue;
 mod clock;
+#[cfg(feature = "tools")]
+mod effects;
 mod fingerprint;
 #[cfg(feature = "tools")]
 mod inputs;
@@ -19,6 +21,8 @@ pub use batch::Batch;
 #[cfg(feature = "tools")]
 pub(crate) use batch::attempt;
 pub use catalogue::{Variable, variables};
+#[cfg(feature = "tools")]
+pub use effects::{Effect, effects};
 pub use fingerprint::fingerprint;
 #[cfg(feature = "tools")]
 pub use inputs::{Inputs, is_close};

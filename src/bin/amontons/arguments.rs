@@ -27,6 +27,8 @@ pub enum Command {
     Simulate(Simulate),
     /// Show what accuracy costs: errors and times of each method and step, against a proven reference
     Accuracy(Accuracy),
+    /// List every effect, on or off in a scene: its equation, the variables it brings, what it costs a step
+    Effects(Effects),
     /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files
     Scenes {
         #[command(subcommand)]
@@ -86,6 +88,12 @@ pub struct Simulate {
     /// Where to write the CSV [default: standard output]
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Effects {
+    /// A scene file (TOML), or the name of a built-in scene
+    pub scene: String,
 }
 
 #[derive(Args)]

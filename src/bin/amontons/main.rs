@@ -3,6 +3,7 @@
 mod accuracy;
 mod arguments;
 mod draw;
+mod effects;
 mod export;
 mod interrupt;
 mod scenes;
@@ -39,6 +40,7 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
         Command::Export(arguments) => export::run(arguments),
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Accuracy(arguments) => accuracy::run(arguments),
+        Command::Effects(arguments) => effects::run(arguments),
         Command::Scenes { command } => scenes::run(command.as_ref()),
     }
 }
