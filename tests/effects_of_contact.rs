@@ -116,7 +116,7 @@ fn a_stronger_damper_keeps_the_belt_quiet_and_a_weaker_one_lets_it_stick() {
         assert!(energy < last);
         last = energy;
     });
-    let squeals = STRIBECK.replace("vx = 1.0e-4", "vx = 0.09");
+    let squeals = STRIBECK.replace("vx = 1.0e-2", "vx = 0.09");
     let mut sticks = 0;
     follow(&parse("effect", &squeals).unwrap(), 1e-3, 3000, |_, simulation| {
         sticks += u32::from(simulation.contact_states()[0] == Stick);

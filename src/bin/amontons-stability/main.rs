@@ -10,7 +10,7 @@ mod modes;
 mod states;
 
 use amontons::Error;
-use amontons::contact::{ContactState, parse_states};
+use amontons::contact::{ContactState, Friction, parse_states};
 use amontons::model::{Equilibrium, LumpedModel, equilibrium};
 use amontons::scene::{self, Scene};
 use amontons::simulation::assign;
@@ -78,7 +78,9 @@ fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
     for (name, value) in &common.set {
         assign(&mut scene, name, *value)?;
     }
-    scene.friction_coefficient = friction.unwrap_or(scene.friction_coefficient);
+    if let Some(friction) = friction {
+        assign(&mut scene, "friction.coefficient", friction)?;
+    }
     scene.check()?;
     Ok(scene)
 }
@@ -91,6 +93,17 @@ fn linearised(scene: &Scene) -> (LumpedModel, Result<Equilibrium, Error>) {
         model.linearise(equilibrium);
     }
     (model, equilibrium)
+}
+
+/// µ as the heading of a table says it.
+fn friction(scene: &Scene) -> String {
+    let about = scene.contact_law().friction.about();
+    let Friction { kinetic, static_, .. } = scene.friction();
+    if about.is_constant {
+        format!("µ = {kinetic}")
+    } else {
+        format!("µ = {static_} to {kinetic} ({}), linearised at the slider's velocity", about.name)
+    }
 }
 
 /// Refuses an analysis that varies µ as one number where the law has none.

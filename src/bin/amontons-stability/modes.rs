@@ -2,7 +2,7 @@
 
 use crate::arguments::Modes as Arguments;
 use crate::labels::significant;
-use crate::{Failure, configured, linearised, state};
+use crate::{Failure, configured, friction, linearised, state};
 use amontons::contact::Joined;
 use amontons::picture::{self, ModeShape, ModeShapes};
 use amontons::stability::modes;
@@ -22,7 +22,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     let states = state(arguments.point.state.as_deref(), &scene, &model)?;
     let found = modes(&model, &states, scene.friction_coefficient)?;
     let state = Joined(&states);
-    writeln!(out, "{}: state {state}, µ = {}", scene.name, scene.friction_coefficient)?;
+    let title = format!("{}: state {state}, {}", scene.name, friction(&scene));
+    writeln!(out, "{title}")?;
     for (i, mode) in found.all().enumerate() {
         writeln!(
             out,
@@ -49,11 +50,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         ),
         shape: mode.shape.clone(),
     });
-    let picture = ModeShapes {
-        title: format!("{}: state {state}, µ = {}", scene.name, scene.friction_coefficient),
-        angle: scene.slider.angle,
-        modes: picture.collect(),
-    };
+    let picture = ModeShapes { title, angle: scene.slider.angle, modes: picture.collect() };
     Ok(picture.write(path)?)
 }
 

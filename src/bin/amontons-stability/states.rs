@@ -1,7 +1,7 @@
 //! `amontons-stability states`.
 
 use crate::arguments::{Format, States};
-use crate::{Failure, configured, linearised, progress, state};
+use crate::{Failure, configured, friction, linearised, progress, state};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
 use amontons::model::{Equilibrium, LumpedModel};
@@ -183,8 +183,8 @@ impl Report {
     }
 
     fn print_table(&self, out: &mut dyn Write) -> Result<(), Failure> {
-        let Scene { name, friction_coefficient, .. } = &self.scene;
-        writeln!(out, "{name}: eigenvalues / 2π [Hz] at µ = {friction_coefficient}; * grows\n")?;
+        let (name, friction) = (&self.scene.name, friction(&self.scene));
+        writeln!(out, "{name}: eigenvalues / 2π [Hz] at {friction}; * grows\n")?;
         if self.rows.len() == 16 && self.scene.network().is_none() {
             print_paper_table(&self.rows, out)?;
         } else {
