@@ -2,6 +2,7 @@
 
 use super::roles::{Group, Role};
 use super::{Scene, Spring};
+use crate::contact::Law;
 
 /// Why a scene does not have what a name asks for.
 pub(crate) struct Lack {
@@ -29,6 +30,14 @@ impl Scene {
             "damping.beta" if !effects.stiffness_damping => Lack::new(
                 "the scene has no stiffness-proportional damping",
                 "write `beta = 0.0` into its [damping] to have some",
+            ),
+            "friction.coefficient" if self.friction_law == Law::Frictionless => Lack::new(
+                "the scene has no friction",
+                "write `coefficient = …` into its [friction] in place of `law = \"none\"`",
+            ),
+            "friction.stribeck_velocity" if self.stribeck_velocity.is_none() => Lack::new(
+                "friction of the scene does not fall with the slip velocity",
+                "write `static = …` and `stribeck_velocity = …` into its [friction]",
             ),
             "friction.static" if self.static_friction.is_none() => Lack::new(
                 "the scene has no static friction",
