@@ -3,7 +3,7 @@
 
 use amontons::contact::ContactState::{self, Slide, Stick};
 use amontons::scene::{Method, Scene, parse};
-use amontons::simulation::Simulation;
+use amontons::simulation::{Simulation, variables};
 
 const NONE: &str = include_str!("../scenes/effects/none.toml");
 const COULOMB: &str = include_str!("../scenes/effects/coulomb.toml");
@@ -211,5 +211,24 @@ fn friction_of_a_contact_that_cannot_open_brakes_whichever_way_it_is_pressed() {
             assert_eq!(simulation.contact_states()[0], Stick);
             assert_eq!(simulation.statistics().pulled_contacts > 0, weight == "10.0");
         });
+    }
+}
+
+#[test]
+fn a_frozen_direction_turns_with_the_surface_and_one_that_stands_has_none() {
+    let still = STICKING.replace("x = 0.02 ", "x = 0.0 ");
+    for (scene, part) in both(&still, 1e-5, 10.0) {
+        for (velocity, offset) in [(0.05, 0.0), (0.0, -0.04), (-0.1, -0.08)] {
+            let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
+            let input = variables(&scene).into_iter().find(|v| v.name == "slider.velocity");
+            simulation.write(&input.unwrap(), velocity).unwrap();
+            for i in 1..=20 {
+                let t = 0.05 * f64::from(i);
+                simulation.advance_to(t).unwrap();
+                // The spring had held 4 N of friction; what is left of that pulls the block about.
+                let expected = offset * (1.0 - (10.0 * t).cos());
+                assert!((simulation.displacement()[0] - expected).abs() < 0.2 * part, "{velocity}");
+            }
+        }
     }
 }

@@ -18,7 +18,6 @@ pub use sparse::{Entry, SparseMatrix};
 use crate::contact::{ContactLaw, Friction};
 pub use crate::scene::Damping;
 use crate::scene::{RubbingPlace, Scene, Structure};
-use std::borrow::Cow;
 
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -226,18 +225,13 @@ impl LumpedModel {
         }
     }
 
-    /// The model with the most friction that its contacts can have in slip: µ_s, where µ falls from that.
-    #[must_use]
-    pub fn with_most_friction(&self, scene: &Scene) -> Cow<'_, Self> {
-        if self.law.friction.about().is_constant {
-            return Cow::Borrowed(self);
-        }
-        let mut model = self.clone();
-        for contact in &mut model.contacts {
+    /// Gives contacts whose µ depends on the slip velocity the most that it can be in slip, µ_s, for whoever asks
+    /// what may happen; [`update_contacts`](Self::update_contacts) takes it back.
+    pub fn raise_friction(&mut self, scene: &Scene) {
+        for contact in &mut self.contacts {
             let friction = contact.coefficients(scene.friction()).static_;
             contact.steady = contact.steady.map(|steady| Steady { friction, ..steady });
         }
-        Cow::Owned(model)
     }
 
     /// Takes over the normal forces about which friction that depends on the slip velocity is linearised.

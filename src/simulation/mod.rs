@@ -136,7 +136,7 @@ impl Simulation {
     fn assemble(
         scene: Scene,
         driven: Option<Driven>,
-        model: LumpedModel,
+        mut model: LumpedModel,
         reference: Reference,
         motion: Motion,
         clock: Clock,
@@ -144,11 +144,13 @@ impl Simulation {
         let acting = signals::acting(driven.as_ref(), &scene);
         check_friction(&model, acting, clock.time())?;
         let friction = acting.friction_coefficient;
+        model.raise_friction(acting);
         let mut guard = (scene.method == Method::ForwardIncrement)
-            .then(|| StepGuard::new(&model.with_most_friction(acting), friction, scene.step));
+            .then(|| StepGuard::new(&model, friction, scene.step));
         if let Some(guard) = &mut guard {
-            guard.check(&model.with_most_friction(acting), friction)?;
+            guard.check(&model, friction)?;
         }
+        model.update_contacts(acting);
         let integrator = if scene.effects.energy {
             integrator::choose_with_ledger(&model, scene.method)?
         } else {
@@ -355,6 +357,10 @@ impl Simulation {
         for (i, contact) in self.model.contacts.iter().enumerate() {
             self.drive.slider_velocity[i] = contact.velocity(acting.slider.velocity);
             self.drive.friction[i] = contact.coefficients(friction);
+            // A direction that is frozen is that of the surface; one that stands still has none.
+            if self.model.law.is_frozen() && self.drive.slider_velocity[i] == 0.0 {
+                self.drive.friction[i] = Friction::from(0.0);
+            }
         }
         self.model.damping = acting.damping;
         self.integrator.set_damping(acting.damping);
@@ -385,8 +391,10 @@ impl Simulation {
             let acting = signals::acting(self.driven.as_ref(), &self.scene);
             check_friction(&self.model, acting, time)?;
             if let Some(guard) = &mut self.guard {
-                let model = self.model.with_most_friction(acting);
-                guard.check(&model, acting.friction_coefficient)?;
+                self.model.raise_friction(acting);
+                let checked = guard.check(&self.model, acting.friction_coefficient);
+                self.model.update_contacts(acting);
+                checked?;
             }
         }
         self.stale.limit = false;

@@ -17,8 +17,8 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     if scene.method != Method::ForwardIncrement || scene.selection != Selection::Given {
         return None;
     }
-    let model = LumpedModel::from(scene);
-    let model = model.with_most_friction(scene);
+    let mut model = LumpedModel::from(scene);
+    model.raise_friction(scene);
     let critical = critical_step(&model, scene.friction_coefficient).ok()?;
     let (step, relation) = match scene.step {
         step if step > critical.step => (step, "above the critical step"),

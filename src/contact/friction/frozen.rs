@@ -34,9 +34,6 @@ impl<V: Lanes, L: FrictionLaw<V>> FrictionLaw<V> for Frozen<V, L> {
 
     #[inline(always)]
     fn slip(self, _: V, normal: V) -> (V, V::States) {
-        let zero = normal.splat(0.0);
-        let (friction, state) = self.law.slip(self.surface, normal);
-        // A surface that stands still has no direction.
-        (V::select(self.surface.is(zero), zero, friction), state)
+        self.law.slip(self.surface, normal)
     }
 }
