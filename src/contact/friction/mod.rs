@@ -1,6 +1,6 @@
 //! Laws of friction: what friction may be on a closed contact.
 //!
-//! Each law is a file of its own, and a line of [`register`]. A law may use the numbers of [`Friction`]; one
+//! Each law is a file of its own, and a line of `register!`. A law may use the numbers of [`Friction`]; one
 //! that needs another number adds it there, to `[friction]` of a scene and to the catalogue of variables.
 
 mod frozen;
