@@ -220,6 +220,8 @@ impl UnderLaw for Closing {
         } else {
             law.slip(holding_force, size)
         };
+        // Nothing has no direction.
+        let friction_force = friction_force + 0.0;
         ContactForce { state, normal_force, friction_force, slip_velocity }
     }
 }

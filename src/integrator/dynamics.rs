@@ -154,7 +154,8 @@ impl Dynamics {
             *out = ContactForce {
                 state: self.multipliers.states[i],
                 normal_force,
-                friction_force,
+                // Nothing has no direction.
+                friction_force: friction_force + 0.0,
                 slip_velocity: slip,
             };
         }

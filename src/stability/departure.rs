@@ -23,7 +23,7 @@ pub struct Departure {
 
 /// The smallest amplitude of `mode`, a mode of uniform sliding, at which a contact leaves sliding.
 /// The mode is taken as harmonic over a cycle; one that does not oscillate may go either way, and
-/// the way that leaves first counts. `None` where it moves no contact at all, or a contact
+/// the way that leaves first counts. `None` where it makes no contact leave, or a contact
 /// could not be solved for.
 #[must_use]
 pub fn departure(
@@ -50,7 +50,10 @@ pub fn departure(
         };
         let slow = (slow, velocity.abs() / speed);
         let open = (ContactState::Detached, equilibrium.normal_force[contact] / normal[contact]);
-        [slow, open].map(|(into, amplitude)| Departure { contact, into, amplitude, dof })
+        // What the law of contact leaves out does not happen.
+        let may = [!model.law.is_frozen(), model.law.detachment];
+        let happens = [slow, open].into_iter().zip(may).filter_map(|(to, may)| may.then_some(to));
+        happens.map(move |(into, amplitude)| Departure { contact, into, amplitude, dof })
     });
     let all: Vec<Departure> = first.filter(|departure| departure.amplitude.is_finite()).collect();
     let least = all.iter().map(|departure| departure.amplitude).fold(f64::INFINITY, f64::min);
@@ -61,7 +64,7 @@ pub fn departure(
 fn normal_force_amplitudes(model: &LumpedModel, slopes: &[f64], mode: &Mode) -> Option<Vec<f64>> {
     let (lambda, dofs) = (mode.eigenvalue, model.dofs());
     let damping = model.damping;
-    let rest = DVector::from_fn(dofs, |row, _| {
+    let mut rest = DVector::from_fn(dofs, |row, _| {
         let times = |matrix: &crate::model::SparseMatrix| -> Complex<f64> {
             matrix.row(row).map(|(column, value)| mode.shape[column] * value).sum()
         };
@@ -69,6 +72,14 @@ fn normal_force_amplitudes(model: &LumpedModel, slopes: &[f64], mode: &Mode) -> 
             + times(&model.stiffness) * (lambda * damping.beta + 1.0)
             + times(&model.dampers) * lambda
     });
+    for contact in model.contacts.iter().filter(|contact| contact.weakening() != 0.0) {
+        let tangent = &contact.tangent.0;
+        let moved =
+            tangent.iter().map(|&(dof, value)| mode.shape[dof] * value).sum::<Complex<f64>>();
+        for &(dof, value) in tangent {
+            rest[dof] += moved * lambda * (contact.weakening() * value);
+        }
+    }
     let mut forces = DMatrix::<Complex<f64>>::zeros(dofs, model.contacts.len());
     for (column, contact) in model.contacts.iter().enumerate() {
         for (direction, factor) in [(&contact.normal, 1.0), (&contact.tangent, slopes[column])] {

@@ -215,7 +215,7 @@ impl Report {
                 frequency_hz => format!("{frequency_hz:.2} Hz"),
             };
             let Some(Departure { contact, into, amplitude, dof }) = departure else {
-                writeln!(out, "  {frequency:>11}  moves no contact")?;
+                writeln!(out, "  {frequency:>11}  makes no contact leave it")?;
                 continue;
             };
             writeln!(

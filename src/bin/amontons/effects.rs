@@ -9,11 +9,11 @@ use std::time::{Duration, Instant};
 
 /// A time is the shortest of this many slices, in which the scenes take turns; other work on the machine makes
 /// one only longer.
-const SLICES: u32 = 25;
-/// How long a slice of the scene itself takes.
-const SLICE: Duration = Duration::from_millis(2);
+const SLICES: u32 = 60;
+/// How long a slice takes, alike for all: a long one would be interrupted more often.
+const SLICE: Duration = Duration::from_micros(500);
 /// Variables of an effect that are named; of more, how many there are.
-const NAMED: usize = 3;
+const NAMED: usize = 8;
 
 pub fn run(arguments: &Effects) -> Result<(), Box<dyn Error>> {
     let (scene, _) = scene::find(&arguments.scene)?;
@@ -36,15 +36,11 @@ fn measure<'a>(
 ) -> Result<Times, Box<dyn Error>> {
     let mut own = Course::of(scene)?;
     let mut others: Vec<Option<Course>> = others.map(|scene| Course::of(scene).ok()).collect();
-    // As many steps as a slice lasts.
-    let mut steps = 1;
-    while own.time(steps) < Some(SLICE.as_secs_f64() / f64::from(steps)) {
-        steps *= 2;
-    }
-    own.shortest = f64::INFINITY;
+    own.choose_steps();
+    others.iter_mut().flatten().for_each(Course::choose_steps);
     for _ in 0..SLICES {
-        own.take(steps);
-        others.iter_mut().flatten().for_each(|course| course.take(steps));
+        own.take_slice();
+        others.iter_mut().flatten().for_each(Course::take_slice);
     }
     let time = |course: Option<Course>| course.map(|course| course.shortest);
     let others = others.into_iter().map(|course| time(course).filter(|time| time.is_finite()));
@@ -54,25 +50,36 @@ fn measure<'a>(
 /// A run that goes on and on.
 struct Course {
     simulation: Simulation,
+    /// Steps of a slice.
+    steps: u32,
     /// The shortest time of a step, s.
     shortest: f64,
 }
 
 impl Course {
     fn of(scene: &Scene) -> Result<Self, amontons::Error> {
-        Ok(Self { simulation: Simulation::new(scene.clone(), 0.0)?, shortest: f64::INFINITY })
+        let simulation = Simulation::new(scene.clone(), 0.0)?;
+        Ok(Self { simulation, steps: 1, shortest: f64::INFINITY })
     }
 
-    /// Takes steps; the time of one, s, if they can be taken.
-    fn time(&mut self, steps: u32) -> Option<f64> {
-        let target = self.simulation.time() + f64::from(steps) * self.simulation.scene().step;
+    /// As many steps as a slice lasts.
+    fn choose_steps(&mut self) {
+        while self.time().is_some_and(|time| time * f64::from(self.steps) < SLICE.as_secs_f64()) {
+            self.steps *= 2;
+        }
+    }
+
+    /// Takes the steps of a slice; the time of one, s, if they can be taken.
+    fn time(&mut self) -> Option<f64> {
+        let steps = f64::from(self.steps);
+        let target = self.simulation.time() + steps * self.simulation.scene().step;
         let start = Instant::now();
         self.simulation.advance_to(target).ok()?;
-        Some(start.elapsed().as_secs_f64() / f64::from(steps))
+        Some(start.elapsed().as_secs_f64() / steps)
     }
 
-    fn take(&mut self, steps: u32) {
-        self.shortest = self.shortest.min(self.time(steps).unwrap_or(f64::INFINITY));
+    fn take_slice(&mut self) {
+        self.shortest = self.shortest.min(self.time().unwrap_or(f64::INFINITY));
     }
 }
 
@@ -81,7 +88,7 @@ fn print(scene: &Scene, all: &[Effect], times: &Times, out: &mut dyn Write) -> s
         out,
         "{}: a step of {:e} s takes {:.3} µs here\n\n\
          cost: in parts of that step, what is saved without an effect that is on, or what one that is off adds\n\
-         (a law of friction in place of the one that there is); some percent are noise\n",
+         (a law of friction in place of the one that there is); some percent are noise, – is what cannot be here\n",
         scene.name,
         scene.step,
         1e6 * times.own

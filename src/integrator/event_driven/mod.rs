@@ -238,6 +238,7 @@ impl<W: Witness> EventDriven<W> {
             let freedom = (self.dynamics.freedom_of)(drive.friction[i], slip, self.surface[i], old);
             if let Some(new) = freedom.frozen_state() {
                 motion.contacts[i] = new;
+                motion.statistics.state_changes += u64::from(new != old);
                 continue;
             }
             // Of a slider that stands only the forces say what rounding is.
