@@ -130,6 +130,11 @@ fn what_makes_no_sense_is_refused_with_a_reason() {
 }
 
 #[test]
+fn what_a_run_needs_and_its_scene_leaves_out_is_warned_of_once() {
+    pytest("test_warnings.py");
+}
+
+#[test]
 fn resources_are_found_however_an_importer_names_them() {
     pytest("test_resources.py");
 }

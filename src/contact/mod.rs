@@ -48,7 +48,7 @@ impl ContactState {
 }
 
 /// Which parts of the law of contact there are; what is left out is asked nowhere in a step.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ContactLaw {
     /// The law of friction.
     pub friction: Law,

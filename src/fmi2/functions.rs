@@ -10,7 +10,6 @@ use super::logger::{Category, Logger};
 use super::resources;
 use super::types::*;
 use crate::Error;
-use crate::simulation::to_bytes;
 use libc::{c_int, size_t};
 use std::ffi::{CStr, c_char};
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -414,7 +413,7 @@ unsafe extern "C" fn fmi2SerializedFMUstateSize(
     let body = |instance: &mut Instance| {
         // SAFETY: the importer's contract.
         let (state, size) = unsafe { (saved(state)?, single(size)?) };
-        size.write(to_bytes(state, instance.guid()).len());
+        size.write(instance.serialize(state)?.len());
         OK
     };
     // SAFETY: the importer's contract.
@@ -430,7 +429,7 @@ unsafe extern "C" fn fmi2SerializeFMUstate(
 ) -> fmi2Status {
     let body = |instance: &mut Instance| {
         // SAFETY: the importer's contract.
-        let bytes = to_bytes(unsafe { saved(state) }?, instance.guid());
+        let bytes = instance.serialize(unsafe { saved(state) }?)?;
         // SAFETY: the importer's contract.
         let room = unsafe { array_mut(serialized.cast::<u8>(), size) }?;
         let room = room.get_mut(..bytes.len()).ok_or_else(|| {

@@ -7,10 +7,11 @@ use crate::Error;
 use crate::scene::{self, Rule, Scene, Selection};
 use crate::simulation::catalogue::Kind;
 use crate::simulation::{
-    self, Simulation, Snapshot, Variable, check_value, fingerprint, from_bytes, read_scene,
-    write_scene,
+    self, Given, Progress, Simulation, Snapshot, Variable, check_value, fingerprint, from_bytes,
+    newly_broken, read_scene, to_bytes, write_scene,
 };
 use serde::{Deserialize, Serialize};
+use std::borrow::Cow;
 use std::path::Path;
 
 /// The file among the FMU's resources that holds the scene.
@@ -33,7 +34,7 @@ pub(super) struct Instance {
 }
 
 /// A saved instance.
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone)]
 pub(super) struct SavedInstance {
     phase: Phase,
     start_time: f64,
@@ -41,10 +42,30 @@ pub(super) struct SavedInstance {
     values: Values,
 }
 
-#[derive(Clone, Serialize, Deserialize)]
+#[derive(Clone)]
 enum Values {
     BeforeStart(Box<Scene>),
     Running(Box<Snapshot>),
+}
+
+impl Values {
+    fn scene(&self) -> &Scene {
+        match self {
+            Self::BeforeStart(scene) => scene,
+            Self::Running(snapshot) => snapshot.scene(),
+        }
+    }
+}
+
+/// What bytes hold of a saved instance.
+#[derive(Serialize, Deserialize)]
+struct Record<'a> {
+    phase: Phase,
+    start_time: f64,
+    stop_time: Option<f64>,
+    given: Given,
+    /// Of one that runs.
+    progress: Option<Cow<'a, Progress>>,
 }
 
 /// The two types of number that cross the boundary.
@@ -277,11 +298,15 @@ impl Instance {
                 "asked to step to {target} s, beyond the stop time {stop} s of the experiment"
             )));
         }
-        let before = simulation.statistics().state_changes;
+        let before = simulation.statistics();
         simulation.advance_to(target)?;
-        let changes = simulation.statistics().state_changes - before;
+        let changes = simulation.statistics().state_changes - before.state_changes;
+        let broken = newly_broken(simulation, before);
         if listening && changes > 0 {
             self.inform(&format!("{changes} changes of contact state up to {target} s"));
+        }
+        for assumption in broken {
+            self.warn(&assumption);
         }
         if size == 0.0 {
             self.warn("a step of length zero: nothing was done");
@@ -307,31 +332,51 @@ impl Instance {
         }
     }
 
+    /// A saved instance as bytes.
+    pub(super) fn serialize(&self, saved: &SavedInstance) -> Result<Vec<u8>, Error> {
+        let scene = saved.values.scene();
+        self.check_size(scene)?;
+        let record = Record {
+            phase: saved.phase,
+            start_time: saved.start_time,
+            stop_time: saved.stop_time,
+            given: Given::of(scene, &self.variables),
+            progress: match &saved.values {
+                Values::BeforeStart(_) => None,
+                Values::Running(snapshot) => Some(Cow::Borrowed(snapshot.progress())),
+            },
+        };
+        Ok(to_bytes(&record, &self.guid))
+    }
+
     /// A saved instance from its bytes.
     pub(super) fn deserialize(&self, bytes: &[u8]) -> Result<SavedInstance, Error> {
-        let mut saved: SavedInstance = from_bytes(bytes, &self.guid)?;
-        let signals = &self.original.signals;
-        match &mut saved.values {
-            Values::BeforeStart(scene) => scene.signals.clone_from(signals),
-            Values::Running(snapshot) => snapshot.set_signals(signals),
-        }
-        Ok(saved)
+        let record: Record<'_> = from_bytes(bytes, &self.guid)?;
+        let scene = record.given.put_into(&self.original, &self.variables)?;
+        Ok(SavedInstance {
+            phase: record.phase,
+            start_time: record.start_time,
+            stop_time: record.stop_time,
+            values: match record.progress {
+                None => Values::BeforeStart(Box::new(scene)),
+                Some(progress) => {
+                    Values::Running(Box::new(Snapshot::new(scene, progress.into_owned())))
+                }
+            },
+        })
     }
 
     pub(super) fn restore(&mut self, saved: &SavedInstance) -> Result<(), Error> {
+        self.check_size(saved.values.scene())?;
         match &saved.values {
             Values::BeforeStart(scene) => {
-                self.check_size(scene)?;
                 self.scene.clone_from(&**scene);
                 self.simulation = None;
             }
-            Values::Running(snapshot) => {
-                self.check_size(snapshot.scene())?;
-                match &mut self.simulation {
-                    Some(simulation) => simulation.restore(snapshot)?,
-                    None => self.simulation = Some(Simulation::resume((**snapshot).clone())?),
-                }
-            }
+            Values::Running(snapshot) => match &mut self.simulation {
+                Some(simulation) => simulation.restore(snapshot)?,
+                None => self.simulation = Some(Simulation::resume((**snapshot).clone())?),
+            },
         }
         self.phase = saved.phase;
         self.is_experiment_set_up = true;
@@ -345,10 +390,6 @@ impl Instance {
             return Ok(());
         }
         Err(Error::saved_state("the saved state is of another structure"))
-    }
-
-    pub(super) fn guid(&self) -> &str {
-        &self.guid
     }
 
     pub(super) fn warn(&self, message: &str) {

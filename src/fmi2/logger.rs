@@ -16,7 +16,10 @@ pub(crate) enum Category {
 /// Names and descriptions of the categories, as the model description lists them.
 pub(crate) const CATEGORIES: [(&str, &str); 4] = [
     ("logStatusError", "Why a call was refused or failed; always on"),
-    ("logStatusWarning", "What an importer should not do, but is answered"),
+    (
+        "logStatusWarning",
+        "What an importer should not do, but is answered; what a run needs and its scene leaves out",
+    ),
     (
         "logEvents",
         "Initialization, the method and step that a tolerance chose, changes of contact state",

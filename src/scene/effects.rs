@@ -1,13 +1,12 @@
 //! Which effects a scene calls for.
 
 use crate::contact::Law;
-use serde::{Deserialize, Serialize};
 
 /// What is simulated of a scene besides its masses and springs.
 ///
 /// A contact comes with the whole law of contact, for anything less is an idealisation that has to be asked
 /// for; everything else is off unless the scene asks for it.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effects {
     /// May a contact stick? If not, friction keeps the direction that it has in uniform sliding, as the
     /// linearised analysis assumes.

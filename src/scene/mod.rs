@@ -76,7 +76,7 @@ use std::fmt;
 use std::sync::Arc;
 
 /// A structure in frictional contact, what drives it, and how it is run.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
     /// Its name: the stem of its file, or the built-in's name.
     pub name: String,
@@ -102,8 +102,7 @@ pub struct Scene {
     pub roles: Roles,
     /// Masses, springs and contacts.
     pub structure: Structure,
-    /// What changes inputs over time. A saved state goes without: it belongs to a scene that has them.
-    #[serde(skip, default = "no_signals")]
+    /// What changes inputs over time.
     pub signals: Arc<[Signal]>,
     /// Where method and step come from.
     pub selection: Selection,
@@ -137,12 +136,8 @@ impl fmt::Display for Method {
     }
 }
 
-fn no_signals() -> Arc<[Signal]> {
-    [].into()
-}
-
 /// Masses, springs and contacts.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Structure {
     /// The paper's ring of modules (section 3 and Fig. 1), each with one contact.
     Ring(Vec<Module>),
@@ -151,7 +146,7 @@ pub enum Structure {
 }
 
 /// The rigid slider.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Slider {
@@ -162,7 +157,7 @@ pub struct Slider {
 }
 
 /// Rayleigh damping, C = α M + β K.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Damping {
     /// Mass-proportional part α, 1/s.
     pub alpha: f64,
@@ -171,7 +166,7 @@ pub struct Damping {
 }
 
 /// What a run does unless told otherwise; FMI's DefaultExperiment.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Experiment {

@@ -1,7 +1,5 @@
 //! A network: masses in a plane, joined by springs and dampers in any way, as data.
 
-use serde::{Deserialize, Serialize};
-
 /// The most masses, springs, dampers or contacts a network may have.
 pub const MAX_PARTS: usize = 1_000_000;
 
@@ -11,7 +9,7 @@ pub const GROUND: &str = "ground";
 /// Masses, springs, dampers and contacts, each with a name.
 ///
 /// Parts refer to masses by their place in `masses`.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Network {
     /// The masses.
     pub masses: Vec<Mass>,
@@ -24,7 +22,7 @@ pub struct Network {
 }
 
 /// A mass that moves in the plane, along axes x and y of its own.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Mass {
     /// Its name.
     pub name: String,
@@ -48,7 +46,7 @@ pub struct Mass {
 ///
 /// With its direction d, its elongation is e = d·(u_a − u_b) − p for ends a, b and preload p: its
 /// second end is moved by p along d, so that at u = 0 it pulls the first with +k p d.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
     /// Its name.
     pub name: String,
@@ -63,7 +61,7 @@ pub struct Spring {
 }
 
 /// A damper between two masses, or a mass and the ground (`None`).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
     /// Its name.
     pub name: String,
@@ -80,7 +78,7 @@ pub struct Damper {
 ///
 /// With the tangent t = (cos, sin) and the outward normal n = (−sin, cos) of its angle, the gap is
 /// n·(u_mass − u_on) ≥ 0 and the slip velocity v − t·(u̇_mass − u̇_on).
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct RubbingPlace {
     /// Its name.
     pub name: String,

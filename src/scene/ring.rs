@@ -2,13 +2,12 @@
 
 use super::check::{Checks, Part};
 use super::{Problem, Rule};
-use serde::{Deserialize, Serialize};
 
 /// The most modules a ring may have.
 pub const MAX_MODULES: usize = 100_000;
 
 /// One module: two masses, its springs, and the links to the next module.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Module {
     /// m1 and m2, kg.
     pub mass: [f64; 2],

@@ -53,7 +53,7 @@ impl fmt::Display for Preset {
 }
 
 /// Where a scene's method and step come from.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Selection {
     /// They are given.
     #[default]

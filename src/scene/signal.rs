@@ -4,11 +4,11 @@
 //! `libm` crate, whose bits do not depend on the machine.
 
 use super::{Problem, Rule};
-use serde::{Deserialize, Serialize};
+use serde::Deserialize;
 use std::f64::consts::TAU;
 
 /// A value over time that is added to an input.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
     /// The name of the input, as the FMU has it.
     pub input: String,
@@ -26,7 +26,7 @@ impl Signal {
 }
 
 /// A function of the time t (s); values are in the unit of the input.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
     /// The same always.
     Constant(Constant),
@@ -41,7 +41,7 @@ pub enum Shape {
 }
 
 /// The same value always.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Constant {
@@ -50,7 +50,7 @@ pub struct Constant {
 }
 
 /// `from` up to `start`, `to` from `end` on, straight between.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Ramp {
@@ -67,7 +67,7 @@ pub struct Ramp {
 }
 
 /// `value` for start ≤ t < end, zero before and after; a step where it has no end.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Pulse {
@@ -82,7 +82,7 @@ pub struct Pulse {
 }
 
 /// amplitude · sin(2π frequency (t − start) + phase) for start ≤ t < end, zero before and after.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Sine {
@@ -103,7 +103,7 @@ pub struct Sine {
 }
 
 /// Points over time; the first value holds before them, the last one after.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Table {
     /// (t, value), by t; of several at one time the last holds from then on.
     pub points: Vec<[f64; 2]>,
@@ -112,7 +112,7 @@ pub struct Table {
 }
 
 /// What a table holds between its points.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Between {

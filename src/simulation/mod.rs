@@ -1,5 +1,6 @@
 //! A model and its motion together: advance, read, write, save, restore.
 
+mod assumptions;
 #[cfg(feature = "tools")]
 mod batch;
 pub mod catalogue;
@@ -7,6 +8,7 @@ mod clock;
 #[cfg(feature = "tools")]
 mod effects;
 mod fingerprint;
+mod given;
 #[cfg(feature = "tools")]
 mod inputs;
 mod monitor;
@@ -17,6 +19,9 @@ mod values;
 mod warning;
 
 #[cfg(feature = "tools")]
+pub use assumptions::broken_assumptions;
+pub(crate) use assumptions::newly_broken;
+#[cfg(feature = "tools")]
 pub use batch::Batch;
 #[cfg(feature = "tools")]
 pub(crate) use batch::attempt;
@@ -24,15 +29,16 @@ pub use catalogue::{Variable, variables};
 #[cfg(feature = "tools")]
 pub use effects::{Effect, effects};
 pub use fingerprint::fingerprint;
+pub(crate) use given::Given;
 #[cfg(feature = "tools")]
 pub use inputs::{Inputs, is_close};
 pub use snapshot::Snapshot;
-pub(crate) use snapshot::{from_bytes, to_bytes};
+pub(crate) use snapshot::{Progress, from_bytes, to_bytes};
 #[cfg(feature = "tools")]
 pub use values::assign;
 pub use values::{check_value, read_scene, write_scene};
 #[cfg(feature = "tools")]
-pub use warning::{broken_assumptions, step_warning, warnings};
+pub use warning::{step_warning, warnings};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};

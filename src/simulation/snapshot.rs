@@ -3,7 +3,8 @@
 //! Method and step are among the values: where a tolerance has chosen them, a snapshot brings its choice along.
 //!
 //! The bytes: a mark, the format's version, the fingerprint of the FMU they belong to, the values
-//! (little-endian), and a CRC-32 of all that precedes it. No pointers, nothing of this machine.
+//! (little-endian), and a CRC-32 of all that precedes it. No pointers, nothing of this machine. The fingerprint
+//! stands for the scene, so of that only what may have been given another value is among them ([`Given`](super::Given)).
 
 use super::clock::Clock;
 use super::signals::{self, Driven};
@@ -11,14 +12,20 @@ use super::{Reference, Simulation};
 use crate::Error;
 use crate::integrator::{Ledger, Motion};
 use crate::model::LumpedModel;
-use crate::scene::{Module, Scene, Signal, Structure};
+use crate::scene::{Module, Scene, Structure};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
 /// Everything that a simulation needs to go on with the same doubles.
-#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     scene: Scene,
+    progress: Progress,
+}
+
+/// How far a run has come: all of a snapshot but the values.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub(crate) struct Progress {
     reference: Reference,
     motion: Motion,
     clock: Clock,
@@ -31,24 +38,29 @@ impl Snapshot {
         &self.scene
     }
 
-    /// Gives it the signals of the scene that it belongs to, which its bytes go without.
-    pub(crate) fn set_signals(&mut self, signals: &Arc<[Signal]>) {
-        self.scene.signals.clone_from(signals);
+    /// A run of a scene with these values that has come so far.
+    pub(crate) fn new(scene: Scene, progress: Progress) -> Self {
+        Self { scene, progress }
+    }
+
+    /// How far the run has come.
+    pub(crate) fn progress(&self) -> &Progress {
+        &self.progress
     }
 
     /// Do all lists have the lengths that the scene asks for?
     fn is_consistent(&self) -> bool {
         let contacts = self.scene.contact_count();
         let dofs = self.scene.external_forces().count();
-        self.motion.displacement.len() == dofs
-            && self.motion.velocity.len() == dofs
-            && self.motion.contacts.len() == contacts
-            && self.motion.ledger.as_ref().map(Ledger::dofs)
-                == self.scene.effects.energy.then_some(dofs)
-            && self.reference.load.len() == dofs
-            && self.reference.equilibrium.displacement.len() == dofs
-            && self.reference.equilibrium.normal_force.len() == contacts
-            && self.reference.equilibrium.friction_force.len() == contacts
+        let Progress { reference, motion, .. } = &self.progress;
+        motion.displacement.len() == dofs
+            && motion.velocity.len() == dofs
+            && motion.contacts.len() == contacts
+            && motion.ledger.as_ref().map(Ledger::dofs) == self.scene.effects.energy.then_some(dofs)
+            && reference.load.len() == dofs
+            && reference.equilibrium.displacement.len() == dofs
+            && reference.equilibrium.normal_force.len() == contacts
+            && reference.equilibrium.friction_force.len() == contacts
     }
 }
 
@@ -58,9 +70,11 @@ impl Simulation {
     pub fn save(&self) -> Snapshot {
         Snapshot {
             scene: self.scene.clone(),
-            reference: self.reference.clone(),
-            motion: self.motion.clone(),
-            clock: self.clock,
+            progress: Progress {
+                reference: self.reference.clone(),
+                motion: self.motion.clone(),
+                clock: self.clock,
+            },
         }
     }
 
@@ -75,9 +89,10 @@ impl Simulation {
             return Ok(());
         }
         self.scene.clone_from(&snapshot.scene);
-        self.reference.clone_from(&snapshot.reference);
-        self.motion.clone_from(&snapshot.motion);
-        self.clock = snapshot.clock;
+        let Progress { reference, motion, clock } = &snapshot.progress;
+        self.reference.clone_from(reference);
+        self.motion.clone_from(motion);
+        self.clock = *clock;
         if let Some(driven) = &mut self.driven {
             driven.restart(&self.scene);
         }
@@ -94,7 +109,7 @@ impl Simulation {
         if !snapshot.is_consistent() {
             return Err(Error::saved_state("the saved state contradicts itself"));
         }
-        let Snapshot { scene, reference, motion, clock } = snapshot;
+        let Snapshot { scene, progress: Progress { reference, motion, clock } } = snapshot;
         // Where signals make a value impossible, the next step says so.
         let mut driven = Driven::of(&scene);
         if let Some(driven) = &mut driven {
@@ -126,7 +141,7 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 4;
+const VERSION: u8 = 5;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -167,11 +182,20 @@ pub(crate) fn from_bytes<T: for<'a> Deserialize<'a>>(bytes: &[u8], guid: &str) -
 
 #[cfg(test)]
 mod tests {
+    use super::super::{Given, variables};
     use super::*;
+    #[cfg(feature = "tools")]
+    use crate::scene::BUILTIN;
     use crate::scene::{Selection, builtin};
+    #[cfg(feature = "tools")]
+    use std::collections::BTreeSet;
+
+    fn set1() -> Scene {
+        builtin("set1").unwrap().scene()
+    }
 
     fn running() -> Simulation {
-        let mut scene = builtin("set1").unwrap().scene();
+        let mut scene = set1();
         scene.modules_mut()[0].velocity[0] = 0.05;
         let mut simulation = Simulation::new(scene, 0.0).unwrap();
         simulation.advance_to(0.05).unwrap();
@@ -182,11 +206,23 @@ mod tests {
         super::super::fingerprint(&"scene".into())
     }
 
+    /// A snapshot as bytes of a scene's FMU.
+    fn write(snapshot: &Snapshot) -> Vec<u8> {
+        let scene = snapshot.scene();
+        to_bytes(&(Given::of(scene, &variables(scene)), snapshot.progress()), &guid())
+    }
+
+    /// The snapshot in bytes of a scene's FMU.
+    fn read(bytes: &[u8], original: &Scene) -> Result<Snapshot, Error> {
+        let (given, progress): (Given, Progress) = from_bytes(bytes, &guid())?;
+        Ok(Snapshot::new(given.put_into(original, &variables(original))?, progress))
+    }
+
     #[test]
     fn a_resumed_run_takes_the_same_doubles() {
         let mut straight = running();
-        let bytes = to_bytes(&straight.save(), &guid());
-        let mut resumed = Simulation::resume(from_bytes(&bytes, &guid()).unwrap()).unwrap();
+        let bytes = write(&straight.save());
+        let mut resumed = Simulation::resume(read(&bytes, &set1()).unwrap()).unwrap();
         for time in [0.0503, 0.0777, 0.1] {
             straight.advance_to(time).unwrap();
             resumed.advance_to(time).unwrap();
@@ -246,8 +282,9 @@ mod tests {
 
     #[test]
     fn every_flipped_bit_and_every_truncation_is_refused() {
-        let bytes = to_bytes(&running().save(), &guid());
-        let read = |bytes: &[u8]| from_bytes::<Snapshot>(bytes, &guid());
+        let bytes = write(&running().save());
+        let scene = set1();
+        let read = |bytes: &[u8]| read(bytes, &scene);
         assert!(read(&bytes).is_ok());
         for length in 0..bytes.len() {
             assert!(read(&bytes[..length]).unwrap_err().is_saved_state());
@@ -261,9 +298,56 @@ mod tests {
 
     #[test]
     fn the_state_of_another_fmu_is_refused() {
-        let bytes = to_bytes(&running().save(), &guid());
+        let bytes = write(&running().save());
         let other = super::super::fingerprint(&"other".into());
-        let error = from_bytes::<Snapshot>(&bytes, &other).unwrap_err();
+        let error = from_bytes::<(Given, Progress)>(&bytes, &other).unwrap_err();
         assert!(error.to_string().contains("another FMU"), "{error}");
+    }
+
+    /// How many bytes the state of a scene has at the start, where all counts are zero.
+    #[cfg(feature = "tools")]
+    fn size_at_start(scene: &Scene) -> usize {
+        const NUMBER: usize = 8;
+        // Lengths have seven bits a byte; a count of zero, a choice and the tag of what may be missing are a byte.
+        let length = |count: usize| if count < 1 << 7 { 1 } else { 2 };
+        let list = |count| length(count) + NUMBER * count;
+        let (dofs, contacts) = (scene.dof_names().len(), scene.contact_count());
+        let values = variables(scene).iter().filter(|variable| variable.is_settable()).count();
+        let chosen = if scene.selection == Selection::Given { 1 } else { 1 + NUMBER + 1 + NUMBER };
+        let reference = 2 * list(dofs) + 2 * list(contacts);
+        let counts = 8;
+        let motion = 2 * list(dofs) + length(contacts) + contacts + counts;
+        let ledger = 1 + if scene.effects.energy { list(dofs) + 6 * NUMBER } else { 0 };
+        let clock = 2 * NUMBER + 1;
+        let content = list(values) + chosen + reference + motion + ledger + clock;
+        HEADER + content + CHECKSUM
+    }
+
+    /// Neither do names nor the scene's description. The tag of the ledger is there without one, and so are the
+    /// counts of what a reduced law of contact has needed: a byte each, of every scene.
+    #[cfg(feature = "tools")]
+    #[test]
+    fn what_is_off_is_nothing_in_the_bytes_and_what_is_on_has_its_values_there() {
+        let mut seen = BTreeSet::new();
+        for builtin in BUILTIN {
+            for effect in super::super::effects(&builtin.scene()) {
+                for scene in [&effect.with, &effect.without] {
+                    // Not every scene can do without every effect.
+                    let Ok(simulation) = Simulation::new(scene.clone(), 0.0) else { continue };
+                    let bytes = write(&simulation.save());
+                    assert_eq!(
+                        bytes.len(),
+                        size_at_start(scene),
+                        "{}: {}",
+                        scene.name,
+                        effect.name
+                    );
+                    assert_eq!(read(&bytes, scene).unwrap(), simulation.save());
+                    seen.insert((effect.name, std::ptr::eq(scene, &effect.with)));
+                }
+            }
+        }
+        let names: BTreeSet<&str> = seen.iter().map(|(name, _)| *name).collect();
+        assert_eq!(seen.len(), 2 * names.len(), "each is seen on and off: {seen:?}");
     }
 }

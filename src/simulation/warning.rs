@@ -1,7 +1,6 @@
 //! What is possible, but hardly meant.
 
 use super::Simulation;
-use crate::integrator::Statistics;
 use crate::model::LumpedModel;
 use crate::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use crate::stability::critical_step;
@@ -42,28 +41,6 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     // What a tolerance has chosen follows the signals as well as it asks for.
     let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
     step.chain(tolerance).chain(load_warnings(simulation)).chain(signals).collect()
-}
-
-/// What a run has needed that the scene leaves out; empty where it has not.
-#[must_use]
-pub fn broken_assumptions(simulation: &Simulation) -> Vec<String> {
-    let Statistics { reversed_slips, pulled_contacts, .. } = simulation.statistics();
-    let time = simulation.time();
-    let slips = (reversed_slips > 0).then(|| {
-        format!(
-            "up to {time} s masses slipped against the direction that friction keeps in this scene \
-             (statistics.reversed_slips = {reversed_slips}): the motion is not that of contacts that can \
-             stick; leave `sticking = false` out"
-        )
-    });
-    let pulls = (pulled_contacts > 0).then(|| {
-        format!(
-            "up to {time} s contacts had to pull that cannot open in this scene \
-             (statistics.pulled_contacts = {pulled_contacts}): the motion is not that of contacts that can \
-             open; leave `detachment = false` out"
-        )
-    });
-    slips.into_iter().chain(pulls).collect()
 }
 
 /// Signals that change faster than the step can follow.

@@ -10,10 +10,9 @@ pub use frozen::Frozen;
 pub use range::FrictionRange;
 
 use super::{ContactState, Lanes};
-use serde::{Deserialize, Serialize};
 
 /// The numbers that a contact's friction is made of. Laws that do not know one of them have no use for it.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction<V = f64> {
     /// µ_k ≥ 0, of a contact that slips.
     pub kinetic: V,
@@ -120,7 +119,7 @@ macro_rules! register {
         $(pub use $file::$law;)+
 
         /// The laws of friction that there are.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Law {
             $($(#[$doc])+ $law,)+
         }

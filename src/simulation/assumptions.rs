@@ -1,0 +1,42 @@
+//! What a run has needed that its scene leaves out of the law of contact.
+
+use super::Simulation;
+use crate::integrator::Statistics;
+
+/// All of it since the start, in words; empty where it has needed nothing.
+#[cfg(feature = "tools")]
+#[must_use]
+pub fn broken_assumptions(simulation: &Simulation) -> Vec<String> {
+    newly_broken(simulation, Statistics::default())
+}
+
+/// That of it, in words, which had not been needed when as much was counted as in `before`.
+#[inline]
+pub(crate) fn newly_broken(simulation: &Simulation, before: Statistics) -> Vec<String> {
+    let now = simulation.statistics();
+    let has_slipped = before.reversed_slips == 0 && now.reversed_slips > 0;
+    let has_pulled = before.pulled_contacts == 0 && now.pulled_contacts > 0;
+    // Most short steps find nothing.
+    if has_slipped || has_pulled { words(simulation, has_slipped, has_pulled) } else { Vec::new() }
+}
+
+#[cold]
+fn words(simulation: &Simulation, has_slipped: bool, has_pulled: bool) -> Vec<String> {
+    let Statistics { reversed_slips, pulled_contacts, .. } = simulation.statistics();
+    let time = simulation.time();
+    let slips = has_slipped.then(|| {
+        format!(
+            "up to {time} s masses slipped against the direction that friction keeps in this scene \
+             (statistics.reversed_slips = {reversed_slips}): the motion is not that of contacts that can \
+             stick; leave `sticking = false` out"
+        )
+    });
+    let pulls = has_pulled.then(|| {
+        format!(
+            "up to {time} s contacts had to pull that cannot open in this scene \
+             (statistics.pulled_contacts = {pulled_contacts}): the motion is not that of contacts that can \
+             open; leave `detachment = false` out"
+        )
+    });
+    slips.into_iter().chain(pulls).collect()
+}
