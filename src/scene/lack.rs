@@ -2,6 +2,7 @@
 
 use super::roles::{Group, Role};
 use super::{Scene, Spring};
+use crate::contact::Law;
 
 /// Why a scene does not have what a name asks for.
 pub(crate) struct Lack {
@@ -30,9 +31,21 @@ impl Scene {
                 "the scene has no stiffness-proportional damping",
                 "write `beta = 0.0` into its [damping] to have some",
             ),
+            "friction.coefficient" | "friction.static" | "friction.stribeck_velocity"
+                if self.friction_law == Law::Frictionless =>
+            {
+                Lack::new(
+                    "the scene has no friction",
+                    "write `coefficient = …` in place of `law = \"none\"` into its [friction]",
+                )
+            }
             "friction.static" if self.static_friction.is_none() => Lack::new(
                 "the scene has no static friction",
                 "write `static = …` into its [friction] to have some",
+            ),
+            "friction.stribeck_velocity" if self.stribeck_velocity.is_none() => Lack::new(
+                "friction does not depend on the slip velocity",
+                "write `stribeck_velocity = …` beside `static` into the [friction] of the scene",
             ),
             _ if self.roles.of(Group::Forces).is_none() && self.is_force(name) => Lack::new(
                 "the scene has no external forces",
