@@ -15,7 +15,7 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     if scene.effects.has_frozen_slip(law) {
         if law == Law::StaticKinetic {
             let message = "contacts that do not stick have no static friction".to_owned();
-            let help = "leave static friction out, or let contacts stick";
+            let help = "leave `static` or `static_friction` out, or let contacts stick";
             checks.problems.push(problem("effects.sticking", message, help).of(false));
         }
         report_surfaces_without_direction(scene, checks);
@@ -23,29 +23,27 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     if !scene.effects.detachment {
         report_open_contacts(scene, checks);
     }
-    let chosen = match scene.selection {
-        Selection::Given => None,
-        selection => Some(selection),
+    let exact = match scene.selection {
+        Selection::Given if scene.method != Method::EventDriven => return,
+        Selection::Given => "exact motion".to_owned(),
+        selection => format!("exact motion, by which integrator.{selection} chooses,"),
     };
-    let is_exact = scene.method == Method::EventDriven;
-    if !about.is_constant && (is_exact || chosen.is_some()) {
-        let why = "exact motion needs friction that does not depend on the slip velocity: between events \
-                   the motion would not be linear";
-        let message = match chosen {
-            Some(selection) => format!("is not for integrator.{selection} to choose by: {why}"),
-            None => why.to_owned(),
-        };
+    if !about.is_constant {
+        let name = about.name;
+        let message = format!(
+            "{exact} cannot take the law \"{name}\": friction that depends on the slip velocity makes \
+             motion between events nonlinear"
+        );
         let help =
             "give method = \"forward-increment\" and a step, or a law with constant coefficients";
-        let name = format!("\"{}\"", about.name);
-        checks.problems.push(problem("friction.law", message, help).of(name));
+        checks.problems.push(problem("friction.law", message, help));
     }
     let follows_size = about.sticks && scene.effects.sticking && !scene.effects.detachment;
-    if follows_size && (is_exact || chosen.is_some()) {
-        let message =
-            "exact motion cannot take contacts that stick and cannot open: their friction follows \
-                       |N|, which is not linear where N changes its sign"
-                .to_owned();
+    if follows_size && scene.contact_count() > 0 {
+        let message = format!(
+            "{exact} cannot take contacts that stick and cannot open: their friction follows |N|, which is \
+             not linear where N changes its sign"
+        );
         let help = "give method = \"forward-increment\" and a step, or sticking = false";
         checks.problems.push(problem("effects.detachment", message, help).of(false));
     }

@@ -74,7 +74,8 @@ impl FrictionTable {
                 .filter(|law| needs(law).contains(key))
                 .map(|law| format!("\"{}\"", law.about().name))
                 .collect();
-            let message = format!("is no number of the law \"{name}\": {}", law.about().equation);
+            let equation = law.about().equation;
+            let message = format!("the law \"{name}\" has no such number: {equation}");
             let help = format!("leave it out, or give law = {}", with.join(" or "));
             problems.push(Problem::new(format!("friction.{key}"), message).help(help));
         }
@@ -84,17 +85,22 @@ impl FrictionTable {
     /// Numbers that the law needs.
     fn report_lacking(&self, law: Law, given: &[&str], problems: &mut Vec<Problem>) {
         let about = law.about();
-        for key in about.keys.iter().filter(|key| !given.contains(key)) {
-            let problem = Problem::new("friction", format!("lacks `{key}`"));
-            let because = match &self.law {
-                Some(name) => format!("the law \"{name}\" needs it: {}", about.equation),
-                None if given.is_empty() => {
-                    format!("add `{key} = …`, or `law = \"none\"` for contacts without friction")
-                }
-                None => format!("with {} goes {}", spoken(given), about.equation),
-            };
-            problems.push(problem.help(because));
+        let lacking: Vec<&str> =
+            about.keys.iter().copied().filter(|key| !given.contains(key)).collect();
+        if lacking.is_empty() {
+            return;
         }
+        let values: Vec<String> = lacking.iter().map(|key| format!("`{key} = …`")).collect();
+        let add = format!("add {}", values.join(" and "));
+        let help = match &self.law {
+            Some(name) => format!("{add}; the law \"{name}\" is {}", about.equation),
+            None if given.is_empty() => {
+                format!("{add}, or `law = \"none\"` for contacts without friction")
+            }
+            None => format!("{add}; the law with {} is {}", spoken(given), about.equation),
+        };
+        let message = format!("lacks {}", spoken(&lacking));
+        problems.push(Problem::new("friction", message).help(help));
     }
 }
 

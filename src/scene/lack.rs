@@ -31,10 +31,14 @@ impl Scene {
                 "the scene has no stiffness-proportional damping",
                 "write `beta = 0.0` into its [damping] to have some",
             ),
-            "friction.coefficient" if self.friction_law == Law::Frictionless => Lack::new(
-                "the scene has no friction",
-                "write `coefficient = …` into its [friction] in place of `law = \"none\"`",
-            ),
+            "friction.coefficient" | "friction.static" | "friction.stribeck_velocity"
+                if self.friction_law == Law::Frictionless =>
+            {
+                Lack::new(
+                    "the scene has no friction",
+                    "write `coefficient = …` in place of `law = \"none\"` into its [friction]",
+                )
+            }
             "friction.stribeck_velocity" if self.stribeck_velocity.is_none() => Lack::new(
                 "friction of the scene does not fall with the slip velocity",
                 "write `static = …` and `stribeck_velocity = …` into its [friction]",
@@ -42,6 +46,10 @@ impl Scene {
             "friction.static" if self.static_friction.is_none() => Lack::new(
                 "the scene has no static friction",
                 "write `static = …` into its [friction] to have some",
+            ),
+            "friction.stribeck_velocity" if self.stribeck_velocity.is_none() => Lack::new(
+                "friction does not depend on the slip velocity",
+                "write `stribeck_velocity = …` beside `static` into the [friction] of the scene",
             ),
             _ if self.roles.of(Group::Forces).is_none() && self.is_force(name) => Lack::new(
                 "the scene has no external forces",
