@@ -1,12 +1,12 @@
-//! FMPy as an importer: exports the built-in scenes with each integrator and runs the Python tests in
+//! FMPy as an importer: exports the built-in scenes and those of single effects with each integrator and runs the Python tests in
 //! `tests/fmpy/` on them, one test here for each file there.
 #![cfg(feature = "tools")]
 
 mod python;
 
-use amontons::scene::BUILTIN;
-use std::ffi::OsStr;
-use std::path::Path;
+use amontons::scene::{BUILTIN, parse};
+use std::ffi::{OsStr, OsString};
+use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use tempfile::TempDir;
 
@@ -42,13 +42,27 @@ fn pytest_with(integrator: &str, file: &str) {
     succeed(&mut pytest);
 }
 
-/// Writes `set1.fmu` and so on, of all built-in scenes.
+/// The files in `scenes/effects/` that this integrator takes: exact motion needs a µ that is the same at all slip
+/// velocities.
+fn effects(integrator: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/effects");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let is_taken = |file: &PathBuf| {
+        let scene = parse("effect", &std::fs::read_to_string(file).unwrap()).unwrap();
+        integrator != "event-driven" || scene.contact_law().friction.about().is_constant
+    };
+    files.filter(is_taken).collect()
+}
+
+/// Writes `set1.fmu` and so on, of all built-in scenes and those of single effects.
 fn export(integrator: &str, folder: &Path) {
     std::fs::create_dir(folder).expect("a folder can be made there");
-    for scene in BUILTIN.iter().map(|scene| scene.name) {
-        let file = folder.join(scene).with_extension("fmu");
+    let builtin = BUILTIN.iter().map(|scene| OsString::from(scene.name));
+    for scene in builtin.chain(effects(integrator).into_iter().map(PathBuf::into_os_string)) {
+        let name = Path::new(&scene).file_stem().expect("it has a name");
+        let file = folder.join(name).with_extension("fmu");
         let mut export = Command::new(AMONTONS);
-        export.args(["export", scene, "--integrator", integrator, "-o"]).arg(file);
+        export.arg("export").arg(scene).args(["--integrator", integrator, "-o"]).arg(file);
         if integrator == "event-driven" {
             // Long ones do as well; the tests want many.
             export.args(["--step", "1e-5"]);

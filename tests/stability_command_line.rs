@@ -4,6 +4,8 @@
 mod program;
 
 use program::{assert_refused, folder, run, text};
+use std::collections::BTreeSet;
+use std::f64::consts::TAU;
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
@@ -281,6 +283,65 @@ fn one_module_different_modules_and_long_rings_work() {
     }
 }
 
+/// Growth rate (1/s) of scenes/effects/stribeck.toml on a belt with velocity `v`, m/s.
+fn stribeck_growth_rate(v: f64) -> f64 {
+    let (m, n, d, mu, mu_s, v_s) = (1.0, 10.0, 6.0, 0.2, 0.4, 0.1);
+    (n * (mu_s - mu) / v_s * f64::exp(-v / v_s) - d) / (2.0 * m)
+}
+
+const STRIBECK: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/effects/stribeck.toml");
+
+#[test]
+fn friction_that_falls_with_the_slip_velocity_drives_with_its_slope() {
+    for (v, grows) in [(0.1, true), (0.11, true), (0.13, false), (0.4, false)] {
+        let expected = stribeck_growth_rate(v);
+        assert_eq!(expected > 0.0, grows);
+        let velocity = format!("slider.velocity={v}");
+        let json = printed(&["states", STRIBECK, "--set", &velocity, "--format", "json"]);
+        let found: serde_json::Value = serde_json::from_str(&json).unwrap();
+        let sliding = &found["states"]["Sl"];
+        assert_eq!(
+            (&sliding["has_equilibrium"], &sliding["unstable"]),
+            (&true.into(), &grows.into())
+        );
+        let value = |part: usize| TAU * sliding["eigenvalues_hz"][0][part].as_f64().unwrap();
+        assert!((value(0) - expected).abs() < 1e-10, "{} {expected}", value(0));
+        let omega = f64::sqrt(1e4 - expected * expected);
+        assert!((value(1) - omega).abs() < 1e-10, "{} {omega}", value(1));
+        let modes = printed(&["modes", STRIBECK, "--set", &velocity]);
+        let growth = number_after(&modes, "growth rate ");
+        // Five digits are printed.
+        assert!((growth - expected).abs() < 1e-4 * expected.abs(), "{modes}");
+    }
+    // The scene's comment.
+    assert!((stribeck_growth_rate(0.1) - 0.679).abs() < 5e-4);
+}
+
+#[test]
+fn only_the_states_that_a_scene_leaves_its_contacts_are_looked_at() {
+    let folder = folder();
+    let set1 = include_str!("../scenes/set1.toml");
+    let without = |effects: &str| format!("{set1}\n[effects]\n{effects}\n");
+    let (slide, back, stick, open) = ("Sl", "R-Sl", "St", "Dt");
+    for (scene, each) in [
+        (set1.to_owned(), &[slide, back, stick, open][..]),
+        (without("sticking = false"), &[slide, back, open]),
+        (without("detachment = false"), &[slide, back, stick]),
+        (without("sticking = false\ndetachment = false"), &[slide, back]),
+    ] {
+        fs::write(folder.path().join("some.toml"), scene).unwrap();
+        let output = stability(folder.path(), &["states", "some.toml", "--format", "json"]);
+        let found: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+        let found: BTreeSet<&str> =
+            found["states"].as_object().unwrap().keys().map(String::as_str).collect();
+        let pairs = each.iter().flat_map(|a| each.iter().map(move |b| format!("{a}-{b}")));
+        let expected: BTreeSet<String> = pairs.collect();
+        assert!(found.iter().copied().eq(expected.iter()), "{found:?} {expected:?}");
+        let solved = format!("{} states", expected.len());
+        assert!(text(&output.stderr).contains(&solved), "{}", text(&output.stderr));
+    }
+}
+
 #[test]
 fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
     let cases: &[(&[&str], i32, &[&str])] = &[
@@ -312,6 +373,8 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
             &["contact[1] opens"],
         ),
         (&["bistable", "ring12", "--friction", "0:1"], 3, &["12 contacts", "8"]),
+        (&["locus", STRIBECK, "--friction", "0:1:0.1"], 2, &["\"stribeck\"", "`states`"]),
+        (&["bistable", STRIBECK, "--friction", "0:1"], 2, &["\"stribeck\"", "`states`"]),
         (
             &[
                 "map",

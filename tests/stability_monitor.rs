@@ -135,6 +135,42 @@ fn a_mass_on_a_spring_has_its_closed_form() {
     }
 }
 
+/// About uniform sliding, m ẍ + (d − N |dµ/dv|) ẋ + k x = 0.
+#[test]
+fn friction_that_falls_with_the_slip_velocity_grows_as_its_closed_form_and_as_the_run_does() {
+    let (m, k, n, d) = (1.0, 1e4, 10.0, 6.0);
+    let (mu, mu_s, v_s) = (0.2, 0.4, 0.1);
+    let text = include_str!("../scenes/effects/stribeck.toml");
+    let watched = text.replacen("[friction]", "[effects]\nstability = true\n[friction]", 1);
+    let scene = parse("stribeck", &watched).unwrap();
+    let growth = |v: f64| (n * (mu_s - mu) / v_s * f64::exp(-v / v_s) - d) / (2.0 * m);
+    for v in [0.1, 0.11, 0.13, 0.4] {
+        let mut scene = scene.clone();
+        scene.slider.velocity = v;
+        let mut simulation = Simulation::new(scene, 0.0).unwrap();
+        let sigma = growth(v);
+        let frequency = f64::sqrt(k / m - sigma * sigma) / TAU;
+        let found = outlook(&mut simulation);
+        assert!((found.0 - sigma).abs() < 1e-10, "{v}: {found:?} {sigma}");
+        assert!((found.1 - frequency).abs() < 1e-10 && found.2 == 1.0, "{v}: {found:?}");
+    }
+    // Small vibration grows so from one period to a later one.
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    let (sigma, period) = (growth(0.1), TAU / f64::sqrt(k / m - growth(0.1).powi(2)));
+    let mut most_in = |period_number: f64| {
+        let rows = (1..=300).map(|row| {
+            let time = period * (period_number + f64::from(row) / 300.0);
+            simulation.advance_to(time).unwrap();
+            simulation.displacement()[0].abs()
+        });
+        rows.fold(0.0, f64::max)
+    };
+    let (first, last) = (most_in(0.0), most_in(16.0));
+    let found = (last / first).ln() / (16.0 * period);
+    // Of it the scheme takes h σ², 1e-5 of σ; and at 1e-3 of v the slope is that at v to the square of it.
+    assert!((found / sigma - 1.0).abs() < 1e-4, "{found} {sigma}");
+}
+
 #[test]
 fn another_friction_or_damping_is_another_outlook() {
     let mut scene = set1(0.0);

@@ -3,6 +3,7 @@
 
 mod program;
 
+use amontons::contact::Law;
 use amontons::integrator::Width;
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::{Batch, Simulation, assign};
@@ -43,6 +44,13 @@ fn driven() -> Scene {
 fn with_mass_damping() -> Scene {
     let text = builtin("set1").unwrap().text.replacen("[damping]", "[damping]\nalpha = 0.0", 1);
     parse("damped", &text).unwrap()
+}
+
+/// Set 1 with its energy accounted for.
+fn with_ledger() -> Scene {
+    let mut scene = ring("set1");
+    scene.effects.energy = true;
+    scene
 }
 
 /// Every double and count of a simulation.
@@ -108,6 +116,72 @@ fn each_lane_has_the_doubles_of_the_run_by_itself() {
 }
 
 #[test]
+fn each_law_of_contact_has_in_every_lane_the_doubles_of_the_run_by_itself() {
+    let widths = Width::available();
+    let switches = [(true, true), (true, false), (false, true), (false, false)];
+    for (&law, (sticking, detachment)) in
+        Law::ALL.iter().flat_map(|law| switches.map(|switches| (law, switches)))
+    {
+        if law == Law::StaticKinetic && !sticking {
+            continue; // Refused: what never sticks has no static friction.
+        }
+        for &width in &widths {
+            let simulation = |lane: usize| {
+                let part = lane as f64 / width.lanes() as f64;
+                let mut scene = ring("set1");
+                scene.friction_law = law;
+                (scene.effects.sticking, scene.effects.detachment) = (sticking, detachment);
+                scene.friction_coefficient = 0.4 + part;
+                scene.slider.velocity = 0.1 - 0.15 * part;
+                if law.about().keys.contains(&"static") {
+                    scene.static_friction = Some(0.8 + 1.2 * part);
+                }
+                if law.about().keys.contains(&"stribeck_velocity") {
+                    scene.stribeck_velocity = Some(0.02 + 0.1 * part);
+                }
+                // Up and down, so that contacts open, or pull where they cannot.
+                scene.modules_mut()[1].velocity[1] = 1.0 + part;
+                Simulation::new(scene, 0.0).unwrap()
+            };
+            let mut alone: Vec<Simulation> = (0..width.lanes()).map(simulation).collect();
+            let mut batch = Batch::new((0..width.lanes()).map(simulation).collect(), Some(width));
+            assert_eq!(Batch::size(&alone[0], Some(width)), width.lanes());
+            for time in [0.007, 0.007_123_4, 0.05] {
+                batch.advance_to(time);
+                for (lane, alone) in alone.iter_mut().enumerate() {
+                    alone.advance_to(time).unwrap();
+                    let together = batch.simulations()[lane].as_ref().unwrap();
+                    assert!(
+                        bits(alone) == bits(together),
+                        "{law:?}, sticking {sticking}, detachment {detachment}, {width:?}, lane \
+                         {lane} at {time} s:\n{:?}\n{:?}",
+                        alone.statistics(),
+                        together.statistics()
+                    );
+                }
+            }
+            // Else the comparison would say little.
+            let [mut landed, mut changed, mut reversed, mut pulled] = [0; 4];
+            for statistics in alone.iter().map(Simulation::statistics) {
+                landed += statistics.touch_downs;
+                changed += statistics.state_changes;
+                reversed += statistics.reversed_slips;
+                pulled += statistics.pulled_contacts;
+            }
+            let has_friction = law != Law::Frictionless;
+            let seen = [landed > 0, changed > 0, reversed > 0, pulled > 0];
+            let expected = [
+                detachment,
+                detachment || (sticking && has_friction),
+                !sticking && has_friction,
+                !detachment,
+            ];
+            assert_eq!(seen, expected, "{law:?}, {sticking}, {detachment}");
+        }
+    }
+}
+
+#[test]
 fn a_lane_that_leaves_the_range_of_numbers_leaves_the_others_alone() {
     let Some(width) = Width::available().into_iter().next() else { return };
     let simulation = |force: f64| {
@@ -133,10 +207,27 @@ fn what_is_no_ring_of_the_papers_scheme_is_run_by_itself() {
     for scene in [
         Scene { method: Method::EventDriven, step: 1e-4, ..ring("set1") },
         builtin("disc_brake").unwrap().scene(),
+        with_ledger(),
     ] {
-        let simulation = Simulation::new(scene, 0.0).unwrap();
-        assert_eq!(Batch::size(&simulation, width), 1);
+        let simulation = || Simulation::new(scene.clone(), 0.0).unwrap();
+        let mut alone = simulation();
+        assert_eq!(Batch::size(&alone, width), 1);
+        alone.advance_to(0.01).unwrap();
+        let mut batch = Batch::new(vec![simulation(), simulation()], width);
+        batch.advance_to(0.01);
+        for together in batch.simulations() {
+            let together = together.as_ref().unwrap();
+            assert!(bits(&alone) == bits(together) && alone.energy() == together.energy());
+        }
     }
+    // A ledger beside a run without one is no lane either.
+    let scenes = [ring("set1"), with_ledger()];
+    let mut batch = Batch::new(scenes.map(|s| Simulation::new(s, 0.0).unwrap()).into(), width);
+    batch.advance_to(0.01);
+    let [plain, ledger] = batch.simulations() else { panic!("there are two") };
+    let [plain, ledger] = [plain, ledger].map(|simulation| simulation.as_ref().unwrap());
+    assert!(plain.energy().is_none() && ledger.energy().is_some());
+    assert_eq!(plain.velocity(), ledger.velocity());
     // Nor are runs with different steps.
     let simulation = |step: f64| Simulation::new(Scene { step, ..ring("set1") }, 0.0).unwrap();
     let mut batch = Batch::new(vec![simulation(1e-5), simulation(2e-5)], width);

@@ -2,8 +2,8 @@
 FMPy's low-level calls.
 
 `cargo test --test fmpy` runs these tests. To run one by hand, set AMONTONS to the program,
-AMONTONS_INTEGRATOR to one that it has, AMONTONS_FMUS to a folder with the FMUs of all built-in scenes
-exported with that integrator, and call pytest.
+AMONTONS_INTEGRATOR to one that it has, AMONTONS_FMUS to a folder with the FMUs of all built-in scenes and
+of those in scenes/effects/ exported with that integrator, and call pytest.
 """
 
 import itertools
@@ -37,8 +37,13 @@ def environment(name):
     return os.environ[name]
 
 
-# The names of all built-in scenes.
+# The names of all exported scenes, and the files of those that are not built in.
 SCENES = sorted(file.stem for file in Path(environment("AMONTONS_FMUS")).glob("*.fmu"))
+EFFECTS = {
+    file.stem: file
+    for file in (Path(__file__).parents[2] / "scenes" / "effects").glob("*.toml")
+    if file.stem in SCENES
+}
 # With which all runs and FMUs are made, and the internal step of the rings, s.
 INTEGRATOR = environment("AMONTONS_INTEGRATOR")
 STEP = {"forward-increment": 1e-6, "event-driven": 1e-5}[INTEGRATOR]
@@ -138,7 +143,7 @@ def native(amontons, tmp_path_factory):
         times = ["--stop-time", repr(stop_time), "--output-interval", repr(interval)]
         if inputs is not None:
             settings += ["--input", inputs]
-        amontons("simulate", scene, *times, *settings, "-o", file)
+        amontons("simulate", EFFECTS.get(scene, scene), *times, *settings, "-o", file)
         names, *rows = (line.split(",") for line in file.read_text().splitlines())
         # Python's float reads the double that the program wrote; NumPy's readers promise less.
         columns = np.array([[float(value) for value in row] for row in rows]).T
