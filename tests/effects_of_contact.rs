@@ -93,7 +93,7 @@ fn friction_that_falls_faster_than_the_damper_brakes_lets_vibration_grow_as_the_
     let mut network = network;
     network.masses[0].velocity = [1e-7, 0.0];
     scene.structure = amontons::scene::Structure::Network(network);
-    for (step, tolerance) in [(2e-5, 2e-1), (2e-6, 2e-2)] {
+    let worst_with = [2e-5, 2e-6].map(|step| {
         scene.step = step;
         let omega = (1e4 - growth().powi(2)).sqrt();
         let mut worst = 0.0_f64;
@@ -102,8 +102,11 @@ fn friction_that_falls_faster_than_the_damper_brakes_lets_vibration_grow_as_the_
             let size = 1e-7 / omega * (growth() * t).exp();
             worst = worst.max((simulation.displacement()[0] - expected).abs() / size);
         });
-        assert!(worst < tolerance, "{worst} with a step of {step} s");
-    }
+        worst
+    });
+    // Of first order: friction, as damping, lags by a step.
+    let [coarse, fine] = worst_with;
+    assert!(fine < 2e-2 && (8.0..12.0).contains(&(coarse / fine)), "{coarse} {fine}");
 }
 
 #[test]
@@ -231,4 +234,64 @@ fn a_frozen_direction_turns_with_the_surface_and_one_that_stands_has_none() {
             }
         }
     }
+}
+
+/// The block sticks on the belt, which speeds up; all that holds it is inertia.
+#[test]
+fn what_sticks_is_held_by_all_of_static_friction_however_fast_its_surface_speeds_up() {
+    // 1 kg at 3 m/s², 3 N of 4 N: a belt that is faster at the end of a step is no slip yet.
+    let text = STRIBECK
+        .replace("stribeck_velocity = 0.1 ", "stribeck_velocity = 1.0e-4 ")
+        .replace("stiffness = 1.0e4 ", "stiffness = 1.0e-3 ")
+        .replace("damping = 6.0 ", "damping = 0.0 ")
+        .replace("velocity = 0.1  ", "velocity = 0.0  ")
+        .replace("vx = 1.0e-2 ", "vx = 0.0 ");
+    let signal =
+        "[[signal]]\ninput = \"slider.velocity\"\nramp = { from = 0.0, to = 3.0, end = 1.0 }\n";
+    let mut scene = parse("effect", &format!("{text}\n{signal}")).unwrap();
+    for step in [1e-3, 1e-4, 1e-5] {
+        scene.step = step;
+        follow(&scene, 0.1, 3, |t, simulation| {
+            assert_eq!(simulation.contact_states()[0], Stick, "{t} {step}");
+            assert!((simulation.velocity()[0] - 3.0 * t).abs() < 1e-9);
+        });
+    }
+}
+
+#[test]
+fn friction_that_follows_the_size_of_a_pull_has_no_equilibrium_of_its_own_sign() {
+    // Pressed up with 10 N on a belt that moves: the linear solution would have friction that drives.
+    let pulled = COULOMB
+        .replace("[[mass]]", "[effects]\ndetachment = false\n\n[[mass]]")
+        .replace("force = [0.0, -10.0]", "force = [0.0, 10.0]")
+        .replace("velocity = 0.0 ", "velocity = 0.1 ")
+        .replace("method = \"event-driven\"\nstep = 1.0e-2", "step = 1.0e-5");
+    let error = Simulation::new(parse("effect", &pulled).unwrap(), 0.0).err().unwrap().to_string();
+    assert!(error.contains("contact.floor"), "{error}");
+}
+
+#[test]
+fn states_that_the_law_leaves_out_do_not_bound_the_step() {
+    // Were the contact to open, the stiff spring would ask for 2e-5 s.
+    let stiff = STICKING
+        .replace("sticking = false", "sticking = false\ndetachment = false")
+        .replace("method = \"event-driven\"\nstep = 1.0e-2", "step = 1.0e-3");
+    let spring = "[[spring]]\nname = \"stiff\"\nbetween = [\"block\", \"ground\"]\ndirection = \"y\"\n\
+        stiffness = 1.0e10\n\n[[contact]]";
+    let scene = parse("effect", &stiff.replace("[[contact]]", spring)).unwrap();
+    follow(&scene, 0.05, 40, |t, simulation| {
+        let expected = 0.02 * (10.0 * t).cos();
+        assert!((simulation.displacement()[0] - expected).abs() < 2e-4, "{t}");
+    });
+}
+
+#[test]
+fn a_falling_law_takes_no_velocity_of_zero_to_fall_over() {
+    let mut simulation = Simulation::new(parse("effect", STRIBECK).unwrap(), 0.0).unwrap();
+    let all = variables(simulation.scene());
+    let v_s = all.iter().find(|v| v.name == "friction.stribeck_velocity").unwrap();
+    let error = simulation.write(v_s, 0.0).unwrap_err().to_string();
+    assert!(error.contains("must be above zero"), "{error}");
+    simulation.write(v_s, 1e-310).unwrap();
+    simulation.advance_to(0.1).unwrap();
 }

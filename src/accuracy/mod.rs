@@ -195,7 +195,7 @@ impl Study {
     /// What is wrong with the scene; a run that fails; a window too long to keep.
     pub fn new(scene: &Scene, dof: Option<usize>, watch: Watch<'_>) -> Result<Option<Self>, Error> {
         let law = scene.contact_law();
-        if !law.friction.about().is_constant || !(law.is_frozen() || law.detachment) {
+        if !law.friction.about().is_constant() || !(law.is_frozen() || law.detachment) {
             return Err(Error::scene(format!(
                 "the errors of {} cannot be told: the reference is exact motion, and between events that of \
                  this scene is not linear; compare runs with different steps",

@@ -210,7 +210,9 @@ impl UnderLaw for Closing {
 
     fn under<L: FrictionLaw>(self) -> ContactForce {
         let Self { normal_force, slip_velocity, holding_force, .. } = self;
-        let law = L::new(self.friction, self.surface).at(slip_velocity);
+        let is_still = slip_velocity == 0.0;
+        let before = if is_still { ContactState::Stick } else { ContactState::Slide };
+        let law = L::new(self.friction, self.surface).at(slip_velocity, before);
         let follows_size = L::STICKS && !self.detachment;
         let size = if follows_size { normal_force.abs() } else { normal_force };
         let (friction_force, state) = if !L::STICKS || slip_velocity.abs() > 0.0 {

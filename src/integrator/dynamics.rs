@@ -119,12 +119,8 @@ impl Dynamics {
         self.free_acceleration(motion, &drive.force);
         for (i, contact) in self.contacts.iter().enumerate() {
             let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
-            let held = (self.freedom_of)(
-                drive.friction[i],
-                slip,
-                drive.slider_velocity[i],
-                ContactState::Stick,
-            );
+            let before = if slip == 0.0 { ContactState::Stick } else { motion.contacts[i] };
+            let held = (self.freedom_of)(drive.friction[i], slip, drive.slider_velocity[i], before);
             let slipping = |direction| held.slipping(direction);
             self.multipliers.freedom[i] =
                 match (motion.contacts[i], motion.contacts[i].sliding_direction()) {

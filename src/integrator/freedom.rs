@@ -85,7 +85,7 @@ fn freedom<L: FrictionLaw, const DETACHMENT: bool>(
     surface: f64,
     before: ContactState,
 ) -> Freedom {
-    let law = L::new(friction, surface).at(slip);
+    let law = L::new(friction, surface).at(slip, before);
     if L::STICKS {
         let range = law.range(before, 1.0);
         return if DETACHMENT { Freedom::Law(range) } else { Freedom::Held(range) };

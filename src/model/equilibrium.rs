@@ -66,9 +66,16 @@ impl LumpedModel {
             |contact: &super::Contact| contact.sliding_slope(friction_coefficient, slider_velocity);
         let slopes: Vec<f64> = self.contacts.iter().map(slope).collect();
         match self.solve(&slopes) {
-            Ok(found) if !self.law.detachment || found.pulled_contact().is_none() => Ok(found),
+            // Friction that can stick follows |N|, which this linear solution has not asked.
+            Ok(found) if found.pulled_contact().is_none() || self.may_pull(&slopes) => Ok(found),
             found => Err(self.explain_missing_equilibrium(&slopes, &found, name)),
         }
+    }
+
+    /// May contacts pull in the equilibrium, with these signed coefficients of friction?
+    fn may_pull(&self, slopes: &[f64]) -> bool {
+        let has_friction = slopes.iter().any(|slope| *slope != 0.0);
+        !self.law.detachment && (self.law.is_frozen() || !has_friction)
     }
 
     /// All contacts closed and sliding with the signed friction coefficients `slopes` = T/N.

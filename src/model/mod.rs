@@ -214,22 +214,24 @@ impl LumpedModel {
         for (contact, place) in self.contacts.iter_mut().zip(places) {
             contact.own = OwnValues::from(place);
         }
-        if self.law.friction.about().is_constant {
-            return;
-        }
+        let Some(falls) = self.law.friction.about().falls else { return };
         for contact in &mut self.contacts {
             let (friction, slip) =
                 (contact.coefficients(scene.friction()), contact.velocity(scene.slider.velocity));
-            let (slope, normal_force) = (friction.slope_at(slip), 0.0);
-            contact.steady = Some(Steady { friction: friction.at(slip), slope, normal_force });
+            contact.steady = Some(Steady {
+                friction: (falls.friction)(friction, slip),
+                slope: (falls.slope)(friction, slip),
+                normal_force: 0.0,
+            });
         }
     }
 
-    /// Gives contacts whose µ depends on the slip velocity the most that it can be in slip, µ_s, for whoever asks
+    /// Gives contacts whose µ depends on the slip velocity the most that it can be in slip, for whoever asks
     /// what may happen; [`update_contacts`](Self::update_contacts) takes it back.
     pub fn raise_friction(&mut self, scene: &Scene) {
+        let Some(falls) = self.law.friction.about().falls else { return };
         for contact in &mut self.contacts {
-            let friction = contact.coefficients(scene.friction()).static_;
+            let friction = (falls.most)(contact.coefficients(scene.friction()));
             contact.steady = contact.steady.map(|steady| Steady { friction, ..steady });
         }
     }

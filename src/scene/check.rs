@@ -102,10 +102,12 @@ impl Scene {
     /// A structure whose eigenvalues would hold a run up.
     fn too_large_to_watch(&self) -> Option<Problem> {
         let is_damped = self.network().is_some_and(|network| !network.dampers.is_empty());
-        let (most, with) = match is_damped {
+        let falls = !self.friction_law.about().is_constant();
+        let (most, with) = match (is_damped, falls) {
             // Displacements and velocities then have a row each.
-            true => (MAX_WATCHED_ROWS / 2, " with dampers"),
-            false => (MAX_WATCHED_ROWS, ""),
+            (true, _) => (MAX_WATCHED_ROWS / 2, " with dampers"),
+            (false, true) => (MAX_WATCHED_ROWS / 2, " with friction that falls"),
+            (false, false) => (MAX_WATCHED_ROWS, ""),
         };
         let dofs = self.external_forces().count();
         let message =

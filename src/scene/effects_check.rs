@@ -1,7 +1,7 @@
 //! Effects that make no sense together.
 
 use super::check::{Checks, Part};
-use super::{Method, Network, Problem, Scene, Selection, Structure};
+use super::{Method, Problem, Scene, Selection, Structure};
 use crate::contact::Law;
 
 /// Looks for effects that contradict each other, or the rest of the scene.
@@ -12,13 +12,10 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     if !about.sticks {
         report_own_friction(scene, checks);
     }
-    if scene.effects.has_frozen_slip(law) {
-        if law == Law::StaticKinetic {
-            let message = "contacts that do not stick have no static friction".to_owned();
-            let help = "leave `static` or `static_friction` out, or let contacts stick";
-            checks.problems.push(problem("effects.sticking", message, help).of(false));
-        }
-        report_surfaces_without_direction(scene, checks);
+    if scene.effects.has_frozen_slip(law) && law == Law::StaticKinetic {
+        let message = "contacts that do not stick have no static friction".to_owned();
+        let help = "leave `static` or `static_friction` out, or let contacts stick";
+        checks.problems.push(problem("effects.sticking", message, help).of(false));
     }
     if !scene.effects.detachment {
         report_open_contacts(scene, checks);
@@ -28,7 +25,7 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
         Selection::Given => "exact motion".to_owned(),
         selection => format!("exact motion, by which integrator.{selection} chooses,"),
     };
-    if !about.is_constant {
+    if !about.is_constant() {
         let name = about.name;
         let message = format!(
             "{exact} cannot take the law \"{name}\": friction that depends on the slip velocity makes \
@@ -58,29 +55,6 @@ fn report_own_friction(scene: &Scene, checks: &mut Checks<'_>) {
             let message = "the scene's law of friction is none";
             let problem = checks.problem(Part::Contact(i), key, message).of(value);
             checks.problems.push(problem.help("leave it out, or give [friction] another law"));
-        }
-    }
-}
-
-/// Surfaces that stand still, on which friction that does not stick has no direction.
-fn report_surfaces_without_direction(scene: &Scene, checks: &mut Checks<'_>) {
-    let message = "friction without sticking takes its direction from this velocity, which is zero";
-    let help = "give the surface a velocity, or let contacts stick";
-    let Some(Network { contacts, .. }) = scene.network() else {
-        if scene.slider.velocity == 0.0 {
-            checks.problems.push(Problem::new("slider.velocity", message).of(0.0).help(help));
-        }
-        return;
-    };
-    for (i, place) in contacts.iter().enumerate() {
-        if place.velocity.unwrap_or(scene.slider.velocity) == 0.0 {
-            let path = match place.velocity {
-                Some(_) => checks.path(Part::Contact(i), "velocity"),
-                None => "slider.velocity".to_owned(),
-            };
-            if checks.problems.iter().all(|problem| problem.path != path) {
-                checks.problems.push(Problem::new(path, message).of(0.0).help(help));
-            }
         }
     }
 }

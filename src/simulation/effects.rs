@@ -123,6 +123,9 @@ pub fn effects(scene: &Scene) -> Vec<Effect> {
 fn set_law(scene: &mut Scene, law: Law) {
     let has = |key| law.about().keys.contains(&key);
     scene.friction_law = if law == Law::StaticKinetic { Law::Coulomb } else { law };
+    if !has("coefficient") {
+        scene.friction_coefficient = 0.0;
+    }
     let coefficient = scene.friction_coefficient;
     scene.static_friction = has("static").then(|| scene.static_friction.unwrap_or(coefficient));
     scene.stribeck_velocity =

@@ -4,7 +4,7 @@ use super::Simulation;
 use super::signals;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::{Damping, LumpedModel, SparseMatrix};
+use crate::model::{Damping, LumpedModel, SparseMatrix, Steady};
 use crate::stability::Spectrum;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -48,8 +48,9 @@ impl Outlook {
 /// nothing back.
 #[derive(Default)]
 pub(super) struct Monitor {
-    /// What else they depend on, of that which may change during a run: µ of each contact, and the damping.
-    friction: Vec<f64>,
+    /// What else they depend on, of that which may change during a run: µ of each contact, how it falls, and the
+    /// damping.
+    friction: Vec<(f64, Option<Steady>)>,
     damping: Damping,
     dampers: Option<SparseMatrix>,
     known: HashMap<Box<[ContactState]>, Outlook>,
@@ -59,7 +60,11 @@ pub(super) struct Monitor {
 
 impl Monitor {
     /// Forgets what was found with another friction or damping.
-    fn keep_up(&mut self, model: &LumpedModel, friction: impl Iterator<Item = f64> + Clone) {
+    fn keep_up(
+        &mut self,
+        model: &LumpedModel,
+        friction: impl Iterator<Item = (f64, Option<Steady>)> + Clone,
+    ) {
         let is_same = self.friction.iter().copied().eq(friction.clone())
             && self.damping == model.damping
             && self.dampers.as_ref() == Some(&model.dampers);
@@ -104,10 +109,14 @@ impl Simulation {
         let Some(monitor) = &mut self.monitor else { return Ok(Outlook::default()) };
         self.model.linearise(&self.reference.equilibrium);
         let common = signals::acting(self.driven.as_ref(), &self.scene).friction_coefficient;
-        let friction = self.model.contacts.iter().map(|contact| contact.friction(common));
+        let friction =
+            self.model.contacts.iter().map(|contact| (contact.friction(common), contact.steady));
         monitor.keep_up(&self.model, friction);
         let states = self.contact_forces.iter().map(|force| force.state);
-        Ok(monitor.outlook(&self.model, states, common))
+        let outlook = monitor.outlook(&self.model, states, common);
+        // Nothing of this is left to whoever looks at the model next.
+        self.model.update_contacts(signals::acting(self.driven.as_ref(), &self.scene));
+        Ok(outlook)
     }
 }
 
@@ -153,7 +162,7 @@ mod tests {
     fn a_state_is_solved_once_until_friction_or_damping_is_another() {
         let (mut monitor, mut model) = (Monitor::default(), mass(0.0, 1));
         let mut look = |model: &LumpedModel, friction: f64, state: ContactState| {
-            monitor.keep_up(model, std::iter::once(friction));
+            monitor.keep_up(model, std::iter::once((friction, None)));
             monitor.outlook(model, std::iter::once(state), friction);
             monitor.known.len()
         };

@@ -203,6 +203,10 @@ impl Simulation {
             )));
         }
         check_value(variable, value)?;
+        // Before a run the scene as a whole is checked; now there is nobody after this.
+        if let Some(wish) = rule(variable).broken_by(value) {
+            return Err(Error::variable(impossible(variable, value, wish)));
+        }
         write_scene(&mut self.scene, variable, value)?;
         if let Some(driven) = &mut self.driven {
             // Until the next step adds to it again, where it is driven.

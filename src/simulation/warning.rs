@@ -40,7 +40,27 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     let scene = simulation.scene();
     // What a tolerance has chosen follows the signals as well as it asks for.
     let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
-    step.chain(tolerance).chain(load_warnings(simulation)).chain(signals).collect()
+    let direction = direction_warning(simulation.acting());
+    step.chain(tolerance).chain(load_warnings(simulation)).chain(direction).chain(signals).collect()
+}
+
+/// Contacts whose friction has the direction of a surface that stands still.
+fn direction_warning(scene: &Scene) -> Option<String> {
+    if !scene.effects.has_frozen_slip(scene.contact_law().friction) {
+        return None;
+    }
+    let common = scene.slider.velocity;
+    let places = scene.network().map_or(&[][..], |network| &network.contacts);
+    let stands = if scene.network().is_none() {
+        common == 0.0
+    } else {
+        places.iter().any(|place| place.velocity.unwrap_or(common) == 0.0)
+    };
+    stands.then(|| {
+        "friction without sticking has the direction of the surface's velocity: where that is zero \
+         there is none"
+            .to_owned()
+    })
 }
 
 /// Signals that change faster than the step can follow.

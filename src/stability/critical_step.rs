@@ -92,6 +92,9 @@ pub fn critical_step(
     }
     let mut critical = CriticalStep { step: f64::INFINITY, origin: Origin::Bound };
     for states in all_states(u32::try_from(model.contacts.len()).expect("at most four")) {
+        if !states.iter().all(|state| model.law.allows(*state)) {
+            continue;
+        }
         for (step, coalesced) in limits(model, &states, friction_coefficient)? {
             if step < critical.step {
                 critical = CriticalStep {

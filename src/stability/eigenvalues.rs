@@ -254,7 +254,7 @@ fn add_multiple(to: &mut [f64], factor: f64, vector: &[f64]) {
     }
 }
 
-#[cfg(test)]
+#[cfg(all(test, feature = "tools"))]
 mod tests {
     use super::*;
 

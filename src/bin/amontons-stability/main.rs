@@ -99,7 +99,7 @@ fn linearised(scene: &Scene) -> (LumpedModel, Result<Equilibrium, Error>) {
 fn friction(scene: &Scene) -> String {
     let about = scene.contact_law().friction.about();
     let Friction { kinetic, static_, .. } = scene.friction();
-    if about.is_constant {
+    if about.is_constant() {
         format!("µ = {kinetic}")
     } else {
         format!("µ = {static_} to {kinetic} ({}), linearised at the slider's velocity", about.name)
@@ -109,7 +109,7 @@ fn friction(scene: &Scene) -> String {
 /// Refuses an analysis that varies µ as one number where the law has none.
 fn require_constant_friction(scene: &Scene) -> Result<(), Failure> {
     let about = scene.contact_law().friction.about();
-    if about.is_constant {
+    if about.is_constant() {
         return Ok(());
     }
     Err(Failure::Usage(format!(

@@ -7,7 +7,7 @@ pub(super) const ABOUT: About = About {
     name: "coulomb",
     keys: &["coefficient"],
     equation: "|T| ≤ µ N, T = ±µ N in slip",
-    is_constant: true,
+    falls: None,
     sticks: true,
 };
 

@@ -4,7 +4,7 @@ use super::{About, Friction, FrictionLaw};
 use crate::contact::{ContactState, Lanes};
 
 pub(super) const ABOUT: About =
-    About { name: "none", keys: &[], equation: "T = 0", is_constant: true, sticks: false };
+    About { name: "none", keys: &[], equation: "T = 0", falls: None, sticks: false };
 
 /// Nothing holds a contact but its normal. Slip has no direction then: a closed contact is said to slide.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -23,8 +23,8 @@ impl<V: Lanes, L: FrictionLaw<V>> FrictionLaw<V> for Frozen<V, L> {
     }
 
     #[inline(always)]
-    fn at(self, slip: V) -> Self {
-        Self { law: self.law.at(slip), ..self }
+    fn at(self, slip: V, before: V::States) -> Self {
+        Self { law: self.law.at(slip, before), ..self }
     }
 
     #[inline(always)]

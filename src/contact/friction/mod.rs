@@ -38,7 +38,7 @@ impl Friction {
 }
 
 /// What there is to know about a law before it is used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug)]
 pub struct About {
     /// Its name in a scene.
     pub name: &'static str,
@@ -46,10 +46,29 @@ pub struct About {
     pub keys: &'static [&'static str],
     /// Its equation, for people.
     pub equation: &'static str,
-    /// Is the coefficient the same at all slip velocities? Then a contact state has linear motion.
-    pub is_constant: bool,
+    /// How µ depends on the slip velocity, where it does.
+    pub falls: Option<Falls>,
     /// Can a contact stick?
     pub sticks: bool,
+}
+
+impl About {
+    /// Is the coefficient the same at all slip velocities? Then a contact state has linear motion.
+    #[must_use]
+    pub const fn is_constant(&self) -> bool {
+        self.falls.is_none()
+    }
+}
+
+/// µ as a function of the slip velocity v_r (m/s), for whoever linearises it or asks what may happen.
+#[derive(Clone, Copy, Debug)]
+pub struct Falls {
+    /// µ(v_r).
+    pub friction: fn(Friction, f64) -> f64,
+    /// dµ/d|v_r|, s/m.
+    pub slope: fn(Friction, f64) -> f64,
+    /// The most that µ can be in slip.
+    pub most: fn(Friction) -> f64,
 }
 
 /// A law that says what friction is on a closed contact. For several simulations at once it says so of each
@@ -67,10 +86,10 @@ pub trait FrictionLaw<V: Lanes = f64>: Copy {
     /// The law with these numbers, on a surface that moves with velocity `surface` (m/s) along the tangent.
     fn new(friction: Friction<V>, surface: V) -> Self;
 
-    /// The law over a step that begins with this slip velocity, m/s.
+    /// The law over a step that begins with this slip velocity, m/s, in this state.
     #[inline(always)]
     #[must_use]
-    fn at(self, _slip: V) -> Self {
+    fn at(self, _slip: V, _before: V::States) -> Self {
         self
     }
 

@@ -10,7 +10,7 @@ pub(super) const ABOUT: About = About {
     name: "static",
     keys: &["coefficient", "static"],
     equation: "|T| ≤ µ_s N, T = ±µ N in slip",
-    is_constant: true,
+    falls: None,
     sticks: true,
 };
 

@@ -3,14 +3,21 @@
 //!
 //! Over a step µ is that of the slip velocity at its beginning, as damping is: of the scheme's first order.
 
-use super::{About, Friction, FrictionLaw, Frozen};
-use crate::contact::Lanes;
+use super::{About, Falls, Friction, FrictionLaw, Frozen};
+use crate::contact::{ContactState, Lanes};
 
 pub(super) const ABOUT: About = About {
     name: "stribeck",
     keys: &["coefficient", "static", "stribeck_velocity"],
     equation: "|T| ≤ µ_s N, T = ±(µ + (µ_s − µ) exp(−|v_r|/v_s)) N in slip",
-    is_constant: false,
+    falls: Some(Falls {
+        friction: |friction, slip| Stribeck::new(friction, 0.0).at(slip, ContactState::Slide).now,
+        slope: |friction, slip| {
+            let Friction { kinetic, static_, stribeck_velocity: v_s } = friction;
+            -(static_ - kinetic) * (libm::exp(-slip.abs() / v_s) / v_s)
+        },
+        most: |friction| friction.static_,
+    }),
     sticks: true,
 };
 
@@ -30,10 +37,12 @@ impl<V: Lanes> FrictionLaw<V> for Stribeck<V> {
     }
 
     #[inline(always)]
-    fn at(self, slip: V) -> Self {
+    fn at(self, slip: V, before: V::States) -> Self {
         let Friction { kinetic, static_, stribeck_velocity } = self.friction;
         let decay = slip.abs().zip(stribeck_velocity, |slip, v_s| libm::exp(-slip / v_s));
-        Self { now: kinetic + (static_ - kinetic) * decay, ..self }
+        // What sticks has no slip, though its surface may be faster by the end of the step.
+        let sticks = kinetic.are(before, ContactState::Stick);
+        Self { now: V::select(sticks, static_, kinetic + (static_ - kinetic) * decay), ..self }
     }
 
     #[inline(always)]
@@ -42,45 +51,38 @@ impl<V: Lanes> FrictionLaw<V> for Stribeck<V> {
     }
 }
 
-impl Friction {
-    /// µ(v_r) at a slip velocity (m/s).
-    #[must_use]
-    pub fn at(self, slip: f64) -> f64 {
-        Stribeck::new(self, 0.0).at(slip).now
-    }
-
-    /// dµ/d|v_r| at a slip velocity (m/s), s/m: none is above zero.
-    #[must_use]
-    pub fn slope_at(self, slip: f64) -> f64 {
-        let Self { kinetic, static_, stribeck_velocity } = self;
-        -(static_ - kinetic) / stribeck_velocity * libm::exp(-slip.abs() / stribeck_velocity)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::contact::ContactState::{self, Slide, Stick};
+    use ContactState::{Slide, Stick};
 
     const FRICTION: Friction = Friction { kinetic: 0.2, static_: 0.5, stribeck_velocity: 0.1 };
+
+    const FALLS: Falls = ABOUT.falls.unwrap();
+
+    fn mu(slip: f64) -> f64 {
+        (FALLS.friction)(FRICTION, slip)
+    }
 
     #[test]
     fn friction_falls_by_a_factor_e_over_each_stribeck_velocity() {
         for (slip, over_kinetic) in [(0.0, 0.3), (0.1, 0.3 / 1_f64.exp()), (-0.2, 0.3 / 2_f64.exp())] {
-            assert!((FRICTION.at(slip) - (0.2 + over_kinetic)).abs() < 1e-15);
-            let (h, slope) = (1e-6, FRICTION.slope_at(slip.abs() + 1e-6));
-            let difference = FRICTION.at(slip.abs() + 2.0 * h) - FRICTION.at(slip.abs());
+            assert!((mu(slip) - (0.2 + over_kinetic)).abs() < 1e-15);
+            let (h, slope) = (1e-6, (FALLS.slope)(FRICTION, slip.abs() + 1e-6));
+            let difference = mu(slip.abs() + 2.0 * h) - mu(slip.abs());
             assert!((difference / (2.0 * h) - slope).abs() < 1e-8 * slope.abs());
         }
     }
 
     #[test]
     fn what_sticks_is_held_by_static_friction_and_lets_go_without_a_jump() {
-        let law: Stribeck = Stribeck::new(FRICTION, 1.0).at(0.0);
+        let law: Stribeck = Stribeck::new(FRICTION, 1.0).at(0.0, Slide);
         assert!(law.holds(5.0, 10.0, Stick) && !law.holds(5.01, 10.0, Stick));
         assert_eq!(law.slip(5.01, 10.0), (5.0, Slide));
-        let law = law.at(0.1);
+        let law = law.at(0.1, Slide);
         let (friction, state): (f64, ContactState) = law.slip(5.01, 10.0);
-        assert!((friction - 10.0 * FRICTION.at(0.1)).abs() < 1e-15 && state == Slide);
+        assert!((friction - 10.0 * mu(0.1)).abs() < 1e-15 && state == Slide);
+        // A surface that speeds up under it has not moved on yet.
+        assert!(law.at(0.1, Stick).holds(5.0, 10.0, Stick));
     }
 }

@@ -96,7 +96,7 @@ impl<W: Witness> EventDriven<W> {
     pub(super) fn with_witness(model: &LumpedModel, witness: W) -> Result<Self, Error> {
         let ContactLaw { friction, sticking, detachment } = model.law;
         let about = friction.about();
-        if !about.is_constant {
+        if !about.is_constant() {
             return Err(Error::scene(format!(
                 "exact motion cannot take the law \"{}\": between events the motion would not be linear",
                 about.name

@@ -219,7 +219,7 @@ impl<V: Lanes> StepConstants<V> {
     ) -> (Vector<V>, Vector<V>, V::States, Broken<V>) {
         let h = self.step;
         let zero = h.splat(0.0);
-        let surface = &surface.at(&v);
+        let surface = &surface.at(&v, before);
         if !E::DETACHMENT {
             return self.step_held::<E, _>(block, load, own, links, surface, (x, v, before));
         }
@@ -370,8 +370,8 @@ impl<V: Lanes> StepConstants<V> {
 impl<V: Lanes, L: FrictionLaw<V>> Surface<V, L> {
     /// The surface as a module meets it that moves with these velocities.
     #[inline(always)]
-    fn at(&self, v: &Vector<V>) -> Self {
-        Self { law: self.law.at(self.velocity - v[TANGENT]), ..*self }
+    fn at(&self, v: &Vector<V>, before: V::States) -> Self {
+        Self { law: self.law.at(self.velocity - v[TANGENT], before), ..*self }
     }
 
     /// Does a mass with this tangential velocity slip against a direction that is frozen?
