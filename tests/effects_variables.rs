@@ -1,11 +1,13 @@
 //! What a scene goes without has no variables, and what it has is what the scene calls it.
 #![cfg(feature = "tools")]
 
+use amontons::contact::Law;
 use amontons::package::model_description;
-use amontons::scene::{Scene, builtin, parse};
+use amontons::scene::{Scene, builtin, parse, read};
 use amontons::simulation::catalogue::{Causality, Variability};
-use amontons::simulation::{Simulation, Variable, assign, variables, warnings};
-use std::collections::BTreeSet;
+use amontons::simulation::{Simulation, Variable, assign, effects, variables, warnings};
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
 
 /// A ring that has nothing that may be left out, and µ and v as a ring needs them.
 const RING: &str = "\
@@ -157,6 +159,154 @@ fn what_is_off_has_no_variable_and_what_is_on_has_its_own_and_no_other() {
     }
 }
 
+/// Contents of `[friction]`, each with the variables of its numbers.
+const LAWS: [(&str, &[&str]); 4] = [
+    ("law = \"none\"", &[]),
+    ("coefficient = 0.3", &["friction.coefficient"]),
+    ("coefficient = 0.3\nstatic = 0.4", &["friction.coefficient", "friction.static"]),
+    (
+        "coefficient = 0.3\nstatic = 0.4\nstribeck_velocity = 0.1",
+        &["friction.coefficient", "friction.static", "friction.stribeck_velocity"],
+    ),
+];
+
+#[test]
+fn a_law_of_friction_has_the_variables_of_its_own_numbers_and_no_other() {
+    for text in [RING, NETWORK] {
+        let with = |friction: &str| text.replacen("coefficient = 0.3", friction, 1);
+        let none = with(LAWS[0].0);
+        for (place, (friction, own)) in LAWS.iter().enumerate() {
+            let text = with(friction);
+            let own: BTreeSet<String> = own.iter().map(|name| (*name).to_owned()).collect();
+            for (all, rest) in [
+                (names(&scene(&text)), names(&scene(&none))),
+                (described(&scene(&text), &text), described(&scene(&none), &none)),
+            ] {
+                assert!(all.is_superset(&rest), "{friction}");
+                assert_eq!(all.difference(&rest).cloned().collect::<BTreeSet<_>>(), own);
+            }
+            // Saved states under one law are none under another.
+            for (other, (line, _)) in LAWS.iter().enumerate() {
+                let is_same = scene(&text).has_parts_of(&scene(&with(line)));
+                assert_eq!(is_same, other == place, "{friction}, {line}");
+            }
+        }
+    }
+}
+
+/// Keys of `[effects]`, each with the outputs that come with it.
+const OUTPUTS: [(&str, &[&str]); 4] = [
+    ("sticking = false", &["statistics.reversed_slips"]),
+    ("detachment = false", &["statistics.pulled_contacts"]),
+    (
+        "energy = true",
+        &[
+            "energy.damping",
+            "energy.elastic",
+            "energy.forces",
+            "energy.friction",
+            "energy.impact",
+            "energy.kinetic",
+            "energy.residual",
+            "energy.slider",
+        ],
+    ),
+    ("stability = true", &["stability.frequency", "stability.growth_rate", "stability.modes"]),
+];
+
+#[test]
+fn a_key_of_the_effects_comes_with_its_own_outputs_and_no_other() {
+    for text in [RING, NETWORK] {
+        let off = scene(text);
+        for (line, own) in OUTPUTS {
+            let with = format!("{text}[effects]\n{line}\n");
+            let on = scene(&with);
+            let added: BTreeSet<_> = &described(&on, &with) - &described(&off, text);
+            assert!(added.iter().eq(own), "{line}: {added:?}");
+            assert!(described(&on, &with).is_superset(&described(&off, text)), "{line}");
+            assert!(!off.has_parts_of(&on) && on.has_parts_of(&scene(&with)), "{line}");
+            let of_it = |v: &Variable| own.contains(&&*v.name);
+            let outputs: Vec<Variable> = variables(&on).into_iter().filter(of_it).collect();
+            assert_eq!(outputs.len(), own.len(), "{line}");
+            assert!(outputs.iter().all(|v| v.causality == Causality::Output), "{line}");
+        }
+    }
+}
+
+/// The scenes of single effects: what each shows at work, and what it shows to be left out.
+const SHOWN: [(&str, &[&str], &[&str]); 11] = [
+    ("coulomb", &["coulomb", "sticking"], &["static", "stribeck"]),
+    ("damping", &["damping by mass", "damping by stiffness", "single dampers"], &[]),
+    ("detachment", &[], &["detachment", "coulomb"]),
+    ("energy", &["energy", "detachment"], &[]),
+    ("links", &["links", "preload"], &["forces"]),
+    ("modules", &["preload", "detachment", "sticking"], &["links", "forces"]),
+    ("none", &[], &["coulomb", "static", "stribeck", "energy", "stability"]),
+    ("stability", &["stability", "damping by mass"], &[]),
+    ("static", &["static", "forces"], &["coulomb"]),
+    ("sticking", &["coulomb"], &["sticking"]),
+    ("stribeck", &["stribeck", "single dampers"], &["damping by mass"]),
+];
+
+/// Every scene of an effect, by the name of its file.
+fn effect_scenes() -> BTreeMap<String, Scene> {
+    let files = fs::read_dir("scenes/effects").unwrap().map(|entry| entry.unwrap().path());
+    files
+        .filter(|path| path.extension().is_some_and(|extension| extension == "toml"))
+        .map(|path| read(&path).unwrap_or_else(|error| panic!("{error}")).0)
+        .map(|scene| (scene.name.clone(), scene))
+        .collect()
+}
+
+#[test]
+fn every_effect_that_there_is_has_a_scene_that_shows_it() {
+    let scenes = effect_scenes();
+    assert!(scenes.keys().eq(SHOWN.iter().map(|(file, ..)| file)), "{:?}", scenes.keys());
+    let mut known = BTreeSet::new();
+    for (file, on, off) in SHOWN {
+        let all = effects(&scenes[file]);
+        known.extend(all.iter().map(|effect| effect.name));
+        for (names, is_on) in [(on, true), (off, false)] {
+            for name in names {
+                let effect = all.iter().find(|effect| effect.name == *name);
+                assert_eq!(effect.map(|effect| effect.is_on), Some(is_on), "{name} in {file}");
+            }
+        }
+    }
+    let shown: BTreeSet<&str> = SHOWN.iter().flat_map(|(_, on, _)| on.iter().copied()).collect();
+    assert_eq!(known, shown);
+}
+
+#[test]
+fn the_variables_of_an_effect_are_described_with_it_and_not_without_it() {
+    let mut scenes = effect_scenes();
+    for name in ["set1", "disc_brake"] {
+        scenes.insert(name.to_owned(), builtin(name).unwrap().scene());
+    }
+    // An idealisation counts how often it was one; the full law has nothing of its own.
+    let counters =
+        [("sticking", "statistics.reversed_slips"), ("detachment", "statistics.pulled_contacts")];
+    for (file, scene) in &scenes {
+        for effect in effects(scene) {
+            let name = effect.name;
+            let [with, without] = [&effect.with, &effect.without].map(|scene| described(scene, ""));
+            let own: BTreeSet<String> = effect.variables().into_iter().collect();
+            assert_eq!(&with - &without, own, "{name} in {file}");
+            let lost: Vec<String> = (&without - &with).into_iter().collect();
+            if let Some((_, counter)) = counters.iter().find(|(of, _)| *of == name) {
+                // Without sticking there is no static friction either.
+                assert!(own.iter().all(|name| name.ends_with("static")), "{name} in {file}");
+                assert_eq!(lost, [*counter], "{name} in {file}");
+            } else if effect.is_on || Law::named(name).is_none() {
+                assert!(!own.is_empty() && lost.is_empty(), "{name} in {file}: {lost:?}");
+            } else {
+                // One law in place of another: what it has less.
+                assert!(lost.iter().all(|name| name.starts_with("friction.")), "{lost:?}");
+            }
+        }
+    }
+}
+
 #[test]
 fn what_a_scene_goes_without_is_said_with_how_to_add_it() {
     let says = |text: &str, name: &str, expected: &str| {
@@ -168,6 +318,20 @@ fn what_a_scene_goes_without_is_said_with_how_to_add_it() {
         "damping.beta",
         "damping.beta cannot be set: the scene has no stiffness-proportional damping; write \
          `beta = 0.0` into its [damping] to have some",
+    );
+    let none = RING.replacen("coefficient = 0.3", "law = \"none\"", 1);
+    for name in ["friction.coefficient", "friction.static", "friction.stribeck_velocity"] {
+        let expected = format!(
+            "{name} cannot be set: the scene has no friction; write `coefficient = …` in place of \
+             `law = \"none\"` into its [friction]"
+        );
+        says(&none, name, &expected);
+    }
+    says(
+        RING,
+        "friction.stribeck_velocity",
+        "friction.stribeck_velocity cannot be set: friction does not depend on the slip velocity; \
+         write `stribeck_velocity = …` beside `static` into the [friction] of the scene",
     );
     says(
         RING,

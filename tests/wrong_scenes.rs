@@ -3,6 +3,7 @@
 #![cfg(feature = "tools")]
 
 use amontons::scene::{BUILTIN, parse, read};
+use amontons::simulation::Simulation;
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -23,8 +24,24 @@ fn every_wrong_scene_gets_its_message() {
             wrong.push(format!("{}\n{found}\nbut expected is\n{expected}", path.display()));
         }
     }
-    assert!(count >= 65, "{count}");
+    assert!(count >= 83, "{count}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn a_contact_that_starts_open_where_none_can_open_is_refused_by_its_name() {
+    let text = include_str!("../scenes/effects/detachment.toml");
+    for key in ["y = 1e-3", "vy = 0.1", "vy = -0.1"] {
+        let open = format!("{text}[[initial]]\nmass = \"foot\"\n{key}\n");
+        let error = Simulation::new(parse("open", &open).unwrap(), 0.0).err().expect("it is open");
+        assert!(error.is_scene());
+        assert_eq!(
+            error.to_string(),
+            "contact.floor starts away from its surface, or moves along its normal, and contacts \
+             cannot open in this scene; change its initial values, or let contacts open \
+             (effects.detachment)"
+        );
+    }
 }
 
 #[test]
