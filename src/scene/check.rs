@@ -146,36 +146,7 @@ impl Scene {
             }
             .of(quoted(&signal.input))
         };
-        unknown.map(problem).chain(self.idle_signals()).collect()
-    }
-
-    /// Signals of a common velocity or friction that every contact has one of its own in place of.
-    fn idle_signals(&self) -> Vec<Problem> {
-        let Some(network) = self.network().filter(|network| !network.contacts.is_empty()) else {
-            return Vec::new();
-        };
-        let all_own = |input: &str| match input {
-            "slider.velocity" => network.contacts.iter().all(|place| place.velocity.is_some()),
-            "friction.coefficient" => network.contacts.iter().all(|place| place.friction.is_some()),
-            "friction.static" => network
-                .contacts
-                .iter()
-                .all(|place| place.friction.or(place.static_friction).is_some()),
-            _ => false,
-        };
-        let idle = self.signals.iter().enumerate().filter(|(_, signal)| all_own(&signal.input));
-        let problem = |(i, signal): (usize, &Signal)| {
-            let message = "drives nothing: every contact has one of its own";
-            let key = match &*signal.input {
-                "slider.velocity" => "velocity",
-                "friction.static" => "static_friction",
-                _ => "friction",
-            };
-            Problem::new(format!("signal[{}].input", i + 1), message)
-                .of(quoted(&signal.input))
-                .help(format!("drive contact.{}.{key}", network.contacts[0].name))
-        };
-        idle.map(problem).collect()
+        unknown.map(problem).collect()
     }
 
     /// Impossible values that are not the structure's.

@@ -43,6 +43,14 @@ impl Scene {
                 "friction of the scene does not fall with the slip velocity",
                 "write `static = …` and `stribeck_velocity = …` into its [friction]",
             ),
+            "slider.velocity" if !self.has_common_velocity() => self.own("velocity"),
+            "slider.angle" if !self.has_common_angle() => self.own("angle"),
+            "friction.coefficient" if !self.has_common_friction() => self.own("friction"),
+            "friction.static"
+                if self.static_friction.is_some() && !self.has_common_static_friction() =>
+            {
+                self.own("static_friction")
+            }
             "friction.static" if self.static_friction.is_none() => Lack::new(
                 "the scene has no static friction",
                 "write `static = …` into its [friction] to have some",
@@ -68,6 +76,17 @@ impl Scene {
                 format!("write `{} = \"input\"` into its [inputs]", group.key()),
             ),
             _ => self.lack(name),
+        }
+    }
+
+    /// A common value that no contact has.
+    fn own(&self, key: &str) -> Option<Lack> {
+        match self.network().and_then(|network| network.contacts.first()) {
+            Some(first) => Lack::new(
+                "every contact has one of its own",
+                format!("take that of a contact, as contact.{}.{key}", first.name),
+            ),
+            None => Lack::new("the scene has no contact", "write a [[contact]] into it"),
         }
     }
 

@@ -360,12 +360,42 @@ impl Scene {
         self.may_be_driven().filter(is_input).map(|(_, name)| name).collect()
     }
 
+    /// Does any contact do without a value of its own?
+    fn shares(&self, has_own: impl Fn(&RubbingPlace) -> bool) -> bool {
+        self.network().is_none_or(|network| !network.contacts.iter().all(has_own))
+    }
+
+    /// Does any contact have the slider's velocity?
+    #[must_use]
+    pub fn has_common_velocity(&self) -> bool {
+        self.shares(|place| place.velocity.is_some())
+    }
+
+    /// Does any contact have the slider's inclination?
+    #[must_use]
+    pub fn has_common_angle(&self) -> bool {
+        self.shares(|place| place.angle.is_some())
+    }
+
+    /// Does any contact have the common µ?
+    #[must_use]
+    pub fn has_common_friction(&self) -> bool {
+        self.friction_law.about().sticks && self.shares(|place| place.friction.is_some())
+    }
+
+    /// Does any contact have the common µ_s?
+    #[must_use]
+    pub fn has_common_static_friction(&self) -> bool {
+        self.static_friction.is_some()
+            && self.shares(|place| place.friction.or(place.static_friction).is_some())
+    }
+
     /// The FMU's names of all that signals may drive where it is an input, each with its group.
     fn may_be_driven(&self) -> impl Iterator<Item = (Group, String)> + '_ {
         let common = [
-            Some((Group::SliderVelocity, "slider.velocity".to_owned())),
-            Some((Group::Friction, "friction.coefficient".to_owned())),
-            self.static_friction.map(|_| (Group::Friction, "friction.static".to_owned())),
+            (self.has_common_velocity(), Group::SliderVelocity, "slider.velocity"),
+            (self.has_common_friction(), Group::Friction, "friction.coefficient"),
+            (self.has_common_static_friction(), Group::Friction, "friction.static"),
         ];
         let has_preload = self.effects.preload;
         let modules = (1..=self.modules().len()).flat_map(move |i| {
@@ -394,7 +424,8 @@ impl Scene {
             ];
             own.into_iter().flatten()
         });
-        let common = common.into_iter().flatten();
+        let common = common.into_iter().filter(|(is_there, ..)| *is_there);
+        let common = common.map(|(_, group, name)| (group, name.to_owned()));
         common.chain(modules).chain(masses).chain(springs).chain(contacts)
     }
 

@@ -1,6 +1,5 @@
 //! The catalogue of FMI variables (`modelDescription/`), and the variables of one scene.
 
-use crate::contact::Law;
 use crate::scene::{Group, Role, Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
@@ -233,8 +232,10 @@ const LINKS: [usize; 2] = [0, 1];
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
         Quantity::Energy => return scene.effects.energy,
-        Quantity::FrictionCoefficient => return scene.friction_law != Law::Frictionless,
-        Quantity::StaticFriction => return scene.static_friction.is_some(),
+        Quantity::SliderVelocity => return scene.has_common_velocity(),
+        Quantity::SliderAngle => return scene.has_common_angle(),
+        Quantity::FrictionCoefficient => return scene.has_common_friction(),
+        Quantity::StaticFriction => return scene.has_common_static_friction(),
         Quantity::StribeckVelocity => return scene.stribeck_velocity.is_some(),
         Quantity::ReversedSlips => return scene.effects.has_frozen_slip(scene.friction_law),
         Quantity::PulledContacts => return !scene.effects.detachment,
