@@ -295,3 +295,15 @@ fn a_falling_law_takes_no_velocity_of_zero_to_fall_over() {
     simulation.write(v_s, 1e-310).unwrap();
     simulation.advance_to(0.1).unwrap();
 }
+
+#[cfg(feature = "tools")]
+#[test]
+fn a_surface_that_stands_still_is_warned_of_where_friction_has_its_direction() {
+    use amontons::simulation::warnings;
+    let standing = STICKING.replace("velocity = 0.1  ", "velocity = 0.0  ");
+    for (text, warned) in [(STICKING, false), (&*standing, true)] {
+        let simulation = Simulation::new(parse("effect", text).unwrap(), 0.0).unwrap();
+        let found = warnings(&simulation);
+        assert_eq!(found.iter().any(|warning| warning.contains("direction")), warned, "{found:?}");
+    }
+}

@@ -8,7 +8,7 @@ RINGS = {"set1": 2, "set2": 2, "ring12": 12}
 # Which of the scenes in scenes/effects/ have these variables. Where there is a law of friction, and there is unless
 # a scene says otherwise, there is a coefficient for contacts that have none of their own.
 OF_EFFECTS = {
-    "friction.coefficient": "coulomb damping energy links modules stability static sticking stribeck",
+    "friction.coefficient": "coulomb energy links modules stability static sticking stribeck",
     "friction.static": "energy static stribeck",
     "friction.stribeck_velocity": "stribeck",
     "damping.alpha": "damping stability",
