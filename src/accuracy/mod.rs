@@ -197,8 +197,9 @@ impl Study {
         let law = scene.contact_law();
         if !law.friction.about().is_constant() || !(law.is_frozen() || law.detachment) {
             return Err(Error::scene(format!(
-                "the errors of {} cannot be told: the reference is exact motion, and between events that of \
-                 this scene is not linear; compare runs with different steps",
+                "the errors of {} cannot be told: the reference is exact motion, which takes neither friction that \
+                 falls with the slip velocity nor contacts that stick and cannot open; compare runs with \
+                 different steps",
                 scene.name
             )));
         }
