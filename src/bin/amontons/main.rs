@@ -28,6 +28,8 @@ mod exit {
 fn main() -> ExitCode {
     match run(&Arguments::parse().command) {
         Ok(()) => ExitCode::SUCCESS,
+        // Whoever reads has read enough (`| head`).
+        Err(error) if simulate::is_broken_pipe(&*error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");
             ExitCode::from(exit_code(&*error))

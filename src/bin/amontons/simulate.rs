@@ -51,11 +51,7 @@ fn write_output(
     experiment: Experiment,
 ) -> Result<(), Box<dyn Error>> {
     match &arguments.output {
-        None => match write_run(run, scene, experiment, &mut BufWriter::new(stdout().lock())) {
-            // Whoever reads has read enough (`| head`).
-            Err(error) if is_broken_pipe(&*error) => Ok(()),
-            result => result,
-        },
+        None => write_run(run, scene, experiment, &mut BufWriter::new(stdout().lock())),
         Some(path) => {
             let mut file = Pending::create(path)?;
             if let Err(error) = write_run(run, scene, experiment, &mut file) {
