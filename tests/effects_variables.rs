@@ -59,6 +59,18 @@ between = [\"a\", \"ground\"]
 direction = \"x\"
 stiffness = 100.0
 # spring
+[[mass]]
+name = \"b\"
+mass = 1.0
+force = [0.0, -10.0]
+[[spring]]
+name = \"other\"
+between = [\"b\", \"ground\"]
+direction = \"x\"
+stiffness = 100.0
+[[contact]]
+name = \"other\"
+mass = \"b\"
 [[contact]]
 name = \"c\"
 mass = \"a\"
@@ -120,7 +132,12 @@ const SWITCHES: &[Switch] = &[
     of(NETWORK, "# contact", "friction = 0.3", &["contact.c.friction"]),
     of(NETWORK, "# contact", "static_friction = 0.3", &["contact.c.static_friction"]),
     of(NETWORK, "# contact", "velocity = 0.3", &["contact.c.velocity"]),
-    of(NETWORK, "forces = \"none\"", "forces = \"parameter\"", &["mass.a.fx", "mass.a.fy"]),
+    of(
+        NETWORK,
+        "forces = \"none\"",
+        "forces = \"parameter\"",
+        &["mass.a.fx", "mass.a.fy", "mass.b.fx", "mass.b.fy"],
+    ),
 ];
 
 fn scene(text: &str) -> Scene {

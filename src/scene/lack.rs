@@ -39,10 +39,6 @@ impl Scene {
                     "write `coefficient = …` in place of `law = \"none\"` into its [friction]",
                 )
             }
-            "friction.stribeck_velocity" if self.stribeck_velocity.is_none() => Lack::new(
-                "friction of the scene does not fall with the slip velocity",
-                "write `static = …` and `stribeck_velocity = …` into its [friction]",
-            ),
             "slider.velocity" if !self.has_common_velocity() => self.own("velocity"),
             "slider.angle" if !self.has_common_angle() => self.own("angle"),
             "friction.coefficient" if !self.has_common_friction() => self.own("friction"),

@@ -46,7 +46,8 @@ pub struct About {
     pub keys: &'static [&'static str],
     /// Its equation, for people.
     pub equation: &'static str,
-    /// How µ depends on the slip velocity, where it does.
+    /// How µ depends on the slip velocity, where it does. Where it does not, the law is that of µ and µ_s of
+    /// [`Friction`], which exact motion and the analyses take from there.
     pub falls: Option<Falls>,
     /// Can a contact stick?
     pub sticks: bool,
