@@ -21,10 +21,20 @@ const OF_SET1: [(&str, &str, &str); 12] = [
     ("detachment", "on", ""),
     ("damping by mass", "off", "damping.alpha"),
     ("damping by stiffness", "on", "damping.beta"),
-    ("links", "on", "module[1].k1, module[1].k2, module[2].k1, … (4 in all)"),
+    ("links", "on", "module[1].k1, module[1].k2, module[2].k1, module[2].k2"),
     ("preload", "on", "module[1].preload, module[2].preload"),
-    ("forces", "on", "module[1].f1, module[1].f2, module[1].f3, … (8 in all)"),
-    ("energy", "off", "energy.kinetic, energy.elastic, energy.damping, … (8 in all)"),
+    (
+        "forces",
+        "on",
+        "module[1].f1, module[1].f2, module[1].f3, module[1].f4, \
+         module[2].f1, module[2].f2, module[2].f3, module[2].f4",
+    ),
+    (
+        "energy",
+        "off",
+        "energy.kinetic, energy.elastic, energy.damping, energy.friction, \
+         energy.impact, energy.slider, energy.forces, energy.residual",
+    ),
     ("stability", "off", "stability.growth_rate, stability.frequency, stability.modes"),
 ];
 

@@ -396,7 +396,7 @@ const ROLES: [(&str, &[&str]); 4] = [
         ],
     ),
     ("preload", &["spring.k.preload"]),
-    ("forces", &["mass.a.fx", "mass.a.fy"]),
+    ("forces", &["mass.a.fx", "mass.a.fy", "mass.b.fx", "mass.b.fy"]),
 ];
 
 /// A network with all that has a role, under this line of `[inputs]`.

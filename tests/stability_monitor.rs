@@ -141,7 +141,9 @@ fn friction_that_falls_with_the_slip_velocity_grows_as_its_closed_form_and_as_th
     let (m, k, n, d) = (1.0, 1e4, 10.0, 6.0);
     let (mu, mu_s, v_s) = (0.2, 0.4, 0.1);
     let text = include_str!("../scenes/effects/stribeck.toml");
-    let watched = text.replacen("[friction]", "[effects]\nstability = true\n[friction]", 1);
+    // Vibration of 1e-3 of the belt's velocity.
+    let small = text.replacen("vx = 1.0e-2", "vx = 1.0e-4", 1);
+    let watched = small.replacen("[friction]", "[effects]\nstability = true\n[friction]", 1);
     let scene = parse("stribeck", &watched).unwrap();
     let growth = |v: f64| (n * (mu_s - mu) / v_s * f64::exp(-v / v_s) - d) / (2.0 * m);
     for v in [0.1, 0.11, 0.13, 0.4] {
@@ -282,5 +284,23 @@ fn only_a_scene_that_asks_for_it_has_it_and_it_moves_alike() {
         outlook(&mut watched);
         assert_eq!(watched.displacement(), plain.displacement());
         assert_eq!(watched.velocity(), plain.velocity());
+    }
+}
+
+#[test]
+fn a_velocity_at_which_friction_is_the_same_but_falls_otherwise_is_another_outlook() {
+    // µ(v) is the same where v and v_s change alike; its slope is not.
+    let text = include_str!("../scenes/effects/stribeck.toml");
+    let watched = text.replacen("[friction]", "[effects]\nstability = true\n[friction]", 1);
+    let mut simulation = Simulation::new(parse("stribeck", &watched).unwrap(), 0.0).unwrap();
+    let growth = |v_s: f64| (10.0 * 0.2 / v_s * f64::exp(-1.0) - 6.0) / 2.0;
+    for v_s in [0.1, 0.2, 0.05] {
+        for name in ["slider.velocity", "friction.stribeck_velocity"] {
+            let all = variables(simulation.scene());
+            let variable = all.iter().find(|variable| variable.name == name).unwrap();
+            simulation.write(variable, v_s).unwrap();
+        }
+        let found = outlook(&mut simulation).0;
+        assert!((found - growth(v_s)).abs() < 1e-10, "{found} for {}", growth(v_s));
     }
 }
