@@ -14,6 +14,7 @@ mod inputs;
 mod monitor;
 mod signals;
 mod snapshot;
+mod start;
 mod values;
 #[cfg(feature = "tools")]
 mod warning;
@@ -46,7 +47,7 @@ use crate::integrator::{
     self, Drive, Energy, Integrator, Ledger, Motion, Selected, Statistics, StepFailure,
 };
 use crate::model::ring::MODULE_DOFS;
-use crate::model::{self, Direction, Equilibrium, LumpedModel, Numbering};
+use crate::model::{self, Equilibrium, LumpedModel, Numbering};
 use crate::scene::{Method, Scene, Structure};
 use crate::stability::StepGuard;
 use catalogue::Quantity;
@@ -54,6 +55,7 @@ use clock::{Clock, Leg};
 use monitor::Monitor;
 use serde::{Deserialize, Serialize};
 use signals::Driven;
+use start::{check_closed, initial_motion};
 
 /// Steps taken between two looks at whether the motion is still finite.
 const CHUNK: u64 = 1 << 16;
@@ -471,63 +473,6 @@ fn check_friction(model: &LumpedModel, scene: &Scene, time: f64) -> Result<(), E
         }
     }
     Ok(())
-}
-
-/// The motion at the start. A contact whose initial gap or opening speed is above zero starts in Dt;
-/// any other is closed and starts in Sl, R-Sl or St by the sign of its slip velocity.
-fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
-    let displacement: Vec<f64> = scene.initial_displacements().collect();
-    let velocity: Vec<f64> = scene.initial_velocities().collect();
-    let contacts = model.contacts.iter().map(|contact| {
-        let surface = contact.velocity(scene.slider.velocity);
-        let slip = surface - contact.tangent.dot(&velocity);
-        if is_positive(&contact.normal, &displacement) || is_positive(&contact.normal, &velocity) {
-            ContactState::Detached
-        } else if let Some(state) = model.law.frozen_state(surface) {
-            state
-        } else if slip > 0.0 {
-            ContactState::Slide
-        } else if slip < 0.0 {
-            ContactState::ReverseSlide
-        } else {
-            ContactState::Stick
-        }
-    });
-    Motion {
-        contacts: contacts.collect(),
-        displacement,
-        velocity,
-        statistics: Statistics::default(),
-        ledger: None,
-    }
-}
-
-/// Refuses to start with a contact that is open, or moves along its normal, where contacts cannot open.
-fn check_closed(scene: &Scene, model: &LumpedModel, motion: &Motion) -> Result<(), Error> {
-    if model.law.detachment {
-        return Ok(());
-    }
-    for (i, contact) in model.contacts.iter().enumerate() {
-        let moves = |vector: &[f64]| {
-            let opposite: Vec<f64> = vector.iter().map(|value| -value).collect();
-            is_positive(&contact.normal, vector) || is_positive(&contact.normal, &opposite)
-        };
-        if moves(&motion.displacement) || moves(&motion.velocity) {
-            return Err(Error::scene(format!(
-                "{} starts away from its surface, or moves along its normal, and contacts cannot open in \
-                 this scene; change its initial values, or let contacts open (effects.detachment)",
-                scene.contact_name(i)
-            )));
-        }
-    }
-    Ok(())
-}
-
-/// Does the vector point along the normal, by more than what rounding leaves of zero where the normal
-/// has several components?
-fn is_positive(normal: &Direction, vector: &[f64]) -> bool {
-    let size = normal.0.iter().fold(0.0, |size, &(dof, n)| f64::max(size, (n * vector[dof]).abs()));
-    normal.dot(vector) > if normal.0.len() > 1 { 1e-12 * size } else { 0.0 }
 }
 
 #[cfg(test)]
