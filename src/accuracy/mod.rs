@@ -195,7 +195,7 @@ impl Study {
     /// What is wrong with the scene; a run that fails; a window too long to keep.
     pub fn new(scene: &Scene, dof: Option<usize>, watch: Watch<'_>) -> Result<Option<Self>, Error> {
         let law = scene.contact_law();
-        if !law.friction.about().is_constant() || !(law.is_frozen() || law.detachment) {
+        if !law.friction.about().is_constant() || law.follows_size() {
             return Err(Error::scene(format!(
                 "the errors of {} cannot be told: the reference is exact motion, which takes neither friction that \
                  falls with the slip velocity nor contacts that stick and cannot open; compare runs with \

@@ -91,6 +91,19 @@ impl ContactLaw {
         }
     }
 
+    /// Has friction a direction that is frozen, which a slip may be against?
+    #[must_use]
+    pub fn has_frozen_direction(self) -> bool {
+        !self.sticking && self.friction.about().sticks
+    }
+
+    /// Does friction follow |N|, of contacts that can stick and cannot open? Then a contact state has no linear
+    /// motion.
+    #[must_use]
+    pub fn follows_size(self) -> bool {
+        !self.is_frozen() && !self.detachment
+    }
+
     /// The state that closed contacts then have on a surface with this velocity, m/s.
     #[must_use]
     pub fn frozen_state(self, surface: f64) -> Option<ContactState> {

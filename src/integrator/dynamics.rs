@@ -93,8 +93,7 @@ impl Dynamics {
     /// Counts, where the law of contact is not whole, what would have needed the rest of it, for the velocities
     /// and multipliers that a step ends with.
     pub(super) fn count_broken(&self, motion: &mut Motion, velocity: &[f64], drive: &Drive) {
-        let ContactLaw { sticking, detachment, friction } = self.law;
-        let has_direction = !sticking && friction.about().sticks;
+        let (has_direction, detachment) = (self.law.has_frozen_direction(), self.law.detachment);
         for (i, contact) in self.contacts.iter().enumerate() {
             let surface = drive.slider_velocity[i];
             let slip = surface - contact.tangent.dot(velocity);

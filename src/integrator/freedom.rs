@@ -35,16 +35,6 @@ pub(super) enum Freedom {
 }
 
 impl Freedom {
-    /// The state of a contact that is closed, where its slip has no say in it.
-    pub(super) fn frozen_state(self) -> Option<ContactState> {
-        match self {
-            Self::Slipping { direction, .. } if direction > 0.0 => Some(ContactState::Slide),
-            Self::Slipping { .. } => Some(ContactState::ReverseSlide),
-            Self::Guided { state, .. } => Some(state),
-            Self::Law(_) | Self::Open | Self::Held(_) | Self::HeldSlipping { .. } => None,
-        }
-    }
-
     /// The same, slipping for sure in this direction (±1) of the friction force.
     pub(super) fn slipping(self, direction: f64) -> Self {
         match self {

@@ -75,7 +75,8 @@ impl LumpedModel {
     /// May contacts pull in the equilibrium, with these signed coefficients of friction?
     fn may_pull(&self, slopes: &[f64]) -> bool {
         let has_friction = slopes.iter().any(|slope| *slope != 0.0);
-        !self.law.detachment && (self.law.is_frozen() || !has_friction)
+        let drives = self.law.follows_size() && has_friction;
+        !(self.law.detachment || drives)
     }
 
     /// All contacts closed and sliding with the signed friction coefficients `slopes` = T/N.

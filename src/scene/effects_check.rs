@@ -35,8 +35,7 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
             "give method = \"forward-increment\" and a step, or a law with constant coefficients";
         checks.problems.push(problem("friction.law", message, help));
     }
-    let follows_size = about.sticks && scene.effects.sticking && !scene.effects.detachment;
-    if follows_size && scene.contact_count() > 0 {
+    if scene.contact_law().follows_size() && scene.contact_count() > 0 {
         let message = format!(
             "{exact} cannot take contacts that stick and cannot open: their friction follows |N|, which is \
              not linear where N changes its sign"

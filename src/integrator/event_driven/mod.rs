@@ -25,7 +25,7 @@ use super::dynamics::Dynamics;
 use super::freedom::Freedom;
 use super::{Drive, Integrator, Motion, StepFailure};
 use crate::Error;
-use crate::contact::{ContactForce, ContactLaw, ContactState, Friction};
+use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Contact, Damping, Direction, LumpedModel};
 use held::MAX_GROUP;
 use impact::frictionless;
@@ -94,15 +94,14 @@ impl EventDriven {
 
 impl<W: Witness> EventDriven<W> {
     pub(super) fn with_witness(model: &LumpedModel, witness: W) -> Result<Self, Error> {
-        let ContactLaw { friction, sticking, detachment } = model.law;
-        let about = friction.about();
+        let about = model.law.friction.about();
         if !about.is_constant() {
             return Err(Error::scene(format!(
                 "exact motion cannot take the law \"{}\": between events the motion would not be linear",
                 about.name
             )));
         }
-        if about.sticks && sticking && !detachment {
+        if model.law.follows_size() {
             return Err(Error::scene(
                 "exact motion cannot take contacts that stick and cannot open: their friction follows |N|, \
                  which is not linear where N changes its sign",
@@ -143,7 +142,7 @@ impl<W: Witness> EventDriven<W> {
         let (mut left, mut events, mut standstill) = (h, 0, 0);
         self.repeats.fill(0);
         self.reach(drive, h, left);
-        self.follow_slider(motion, drive, h);
+        self.follow_slider(motion, h);
         self.note_closed(motion);
         if motion.statistics.steps == 1 {
             self.stop_approach(motion, drive)?;
@@ -221,7 +220,7 @@ impl<W: Witness> EventDriven<W> {
 
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
-    fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
+    fn follow_slider(&mut self, motion: &mut Motion, h: f64) {
         let rows = 0..self.force.len();
         let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &self.force).abs());
         self.gained = h * driven.fold(0.0, f64::max);
@@ -235,8 +234,7 @@ impl<W: Witness> EventDriven<W> {
             let terms = contact.tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
             let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
-            let freedom = (self.dynamics.freedom_of)(drive.friction[i], slip, self.surface[i], old);
-            if let Some(new) = freedom.frozen_state() {
+            if let Some(new) = self.dynamics.law.frozen_state(self.surface[i]) {
                 motion.contacts[i] = new;
                 motion.statistics.state_changes += u64::from(new != old);
                 continue;

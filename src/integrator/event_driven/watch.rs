@@ -3,7 +3,7 @@
 use super::ledger::Witness;
 use super::rounding::{DIFFERENCE, NOISE, THROWN};
 use super::{EventDriven, roots};
-use crate::contact::{ContactLaw, ContactState};
+use crate::contact::ContactState;
 use crate::integrator::{Drive, Motion};
 
 /// Why a contact may not stay as it is.
@@ -114,8 +114,8 @@ impl<W: Witness> EventDriven<W> {
     /// Counts, where the law of contact is not whole, the contacts that would need the rest of it within this
     /// part of the series' span.
     pub(super) fn count_broken(&mut self, motion: &mut Motion, drive: &Drive, part: f64) {
-        let ContactLaw { sticking, detachment, friction } = self.dynamics.law;
-        let has_direction = !sticking && friction.about().sticks;
+        let law = self.dynamics.law;
+        let (has_direction, detachment) = (law.has_frozen_direction(), law.detachment);
         for i in 0..self.events.len() {
             if motion.contacts[i] == ContactState::Detached {
                 continue;
