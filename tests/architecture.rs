@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 13] = [
+const ROOMS: [&str; 14] = [
     "error",
     "output",
     "contact",
@@ -15,6 +15,7 @@ const ROOMS: [&str; 13] = [
     "simulation",
     "accuracy",
     "sweep",
+    "study",
     "fmi2",
     "package",
     "picture",
