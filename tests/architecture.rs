@@ -4,9 +4,10 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 13] = [
+const ROOMS: [&str; 14] = [
     "error",
     "output",
+    "spectral",
     "contact",
     "scene",
     "model",
