@@ -6,6 +6,7 @@
 //! | --- | --- |
 //! | [`error`] | the one error type |
 //! | [`output`] | files that appear whole or not at all (feature `tools`) |
+//! | [`spectral`] | spectra of histories (feature `tools`) |
 //! | [`contact`] | contact states and the Signorini–Coulomb law of one contact |
 //! | [`scene`] | the file as its user writes it, checked |
 //! | [`model`] | mass, stiffness, load and contact directions; equilibrium; reduced matrices |
@@ -36,6 +37,8 @@ pub mod package;
 pub mod picture;
 pub mod scene;
 pub mod simulation;
+#[cfg(feature = "tools")]
+pub mod spectral;
 pub mod stability;
 #[cfg(feature = "tools")]
 pub mod study;

@@ -7,6 +7,7 @@ use std::path::Path;
 const ROOMS: [&str; 14] = [
     "error",
     "output",
+    "spectral",
     "contact",
     "scene",
     "model",

@@ -1,11 +1,7 @@
 //! The cycle in which a run ends: amplitude and frequency of one displacement over the last half.
 
-use std::f64::consts::TAU;
+use crate::spectral::cycles;
 
-/// A cycle must fit in so many times.
-const FEWEST_CYCLES: f64 = 1.5;
-/// A peak of less than this part of the spectrum's largest power is a side lobe of a drift.
-const SIDE_LOBE: f64 = 1e-2;
 /// How well the search finds a peak, in cycles: it is flat to rounding over the root of that.
 const FLAT: f64 = 1e-7;
 
@@ -83,95 +79,10 @@ fn turn(five: &[f64]) -> Option<f64> {
     (s.abs() <= 1.0).then_some(value)
 }
 
-/// How often the cycle fits in the values: where their spectrum, through a Hann window, has its largest peak.
-#[allow(clippy::cast_precision_loss)]
-fn cycles(values: &[f64]) -> Option<f64> {
-    let count = values.len();
-    let window = |i: usize| 0.5 - 0.5 * libm::cos(TAU * (i as f64 + 0.5) / count as f64);
-    let weight = (0..count).fold(0.0, |sum, i| sum + window(i));
-    let sum = values.iter().enumerate().fold(0.0, |sum, (i, value)| sum + window(i) * value);
-    let mean = sum / weight;
-    let weighted: Vec<f64> =
-        values.iter().enumerate().map(|(i, value)| window(i) * (value - mean)).collect();
-    // Twice as long as needed, with zeros: so the largest line is next to the peak.
-    let size = (2 * count).next_power_of_two();
-    let lines = powers(&weighted, size);
-    let of_line = count as f64 / size as f64;
-    let is_peak = |line: &usize| {
-        *line as f64 * of_line >= FEWEST_CYCLES
-            && lines[*line] > lines[line - 1]
-            && lines[*line] >= lines[line + 1]
-    };
-    let peak = (1..size / 2).filter(is_peak).max_by(|&a, &b| lines[a].total_cmp(&lines[b]))?;
-    if lines[peak] < SIDE_LOBE * lines.iter().fold(0.0, |most, &power| f64::max(most, power)) {
-        return None;
-    }
-    let power = |line: f64| power(&weighted, line / size as f64);
-    Some(largest(&power, [peak as f64 - 1.0, peak as f64 + 1.0]) * of_line)
-}
-
-/// |Σ x exp(−2πi f j)|² of values x, at `f` cycles a value.
-#[allow(clippy::cast_precision_loss)]
-fn power(values: &[f64], f: f64) -> f64 {
-    let (turn_sin, turn_cos) = libm::sincos(-TAU * f);
-    let (mut cos, mut sin) = (1.0, 0.0);
-    let mut sum = [0.0, 0.0];
-    for value in values {
-        sum = [sum[0] + value * cos, sum[1] + value * sin];
-        (cos, sin) = (cos * turn_cos - sin * turn_sin, cos * turn_sin + sin * turn_cos);
-    }
-    sum[0] * sum[0] + sum[1] * sum[1]
-}
-
-/// Where a function with one maximum between two places has it, by golden sections.
-fn largest(function: &impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2]) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let mut inner = [to - GOLDEN * (to - from), from + GOLDEN * (to - from)];
-    let mut values = inner.map(function);
-    for _ in 0..40 {
-        if values[0] > values[1] {
-            (to, inner[1], values[1]) = (inner[1], inner[0], values[0]);
-            inner[0] = to - GOLDEN * (to - from);
-            values[0] = function(inner[0]);
-        } else {
-            (from, inner[0], values[0]) = (inner[0], inner[1], values[1]);
-            inner[1] = from + GOLDEN * (to - from);
-            values[1] = function(inner[1]);
-        }
-    }
-    0.5 * (from + to)
-}
-
-/// The squares of the lines of the Fourier transform of values with zeros behind them, up to half of
-/// `size`, a power of two: Cooley and Tukey's, in place.
-#[allow(clippy::cast_precision_loss)]
-fn powers(values: &[f64], size: usize) -> Vec<f64> {
-    let mut lines = vec![[0.0, 0.0]; size];
-    let bits = size.trailing_zeros();
-    for (i, &value) in values.iter().enumerate() {
-        lines[i.reverse_bits() >> (usize::BITS - bits)] = [value, 0.0];
-    }
-    let turns: Vec<(f64, f64)> =
-        (0..size / 2).map(|i| libm::sincos(-TAU * i as f64 / size as f64)).collect();
-    let mut length = 2;
-    while length <= size {
-        for block in lines.chunks_exact_mut(length) {
-            let (even, odd) = block.split_at_mut(length / 2);
-            for (i, (a, b)) in even.iter_mut().zip(odd).enumerate() {
-                let (sin, cos) = turns[i * (size / length)];
-                let turned = [b[0] * cos - b[1] * sin, b[0] * sin + b[1] * cos];
-                *b = [a[0] - turned[0], a[1] - turned[1]];
-                *a = [a[0] + turned[0], a[1] + turned[1]];
-            }
-        }
-        length *= 2;
-    }
-    lines[..=size / 2].iter().map(|[re, im]| re * re + im * im).collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     #[test]
     fn a_sine_beside_a_smaller_one_has_its_amplitude_and_frequency() {
@@ -208,14 +119,5 @@ mod tests {
         let drifting: Vec<f64> = (0..300).map(f64::from).collect();
         let found = Cycle::of(&drifting, 1e-3);
         assert_eq!((found.amplitude, found.frequency), (Some(74.5), None));
-    }
-
-    #[test]
-    fn the_fast_transform_is_the_slow_one() {
-        let values: Vec<f64> = (0..11).map(|i| f64::from(i * i % 7)).collect();
-        for (line, fast) in powers(&values, 16).into_iter().enumerate() {
-            let slow = power(&values, line as f64 / 16.0);
-            assert!((fast - slow).abs() < 1e-10, "{line}: {fast} {slow}");
-        }
     }
 }
