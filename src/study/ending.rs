@@ -99,6 +99,18 @@ pub struct Ending {
     pub taken: [bool; 4],
     /// s from where the motion was first looked at.
     pub time: f64,
+    /// How fast the motion still grew or, below zero, decayed at the end, 1/s.
+    pub rate: f64,
+}
+
+impl Ending {
+    /// Does it rest, or was it left on its way to rest?
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        let states = self.taken.iter().filter(|taken| **taken).count();
+        self.kind == Kind::Equilibrium
+            || self.kind == Kind::Unsettled && self.rate < 0.0 && states <= 1
+    }
 }
 
 /// A motion that is looked at until it is settled.
@@ -225,6 +237,12 @@ impl Settling {
             shares: self.states.map(|count| count as f64 / all),
             taken: self.taken,
             time: (self.row - self.began) as f64 * self.look.interval,
+            rate: match &self.seen[..] {
+                [.., before, last] if before.size > 0.0 && last.size > 0.0 => {
+                    (last.size / before.size).ln() / self.look.window
+                }
+                _ => 0.0,
+            },
         }
     }
 

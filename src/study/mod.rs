@@ -4,17 +4,23 @@
 //! | --- | --- |
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | what a motion ends in: when it is settled, what kind it is |
+//! | `continuation` | what it ends in over µ, upwards and downwards; folds |
+//! | `push` | a small push out of an equilibrium |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
 
+mod continuation;
 mod ending;
 mod journal;
 mod look;
+mod push;
 
+pub use continuation::{Bistable, Continuation, FRICTION, Fold, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
 pub use journal::Journal;
 pub use look::{Look, Wish, output, pace, unit};
+pub use push::Push;
 
 use std::ops::ControlFlow;
 

@@ -5,7 +5,11 @@ use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 #[derive(Subcommand)]
-pub enum Study {}
+pub enum Study {
+    /// Follow what a scene ends in over the friction coefficient, upwards and downwards: branches, folds, ranges with
+    /// two motions
+    Continuation(super::continuation::Arguments),
+}
 
 /// What all studies take.
 #[derive(Args)]

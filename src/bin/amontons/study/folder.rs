@@ -113,4 +113,9 @@ impl Folder {
     }
 }
 
+/// A text as a cell of a CSV file.
+pub fn cell(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}
+
 const JOURNAL: &str = "journal.jsonl";

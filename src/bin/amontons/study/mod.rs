@@ -1,6 +1,7 @@
 //! `amontons study`: each kind of study in a file of its own; what they share stands here.
 
 pub mod arguments;
+mod continuation;
 mod folder;
 
 use crate::interrupt::{self, Interrupted};
@@ -14,7 +15,9 @@ use std::error::Error;
 
 pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
     interrupt::listen();
-    match *command {}
+    match command {
+        Study::Continuation(arguments) => continuation::run(arguments),
+    }
 }
 
 /// The scene with the values of the command line and the method and step of the study, its files, and how it is
