@@ -10,7 +10,7 @@ use serde::Serialize;
 
 /// What the heading takes above its frame, px.
 pub(super) const HEADING: f64 = 24.0;
-/// A lane's height, px, as long as they all fit into `MOST`; even a thousand are `LEAST` each.
+/// A lane's height, px, as long as all fit into `MOST`; it is never less than `LEAST`.
 const HEIGHT: f64 = 26.0;
 const MOST: f64 = 400.0;
 const LEAST: f64 = 2.0;
@@ -46,7 +46,8 @@ pub struct Stretch {
 #[allow(clippy::cast_precision_loss)]
 pub(super) fn height(lanes: &[Lane]) -> f64 {
     let count = lanes.len() as f64;
-    (HEIGHT * count).min(MOST).max(LEAST * count)
+    // In whole px, or light lines would shine through between lanes.
+    count * (MOST / count).floor().clamp(LEAST, HEIGHT)
 }
 
 /// Where frames begin so that names have room, px.
@@ -59,7 +60,8 @@ pub(super) fn left(lanes: &[Lane]) -> f64 {
 /// Refuses what cannot be drawn.
 pub(super) fn check(panel: &Panel) -> Result<(), Failure> {
     let wrong = |what: String| Err(Failure(format!("the panel {:?} {what}", panel.y_label)));
-    if !panel.lanes.is_empty() && !(panel.series.is_empty() && panel.raster.is_none()) {
+    let others = !panel.series.is_empty() || panel.raster.is_some();
+    if others && !panel.lanes.is_empty() {
         return wrong("has lanes, so it can have neither series nor a raster".into());
     }
     for lane in &panel.lanes {
