@@ -2,6 +2,7 @@
 
 pub mod arguments;
 mod folder;
+mod limit_cycle;
 
 use crate::interrupt::{self, Interrupted};
 use amontons::integrator::select;
@@ -14,7 +15,9 @@ use std::error::Error;
 
 pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
     interrupt::listen();
-    match *command {}
+    match command {
+        Study::LimitCycle(arguments) => limit_cycle::run(arguments),
+    }
 }
 
 /// The scene with the values of the command line and the method and step of the study, its files, and how it is
