@@ -1,6 +1,8 @@
 //! What `amontons study` understands.
 
-use crate::arguments::{Integrator, assignment, positive};
+use super::limit_cycle::LimitCycle;
+use crate::arguments::{Integrator, Values, assignment, positive};
+use amontons::sweep::range;
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -9,6 +11,8 @@ pub enum Study {
     /// Follow what a scene ends in over the friction coefficient, upwards and downwards: branches, folds, ranges with
     /// two motions
     Continuation(super::continuation::Arguments),
+    /// Amplitude, frequency and contact states of limit cycles over a parameter, and where they change (Fig. 3)
+    LimitCycle(LimitCycle),
 }
 
 /// What all studies take.
@@ -64,4 +68,9 @@ pub struct Looking {
     /// How long a motion may take to settle, s [default: 60 windows]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub longest: Option<f64>,
+}
+
+/// A parameter and its values.
+pub fn named_steps(text: &str) -> Result<(String, Values), String> {
+    range::named(text, |values| range::steps(values).map(Values))
 }

@@ -1,14 +1,15 @@
 //! `amontons study continuation`: what a scene ends in over µ, upwards and downwards.
 
 use super::arguments::{Common, Looking};
-use super::folder::{Folder, cell};
+use super::folder::{Folder, quoted};
 use super::{heading, interrupted, prepared, watched};
 use amontons::contact::Joined;
 use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::stability::candidates::{Bistability, Candidate, bistability};
 use amontons::study::{
-    Bistable, Continuation, Ending, FRICTION, Fold, Kind, Look, Plan, Point, Push, Way, continuation,
+    Bistable, Continuation, Ending, FRICTION, Fold, Kind, Look, Plan, Point, Push, Way,
+    continuation,
 };
 use amontons::sweep::range;
 use clap::Args;
@@ -47,8 +48,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Arguments { common, looking, friction: Values(values), resolution } = arguments;
     let (scene, source, look) = prepared(common, looking)?;
     let resolution = resolution.unwrap_or(0.01 * (values[1] - values[0]));
-    let push = Push::of(&scene);
-    let settings = json!({ "look": look, "push": push });
+    let push = Push::of(&scene)?;
+    let settings = json!({ "look": look, "push": push.to_string() });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
     let plan = Plan { scene: &scene, look: &look, values, resolution, push };
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
@@ -114,7 +115,7 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
         }
         Err(failure) => {
             row.extend(std::iter::repeat_n(String::new(), 8));
-            row.push(cell(failure));
+            row.push(quoted(failure));
         }
     }
     row
@@ -137,17 +138,16 @@ pub fn chart(
     found: &Continuation,
     known: Option<&Bistability>,
 ) -> Chart {
-    let ways = [("µ rising", &found.rising, 0), ("µ falling", &found.falling, 1)];
-    let series = |value: fn(&Point) -> f64| {
-        ways.iter()
-            .map(|(label, points, colour)| Series {
-                label: Some((*label).to_owned()),
-                points: points.iter().map(|point| [point.friction, value(point)]).collect(),
-                colour: *colour,
-                style: if *colour == 0 { Style::Line } else { Style::Dashed },
-                ..Series::default()
-            })
-            .collect::<Vec<_>>()
+    let ways = [("µ rising", Way::Rising, 0), ("µ falling", Way::Falling, 1)];
+    let series = |value: fn(&Ending) -> f64| {
+        let curve = |(label, way, colour): &(&str, Way, usize)| Series {
+            label: Some((*label).to_owned()),
+            points: curve(found, *way, value),
+            colour: *colour,
+            style: if *way == Way::Rising { Style::Line } else { Style::Dashed },
+            ..Series::default()
+        };
+        ways.iter().map(curve).collect::<Vec<Series>>()
     };
     let bands: Vec<Band> = found
         .bistable
@@ -167,17 +167,10 @@ pub fn chart(
         x: crossing.value,
         label: Some(format!("{} {:.4}", turn(crossing.becomes_unstable), crossing.value)),
     });
-    let amplitude =
-        series(|point| {
-            point
-                .ending
-                .as_ref()
-                .map_or(f64::NAN, |ending| if ending.rests() { 0.0 } else { ending.amplitude })
-        });
-    let frequency = series(|point| {
-        point.ending.as_ref().map_or(f64::NAN, |ending| {
-            if ending.rests() { f64::NAN } else { ending.frequency.unwrap_or(f64::NAN) }
-        })
+    let amplitude = series(|ending| if ending.rests() { 0.0 } else { ending.amplitude });
+    let frequency = series(|ending| match ending.frequency {
+        Some(frequency) if !ending.rests() => frequency,
+        _ => f64::NAN,
     });
     let mut panels = vec![Panel {
         y_label: format!("Amplitude of {} [m]", look.of),
@@ -202,6 +195,22 @@ pub fn chart(
         panels,
         logarithmic: false,
     }
+}
+
+/// A value of one way over µ, with what was found at both bounds of its folds, so that jumps stand where they are.
+fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64; 2]> {
+    let points = match way {
+        Way::Rising => &found.rising,
+        Way::Falling => &found.falling,
+    };
+    let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, value)];
+    let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
+    for fold in found.folds.iter().filter(|fold| fold.way == way) {
+        let bounds = fold.between.iter().zip(&fold.endings);
+        curve.extend(bounds.map(|(friction, ending)| [*friction, value(ending)]));
+    }
+    curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    curve
 }
 
 fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistability>) {

@@ -3,6 +3,7 @@
 pub mod arguments;
 mod continuation;
 mod folder;
+mod limit_cycle;
 
 use crate::interrupt::{self, Interrupted};
 use amontons::integrator::select;
@@ -17,6 +18,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
     interrupt::listen();
     match command {
         Study::Continuation(arguments) => continuation::run(arguments),
+        Study::LimitCycle(arguments) => limit_cycle::run(arguments),
     }
 }
 
