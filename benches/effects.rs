@@ -209,7 +209,7 @@ fn times(table: &Table) -> Vec<Duration> {
         }
     }
     for (run, (name, _)) in runs.iter().zip(table.rows) {
-        assert_eq!(run.statistics().state_changes, 0, "{name} does not slide throughout");
+        assert_eq!(run.statistics().state_changes(), 0, "{name} does not slide throughout");
     }
     shortest
 }

@@ -15,6 +15,7 @@
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
 //! | [`accuracy`] | how far each method and step is from a proven reference (feature `tools`) |
 //! | [`sweep`] | many runs over the values of a parameter (feature `tools`) |
+//! | [`study`] | what a scene ends in: limit cycles, perturbations, branches over µ, basins (feature `tools`) |
 //! | `fmi2` | the C interface of FMI 2.0 for co-simulation |
 //! | [`package`] | the FMU as an archive (feature `tools`) |
 //! | [`picture`] | charts, maps, moving mode shapes and structures as SVG or PNG (feature `tools`) |
@@ -39,6 +40,8 @@ pub mod simulation;
 #[cfg(feature = "tools")]
 pub mod spectral;
 pub mod stability;
+#[cfg(feature = "tools")]
+pub mod study;
 #[cfg(feature = "tools")]
 pub mod sweep;
 

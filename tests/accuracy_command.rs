@@ -58,7 +58,7 @@ fn the_papers_scheme_is_of_first_order_on_set_1() {
     let short = scheme(&study).into_iter().filter(|rung| rung.step < 3e-6);
     let rows: Vec<Row> = short.map(|rung| row(&study, rung)).collect();
     assert!(rows.len() >= 5 && rows.iter().all(|row| row.events_more == 0));
-    assert!(rows[0].statistics.state_changes > 40, "{:?}", rows[0]);
+    assert!(rows[0].statistics.state_changes() > 40, "{:?}", rows[0]);
     for two in rows.windows(2) {
         let order = study.order(&two[0], &two[1]).unwrap();
         assert!((0.9..1.1).contains(&order), "{order} {two:?}");

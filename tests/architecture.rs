@@ -16,6 +16,7 @@ const ROOMS: [&str; 14] = [
     "simulation",
     "accuracy",
     "sweep",
+    "study",
     "fmi2",
     "package",
     "picture",

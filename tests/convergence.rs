@@ -223,7 +223,7 @@ fn equal_modules_pushed_equally_stay_equal_to_the_last_bit() {
     }
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
     simulation.advance_to(0.1).unwrap();
-    assert!(simulation.statistics().state_changes > 5);
+    assert!(simulation.statistics().state_changes() > 5);
     for quantity in ["x1", "x2", "x3", "x4", "v3"] {
         let first = read(&mut simulation, &format!("module[1].{quantity}"));
         for module in 2..=5 {

@@ -482,7 +482,7 @@ fn a_value_set_between_steps_acts_alike_in_either_role() {
             assert!(simulation.displacement() == before, "{name}");
             simulation.advance_to(0.01 * (i as f64 + 1.0)).unwrap();
         }
-        assert!(simulation.statistics().state_changes > 0);
+        assert!(simulation.statistics().state_changes() > 0);
         simulation.displacement().iter().map(|x| x.to_bits()).collect::<Vec<u64>>()
     });
     assert_eq!(ends[0], ends[1]);

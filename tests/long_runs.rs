@@ -36,7 +36,7 @@ fn a_block_that_is_shaken_inside_its_friction_cone_does_not_creep_in_ten_thousan
             assert_eq!(run.now, start, "at {} s", run.time());
         }
         assert_eq!(run.states(), [Stick]);
-        assert_eq!(run.simulation.statistics().state_changes, 0);
+        assert_eq!(run.simulation.statistics().state_changes(), 0);
     }
 }
 

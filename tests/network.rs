@@ -102,7 +102,7 @@ fn a_ring_written_as_a_network_has_the_same_model_equilibrium_and_motion() {
             b.advance_to(time).unwrap();
         }
         assert_eq!(a.statistics(), b.statistics());
-        assert!(a.statistics().steps == 100_000 && a.statistics().state_changes > 0);
+        assert!(a.statistics().steps == 100_000 && a.statistics().state_changes() > 0);
         assert_eq!(a.contact_forces().unwrap(), b.contact_forces().unwrap());
         for (i, module) in (1..=b.scene().modules().len()).enumerate() {
             for (upper, lower, axis) in

@@ -304,7 +304,7 @@ fn hoffmanns_mass_grows_at_the_rate_of_its_closed_form() {
         let before = ["x", "y"].map(|axis| read(&mut simulation, &format!("mass.block.{axis}")));
         simulation.advance_to(20.0 + 5.0 * TAU / omega).unwrap();
         let after = ["x", "y"].map(|axis| read(&mut simulation, &format!("mass.block.{axis}")));
-        assert_eq!(simulation.statistics().state_changes, 0);
+        assert_eq!(simulation.statistics().state_changes(), 0);
         let expected = (rate * 5.0 * TAU / omega).exp();
         // What is left of the decaying mode: e^{−2·20·rate}.
         let tolerance = expected * 4.0 * (-40.0 * rate).exp();
@@ -425,7 +425,7 @@ fn a_brake_squeals_above_its_critical_friction_and_is_silent_below() {
     for (mu, squeals) in [(0.5, false), (0.6, true)] {
         let mut simulation = simulation(&scene("disc_brake", &[("friction.coefficient", mu)]));
         simulation.advance_to(0.1).unwrap();
-        let states = simulation.statistics().state_changes;
+        let states = simulation.statistics().state_changes();
         let size = history(&mut simulation, "mass.disc.y", 0.101);
         let size = size.iter().fold(0.0, |most, point| f64::max(most, point.1.abs()));
         // The push of 0.1 mm/s alone gives less than v / ω = 16 nm.

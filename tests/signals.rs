@@ -159,7 +159,7 @@ fn signals_give_the_doubles_of_an_importer_that_sets_the_same_inputs_before_ever
         }
     }
     assert_eq!(importer.statistics(), signals.statistics());
-    assert!(signals.statistics().touch_downs > 0 && signals.statistics().state_changes > 20);
+    assert!(signals.statistics().touch_downs > 0 && signals.statistics().state_changes() > 20);
 }
 
 proptest! {

@@ -107,7 +107,8 @@ fn each_lane_has_the_doubles_of_the_run_by_itself() {
                     }
                 }
                 landed += alone.iter().map(|alone| alone.statistics().touch_downs).sum::<u64>();
-                changed += alone.iter().map(|alone| alone.statistics().state_changes).sum::<u64>();
+                changed +=
+                    alone.iter().map(|alone| alone.statistics().state_changes()).sum::<u64>();
             }
         }
     }
@@ -164,7 +165,7 @@ fn each_law_of_contact_has_in_every_lane_the_doubles_of_the_run_by_itself() {
             let [mut landed, mut changed, mut reversed, mut pulled] = [0; 4];
             for statistics in alone.iter().map(Simulation::statistics) {
                 landed += statistics.touch_downs;
-                changed += statistics.state_changes;
+                changed += statistics.state_changes();
                 reversed += statistics.reversed_slips;
                 pulled += statistics.pulled_contacts;
             }

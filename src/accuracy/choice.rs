@@ -58,7 +58,7 @@ impl Study {
             }
         };
         #[allow(clippy::cast_precision_loss)]
-        let events = row.statistics.state_changes as f64;
+        let events = row.statistics.state_changes() as f64;
         let operations = self.operations(row.rung, events);
         Compared { row, error, operations }
     }
@@ -75,7 +75,7 @@ impl Study {
     pub fn choose(&self, tolerance: f64, watch: Watch<'_>) -> Result<Option<Choice>, Error> {
         let (mut compared, mut failure): (Vec<Compared>, _) = (Vec::new(), None);
         #[allow(clippy::cast_precision_loss)]
-        let events = self.reference.statistics.state_changes as f64;
+        let events = self.reference.statistics.state_changes() as f64;
         // Exact motion first: it says from where on a step of the scheme is too dear.
         for method in [Method::EventDriven, Method::ForwardIncrement] {
             let mut last = f64::INFINITY;

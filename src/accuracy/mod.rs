@@ -351,7 +351,7 @@ impl Study {
             }
         };
         let floor = self.floor;
-        let more = |run: &Run| i64::try_from(run.statistics.state_changes).unwrap_or(i64::MAX);
+        let more = |run: &Run| i64::try_from(run.statistics.state_changes()).unwrap_or(i64::MAX);
         let errors = Errors {
             rms: raised(errors.rms, floor.rms),
             amplitude: raised(errors.amplitude, floor.amplitude),

@@ -59,9 +59,9 @@ impl Run {
                 steps.walk(&mut simulation, &mut changes)?;
             } else {
                 let before = simulation.save();
-                let count = simulation.statistics().state_changes;
+                let count = simulation.statistics().state_changes();
                 simulation.advance_to(grid.time(interval + 1))?;
-                let count = simulation.statistics().state_changes - count;
+                let count = simulation.statistics().state_changes() - count;
                 if count > 0 {
                     let after = simulation.save();
                     steps.search(&mut simulation, &before, count, &mut changes)?;
@@ -201,9 +201,9 @@ impl Units {
             return parts.search(simulation, start, count, changes);
         }
         let middle = self.from + (self.to - self.from) / 2;
-        let before = simulation.statistics().state_changes;
+        let before = simulation.statistics().state_changes();
         simulation.advance_to(self.time(middle))?;
-        let first = simulation.statistics().state_changes - before;
+        let first = simulation.statistics().state_changes() - before;
         let half = (first < count).then(|| simulation.save());
         if first > 0 {
             Self { to: middle, ..*self }.search(simulation, start, first, changes)?;

@@ -54,7 +54,7 @@ impl Study {
         let reference = format!(
             "event-driven, step {} s: {} changes of contact state, {} touch-downs",
             short(self.reference_step),
-            statistics.state_changes,
+            statistics.state_changes(),
             statistics.touch_downs
         );
         let mut facts = vec![("reference", reference)];
@@ -90,8 +90,8 @@ impl Study {
             short(rung.step),
             statistics.steps.to_string(),
             match events_more {
-                0 => statistics.state_changes.to_string(),
-                more => format!("{} ({more:+})", statistics.state_changes),
+                0 => statistics.state_changes().to_string(),
+                more => format!("{} ({more:+})", statistics.state_changes()),
             },
             statistics.touch_downs.to_string(),
             match row.is_out_of_phase() {

@@ -300,7 +300,7 @@ impl Instance {
         }
         let before = simulation.statistics();
         simulation.advance_to(target)?;
-        let changes = simulation.statistics().state_changes - before.state_changes;
+        let changes = simulation.statistics().state_changes() - before.state_changes();
         let broken = newly_broken(simulation, before);
         if listening && changes > 0 {
             self.inform(&format!("{changes} changes of contact state up to {target} s"));

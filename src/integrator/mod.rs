@@ -47,8 +47,9 @@ pub struct Motion {
 pub struct Statistics {
     /// Internal steps.
     pub steps: u64,
-    /// Changes of state, summed over the contacts.
-    pub state_changes: u64,
+    /// How often contacts took each state, all contacts together, in the order of [`ContactState::ALL`]. What
+    /// they start in is not counted.
+    pub entered: [u64; 4],
     /// Changes from detached to any closed state; their impulses show in no contact force.
     pub touch_downs: u64,
     /// Instants within steps at which the states of contacts were decided anew; none by methods that do so
@@ -66,6 +67,18 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// Changes of state, summed over the contacts.
+    #[must_use]
+    pub fn state_changes(&self) -> u64 {
+        self.entered.iter().fold(0, |sum, count| sum + count)
+    }
+
+    /// Counts a contact that goes from one state into another.
+    #[inline(always)]
+    pub(crate) fn count_change(&mut self, state: ContactState) {
+        self.entered[state as usize - 1] += 1;
+    }
+
     /// Counts the sweeps of one solution of the contacts.
     pub(crate) fn count_sweeps(&mut self, sweeps: u64) {
         self.sweeps += sweeps;

@@ -141,7 +141,7 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 5;
+const VERSION: u8 = 6;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -227,7 +227,7 @@ mod tests {
             straight.advance_to(time).unwrap();
             resumed.advance_to(time).unwrap();
         }
-        assert!(straight.statistics().state_changes > 10);
+        assert!(straight.statistics().state_changes() > 10);
         assert_eq!(straight.save(), resumed.save());
     }
 

@@ -178,7 +178,7 @@ impl Simulation {
             Quantity::NormalReaction => {
                 -self.contact_forces()?.iter().map(|force| force.normal_force).sum::<f64>()
             }
-            Quantity::StateChanges => count(self.motion.statistics.state_changes),
+            Quantity::StateChanges => count(self.motion.statistics.state_changes()),
             Quantity::ReversedSlips => count(self.motion.statistics.reversed_slips),
             Quantity::PulledContacts => count(self.motion.statistics.pulled_contacts),
             Quantity::Energy => {

@@ -53,7 +53,7 @@ pub(super) struct Count {
 impl Count {
     pub(super) fn of(simulation: &Simulation) -> Self {
         let statistics = simulation.statistics();
-        let (changes, touch_downs) = (statistics.state_changes, statistics.touch_downs);
+        let (changes, touch_downs) = (statistics.state_changes(), statistics.touch_downs);
         Self { changes, touch_downs, events: statistics.events }
     }
 }

@@ -38,7 +38,7 @@ fn run(scene: &Scene) -> Outcome {
     let statistics = simulation.statistics();
     Outcome {
         displacements,
-        events: Some(statistics.state_changes),
+        events: Some(statistics.state_changes()),
         touch_downs: Some(statistics.touch_downs),
         slices: watch.slices(),
     }

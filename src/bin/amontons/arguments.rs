@@ -1,5 +1,6 @@
 //! What the command line understands.
 
+use crate::study::arguments::Study;
 use amontons::Error;
 use amontons::scene::{Method, Preset, Rule, Scene, Selection};
 use amontons::sweep::range::grid;
@@ -17,7 +18,7 @@ pub struct Arguments {
 const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written or a picture not \
 drawn, 2 the command line makes no sense (an unknown option, variable or built-in scene), 3 the \
 scene is impossible (its file, a value, no equilibrium, a step above the critical one), 4 the run \
-failed, 130 interrupted (accuracy and --sweep print what is done, export writes nothing)";
+failed, 130 interrupted (accuracy and --sweep print what is done, studies keep it and go on from it, export writes nothing)";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -29,6 +30,11 @@ pub enum Command {
     Accuracy(Accuracy),
     /// List every effect, on or off in a scene: its equation, the variables it brings, what it costs a step
     Effects(Effects),
+    /// What a scene ends in: limit cycles over a parameter, growth of a transient, perturbations, branches over µ, basins
+    Study {
+        #[command(subcommand)]
+        command: Study,
+    },
     /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files
     Scenes {
         #[command(subcommand)]
@@ -171,7 +177,7 @@ pub enum Scenes {
     Schema,
 }
 
-fn positive(text: &str) -> Result<f64, String> {
+pub fn positive(text: &str) -> Result<f64, String> {
     match text.parse::<f64>() {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("must be a number above zero, in seconds".to_owned()),
@@ -184,7 +190,7 @@ fn tolerance(text: &str) -> Result<f64, String> {
     Rule::TOLERANCE.broken_by(value).map_or(Ok(value), |_| Err(wish))
 }
 
-fn assignment(text: &str) -> Result<(String, f64), String> {
+pub fn assignment(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
     let value = value.trim();
     let number =

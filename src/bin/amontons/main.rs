@@ -8,6 +8,7 @@ mod export;
 mod interrupt;
 mod scenes;
 mod simulate;
+mod study;
 mod sweep;
 
 use arguments::{Arguments, Command};
@@ -43,6 +44,7 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Effects(arguments) => effects::run(arguments),
+        Command::Study { command } => study::run(command),
         Command::Scenes { command } => scenes::run(command.as_ref()),
     }
 }

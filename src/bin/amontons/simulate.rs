@@ -67,7 +67,7 @@ fn write_output(
                 path.display(),
                 run.simulation.time(),
                 statistics.steps,
-                statistics.state_changes,
+                statistics.state_changes(),
                 statistics.touch_downs
             );
             Ok(())

@@ -235,8 +235,10 @@ impl<W: Witness> EventDriven<W> {
             let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
             if let Some(new) = self.dynamics.law.frozen_state(self.surface[i]) {
-                motion.contacts[i] = new;
-                motion.statistics.state_changes += u64::from(new != old);
+                if new != old {
+                    motion.contacts[i] = new;
+                    motion.statistics.count_change(new);
+                }
                 continue;
             }
             // Of a slider that stands only the forces say what rounding is.
@@ -250,7 +252,7 @@ impl<W: Witness> EventDriven<W> {
             };
             if new != old {
                 motion.contacts[i] = new;
-                motion.statistics.state_changes += 1;
+                motion.statistics.count_change(new);
             }
         }
     }
@@ -347,7 +349,9 @@ impl<W: Witness> EventDriven<W> {
         }
         let statistics = &mut motion.statistics;
         for (old, new) in self.before.iter().zip(&motion.contacts) {
-            statistics.state_changes += u64::from(old != new);
+            if old != new {
+                statistics.count_change(*new);
+            }
         }
         self.settle(motion, drive);
         Ok(())

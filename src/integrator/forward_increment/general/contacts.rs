@@ -114,7 +114,7 @@ impl Contacts {
     ) {
         for (i, (&state, old)) in states.iter().zip(&mut motion.contacts).enumerate() {
             if state != *old {
-                motion.statistics.state_changes += 1;
+                motion.statistics.count_change(state);
                 motion.statistics.touch_downs += u64::from(*old == ContactState::Detached);
                 *old = state;
             }

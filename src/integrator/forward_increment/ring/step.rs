@@ -187,7 +187,7 @@ impl<V: Lanes> StepConstants<V> {
                     for (lane, statistics) in moving.statistics.iter_mut().enumerate() {
                         if V::lane(changed, lane) {
                             let landed = V::state(was, lane) == ContactState::Detached;
-                            statistics.state_changes += 1;
+                            statistics.count_change(V::state(state, lane));
                             statistics.touch_downs += u64::from(landed);
                         }
                     }

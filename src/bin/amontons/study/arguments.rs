@@ -1,0 +1,62 @@
+//! What `amontons study` understands.
+
+use crate::arguments::{Integrator, assignment, positive};
+use clap::{Args, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+#[derive(Subcommand)]
+pub enum Study {}
+
+/// What all studies take.
+#[derive(Args)]
+pub struct Common {
+    /// A scene file (TOML), or the name of a built-in scene
+    pub scene: String,
+    /// Give a parameter or input another value; the names are those of the FMU
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, f64)>,
+    #[command(flatten)]
+    pub integrator: Integrator,
+    /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's,
+    /// here]
+    #[arg(short, long, value_name = "DIR")]
+    pub output: Option<PathBuf>,
+    /// How to write pictures
+    #[arg(long, value_enum, default_value = "svg")]
+    pub pictures: Pictures,
+    /// Begin anew: drop what the folder's journal holds
+    #[arg(long)]
+    pub anew: bool,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, ValueEnum)]
+pub enum Pictures {
+    Svg,
+    Png,
+}
+
+impl Pictures {
+    pub fn ending(self) -> &'static str {
+        match self {
+            Self::Svg => "svg",
+            Self::Png => "png",
+        }
+    }
+}
+
+/// How a study looks at motions, in place of what it derives from the scene.
+#[derive(Args)]
+pub struct Looking {
+    /// The output whose amplitude and frequency are looked at [default: the first displacement]
+    #[arg(long, value_name = "NAME")]
+    pub of: Option<String>,
+    /// How long one looks at a motion to know it, s [default: 50 periods of the slowest mode]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub window: Option<f64>,
+    /// Time between two looks, s [default: a twentieth of the fastest mode's period]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub interval: Option<f64>,
+    /// How long a motion may take to settle, s [default: 60 windows]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    pub longest: Option<f64>,
+}

@@ -1,0 +1,116 @@
+//! The folder of a study: its journal, its results as CSV and JSON, its pictures.
+
+use super::arguments::{Common, Pictures};
+use amontons::output::Pending;
+use amontons::picture::Chart;
+use amontons::scene::{Scene, Source};
+use amontons::study::Journal;
+use serde::Serialize;
+use serde_json::{Map, Value, json};
+use std::error::Error;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+pub struct Folder {
+    path: PathBuf,
+    pictures: Pictures,
+    study: Value,
+    journal: Journal,
+}
+
+impl Folder {
+    /// Opens the folder, or makes it, with the journal of this study. `settings` are all that a piece of it
+    /// depends on besides the scene with its values.
+    ///
+    /// # Errors
+    /// It cannot be made or written; it holds another study.
+    pub fn open(
+        common: &Common,
+        kind: &str,
+        (scene, source): (&Scene, &Source),
+        settings: impl Serialize,
+    ) -> Result<Self, Box<dyn Error>> {
+        let default = || PathBuf::from(format!("{}-{kind}", scene.name));
+        let path = common.output.clone().unwrap_or_else(default);
+        fs::create_dir_all(&path).map_err(|error| amontons::Error::file(&path, &error))?;
+        let set: Map<String, Value> =
+            common.set.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
+        let study = json!({
+            "study": kind,
+            "version": env!("CARGO_PKG_VERSION"),
+            "scene": scene.name,
+            "file": source.text,
+            "tables": source.tables,
+            "set": set,
+            "method": scene.method,
+            "step": scene.step,
+            "settings": settings,
+        });
+        let journal = Journal::open(&path.join(JOURNAL), &study, common.anew)?;
+        Ok(Self { path, pictures: common.pictures, study, journal })
+    }
+
+    pub fn journal(&self) -> &Journal {
+        &self.journal
+    }
+
+    pub fn journal_path(&self) -> PathBuf {
+        self.path.join(JOURNAL)
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    /// Writes `results.csv`: a head and its rows.
+    ///
+    /// # Errors
+    /// It cannot be written; what was there before still is.
+    pub fn write_csv<R: AsRef<[String]>>(
+        &self,
+        head: &[&str],
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<(), Box<dyn Error>> {
+        let path = self.path.join("results.csv");
+        let failed = |error: &std::io::Error| amontons::Error::file(&path, error);
+        let mut file = Pending::create(&path)?;
+        writeln!(file, "{}", head.join(",")).map_err(|error| failed(&error))?;
+        for row in rows {
+            writeln!(file, "{}", row.as_ref().join(",")).map_err(|error| failed(&error))?;
+        }
+        Ok(file.complete()?)
+    }
+
+    /// Writes `study.json`: the command, the scene and all settings, and the results.
+    ///
+    /// # Errors
+    /// It cannot be written; what was there before still is.
+    pub fn write_json(&self, results: impl Serialize) -> Result<(), Box<dyn Error>> {
+        let path = self.path.join("study.json");
+        let command: Vec<String> = std::env::args().skip(1).collect();
+        let mut study = self.study.clone();
+        study["command"] =
+            json!(["amontons".to_owned()].into_iter().chain(command).collect::<Vec<_>>());
+        study["results"] = serde_json::to_value(results)?;
+        let mut file = Pending::create(&path)?;
+        serde_json::to_writer_pretty(&mut file, &study)?;
+        writeln!(file).map_err(|error| amontons::Error::file(&path, &error))?;
+        Ok(file.complete()?)
+    }
+
+    /// Where a picture of that name stands.
+    pub fn picture(&self, name: &str) -> PathBuf {
+        self.path.join(format!("{name}.{}", self.pictures.ending()))
+    }
+
+    /// Draws a chart.
+    ///
+    /// # Errors
+    /// It cannot be drawn or written.
+    pub fn draw(&self, name: &str, chart: &Chart) -> Result<(), amontons::Error> {
+        chart.write(&self.picture(name))
+    }
+}
+
+const JOURNAL: &str = "journal.jsonl";

@@ -1,0 +1,33 @@
+//! What a person asks of a scene beyond one run: what it ends in, over which values of a parameter.
+//!
+//! | file | what it is |
+//! | --- | --- |
+//! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
+//!
+//! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
+
+mod journal;
+
+pub use journal::Journal;
+
+use std::ops::ControlFlow;
+
+/// What a study asks and tells while it is at work, from any of its threads.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// Asked often: whether to go on. After the first `Break` a study ends with what is done.
+    pub go_on: &'a (dyn Fn() -> ControlFlow<()> + Sync),
+    /// Told now and then: how much of the work is done, from 0 to 1.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+impl Watch<'_> {
+    /// One that never ends a study and looks at nothing.
+    pub const IDLE: Watch<'static> =
+        Watch { go_on: &|| ControlFlow::Continue(()), progress: &|_| {} };
+
+    /// Has the study been ended?
+    pub(crate) fn is_over(&self) -> bool {
+        (self.go_on)().is_break()
+    }
+}
