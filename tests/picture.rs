@@ -121,12 +121,14 @@ fn chart() -> Chart {
                 series: vec![curve("whole", 0, None), curve("broken", 1, Some(25))],
                 marks: vec![mark.clone()],
                 zero_line: true,
+                ..Panel::default()
             },
             Panel {
                 y_label: "Frequency [Hz]".into(),
                 series: vec![curve("whole", 0, None)],
                 marks: vec![Mark { label: None, ..mark }],
                 zero_line: false,
+                ..Panel::default()
             },
         ],
         ..Chart::default()

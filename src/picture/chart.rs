@@ -1,13 +1,18 @@
 //! Curves in panels, one above the other, over one x axis.
 
 use super::axes::{Frame, LARGE, LEFT, RIGHT, SMALL, X_AXIS, range, roomy};
+use super::band::Band;
 use super::beside::{self, Beside};
 use super::canvas::{self, Align, Canvas, Drawing, Failure, Point, text_width};
+use super::lanes::Lane;
 use super::legend::{Entry, Legend, Sample};
+use super::map::Class;
 use super::palette::{GREY, INK, colour, dashes};
+use super::raster::Raster;
 use crate::Error;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
+use serde::Serialize;
 use std::path::Path;
 
 const TITLE: f64 = 38.0;
@@ -19,7 +24,7 @@ const GAP: f64 = 18.0;
 const ABOVE: f64 = 8.0;
 
 /// Panels over one x axis.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
     /// What is to be seen.
     pub title: String,
@@ -31,8 +36,8 @@ pub struct Chart {
     pub logarithmic: bool,
 }
 
-/// Curves of one quantity.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// Curves of one quantity, colours of a second one, or lanes in place of a y axis.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Panel {
     /// The quantity along y, with its unit.
     pub y_label: String,
@@ -42,10 +47,18 @@ pub struct Panel {
     pub marks: Vec<Mark>,
     /// Show y = 0, with a line?
     pub zero_line: bool,
+    /// Shaded ranges of x, behind everything.
+    pub bands: Vec<Band>,
+    /// Colours for values over the plane of x and y, behind the curves.
+    pub raster: Option<Raster>,
+    /// Rows from top to bottom that take the place of the y axis: such a panel has neither series nor raster.
+    pub lanes: Vec<Lane>,
+    /// What the lanes' stretches can be, for the legend.
+    pub classes: Vec<Class>,
 }
 
 /// A curve.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Series {
     /// For the legend, which equal labels in the same colour and style share.
     pub label: Option<String>,
@@ -60,17 +73,20 @@ pub struct Series {
 }
 
 /// How a curve is drawn.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "snake_case")]
 pub enum Style {
     /// In full.
     #[default]
     Line,
     /// With short dashes.
     Dashed,
+    /// As points that are not joined.
+    Dots,
 }
 
 /// A place on the x axis worth a vertical line.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Mark {
     /// Where.
     pub x: f64,
@@ -95,6 +111,7 @@ impl Series {
         match self.style {
             Style::Line => (colour, 1.8, gaps),
             Style::Dashed => (colour, 1.8, &[6.0, 4.0]),
+            Style::Dots => (colour, 1.8, &[]),
         }
     }
 

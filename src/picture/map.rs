@@ -6,13 +6,14 @@ use super::legend::{Entry, Legend, Sample};
 use super::palette::colour;
 use crate::Error;
 use plotters::backend::DrawingBackend;
+use serde::Serialize;
 use std::path::Path;
 
 const TITLE: f64 = 38.0;
 const HEIGHT: f64 = 480.0;
 
 /// Classes over a plane.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Map {
     /// What is to be seen.
     pub title: String,
@@ -31,7 +32,7 @@ pub struct Map {
 }
 
 /// What a cell of a map can be.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Class {
     /// For the legend.
     pub name: String,

@@ -2,13 +2,19 @@
 //!
 //! | file | what it is |
 //! | --- | --- |
+//! | `look` | which output is looked at, how often, for how long |
+//! | `ending` | what a motion ends in: when it is settled, what kind it is |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
 
+mod ending;
 mod journal;
+mod look;
 
+pub use ending::{Ending, Kind};
 pub use journal::Journal;
+pub use look::{Look, Wish, output, unit};
 
 use std::ops::ControlFlow;
 

@@ -176,6 +176,7 @@ impl Family<'_> {
             series: self.curves(part),
             marks,
             zero_line,
+            ..Panel::default()
         };
         let states = Joined(&self.states);
         let title = match self.other {

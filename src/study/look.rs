@@ -1,0 +1,182 @@
+//! How a motion is looked at: which output, how often, for how long.
+
+use crate::Error;
+use crate::model::LumpedModel;
+use crate::scene::{Scene, nearest};
+use crate::simulation::catalogue::{Causality, Kind};
+use crate::simulation::{Variable, variables};
+use crate::stability::candidates::resting_state;
+use crate::stability::{Spectrum, highest_frequency};
+use serde::Serialize;
+use std::f64::consts::TAU;
+
+/// Rows in a period of the fastest mode: a turn between them is then known to 1e-5 of the amplitude.
+const ROWS_A_PERIOD: f64 = 20.0;
+/// Periods of the slowest mode in a window: lines a fiftieth of its frequency apart are told from each other.
+const PERIODS: f64 = 50.0;
+/// A window has at most so many rows, whatever lies between the slowest and the fastest mode.
+const MOST_ROWS: f64 = 100_000.0;
+/// And no fewer, which its spectrum needs.
+const FEWEST_ROWS: f64 = 64.0;
+/// Windows that a motion may take to settle.
+const LONGEST: f64 = 60.0;
+
+/// What is looked at of a motion.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Look {
+    /// The output whose amplitude and frequency are told, by its name in the FMU.
+    pub of: String,
+    /// s between two rows.
+    pub interval: f64,
+    /// s over which a motion is looked at to know it: a whole number of intervals.
+    pub window: f64,
+    /// s that a motion may take to settle: a whole number of windows.
+    pub longest: f64,
+}
+
+/// What a person wants otherwise; `None` is derived from the scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wish<'a> {
+    /// As [`Look::of`].
+    pub of: Option<&'a str>,
+    /// As [`Look::interval`], s.
+    pub interval: Option<f64>,
+    /// As [`Look::window`], s.
+    pub window: Option<f64>,
+    /// As [`Look::longest`], s.
+    pub longest: Option<f64>,
+}
+
+impl Look {
+    /// How a scene is looked at: its first displacement; rows a twentieth of the fastest mode's period apart,
+    /// rounded down to a 1, 2 or 5; windows of 50 periods of the slowest mode at rest in sliding, rounded up;
+    /// 60 windows. What has no modes is looked at as its experiment says.
+    ///
+    /// # Errors
+    /// No such output, or a window of fewer than 64 rows.
+    pub fn of(scene: &Scene, wish: &Wish<'_>) -> Result<Self, Error> {
+        let of = match wish.of {
+            Some(name) => output(scene, name)?.name,
+            None => scene.dof_names().into_iter().next().ok_or_else(|| {
+                Error::scene(format!("{} has no degree of freedom to look at", scene.name))
+            })?,
+        };
+        let frequencies = frequencies(scene);
+        let interval = wish.interval.unwrap_or_else(|| match frequencies {
+            Some([_, fastest]) => round_down(1.0 / (ROWS_A_PERIOD * fastest)),
+            None => scene.experiment.output_interval,
+        });
+        let wanted = wish.window.unwrap_or_else(|| match frequencies {
+            Some([slowest, _]) => round_up(PERIODS / slowest).min(MOST_ROWS * interval),
+            None => scene.experiment.stop_time,
+        });
+        let rows = (wanted / interval).round();
+        if rows < FEWEST_ROWS {
+            return Err(Error::argument(format!(
+                "a window of {wanted} s has {rows} rows, {interval} s apart, too few for its spectrum; give a \
+                 --window of {} s or more, or a shorter --interval",
+                FEWEST_ROWS * interval
+            )));
+        }
+        let window = rows * interval;
+        let windows = wish.longest.map_or(LONGEST, |longest| (longest / window).round().max(1.0));
+        Ok(Self { of, interval, window, longest: windows * window })
+    }
+
+    /// Rows in a window.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub fn rows(&self) -> u64 {
+        (self.window / self.interval).round() as u64
+    }
+
+    /// Windows that a motion may take to settle.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub fn windows(&self) -> usize {
+        (self.longest / self.window).round() as usize
+    }
+}
+
+/// An output of a scene that can be followed: a displacement, a velocity, a force; no state and no count.
+///
+/// # Errors
+/// There is none of that name; the nearest name, or what there is.
+pub fn output(scene: &Scene, name: &str) -> Result<Variable, Error> {
+    let is_followed = |variable: &Variable| {
+        variable.causality == Causality::Output
+            && matches!(variable.template.kind, Kind::Real { .. })
+    };
+    let mut outputs: Vec<Variable> = variables(scene).into_iter().filter(is_followed).collect();
+    if let Some(place) = outputs.iter().position(|output| output.name == name) {
+        return Ok(outputs.swap_remove(place));
+    }
+    let help = match nearest(name, outputs.iter().map(|output| &*output.name)) {
+        Some(near) => format!("did you mean {near}?"),
+        None => "`amontons simulate` has them as columns".to_owned(),
+    };
+    Err(Error::argument(format!("{} has no output {name}; {help}", scene.name)))
+}
+
+/// The unit of an output.
+#[must_use]
+pub fn unit(output: &Variable) -> &'static str {
+    match output.template.kind {
+        Kind::Real { unit, .. } => unit,
+        _ => "1",
+    }
+}
+
+/// The frequencies of the slowest and the fastest mode, Hz: of the state that the scene can rest in and, where it
+/// is known, of all states. `None` where nothing oscillates.
+fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
+    let model = LumpedModel::from(scene);
+    let states = resting_state(&model, scene.slider.velocity);
+    let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).ok()?;
+    let slowest = spectrum.oscillating.first()?.im / TAU;
+    let fastest = spectrum.oscillating.last()?.im / TAU;
+    let bound = highest_frequency(&model).map_or(fastest, |bound| bound / TAU);
+    Some([slowest, fastest.max(bound)])
+}
+
+/// The largest 1, 2 or 5 times a power of ten that is not above a value.
+fn round_down(value: f64) -> f64 {
+    let power = value.log10().floor();
+    let digits = [5, 2, 1].map(|digit| format!("{digit}e{power}").parse().unwrap_or(value));
+    digits.into_iter().find(|round| *round <= value * (1.0 + 1e-12)).unwrap_or(value)
+}
+
+/// The smallest that is not below it.
+fn round_up(value: f64) -> f64 {
+    let down = round_down(value);
+    if down >= value * (1.0 - 1e-12) { down } else { round_down(2.5 * down) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+
+    #[test]
+    fn intervals_and_windows_are_round_numbers() {
+        for (value, down, up) in
+            [(2.2e-4, 2e-4, 5e-4), (1.15, 1.0, 2.0), (5.0, 5.0, 5.0), (7.0, 5.0, 10.0)]
+        {
+            assert_eq!([round_down(value), round_up(value)], [down, up]);
+        }
+    }
+
+    #[test]
+    fn set_1_is_looked_at_for_two_seconds_at_a_time() {
+        // Its slowest mode in sliding has 43.52 Hz (Table 2), its fastest in any state some 232 Hz.
+        let scene = builtin("set1").unwrap().scene();
+        let look = Look::of(&scene, &Wish::default()).unwrap();
+        assert_eq!((look.interval, look.window, look.longest), (2e-4, 2.0, 120.0));
+        assert_eq!((look.rows(), look.windows(), &*look.of), (10_000, 60, "module[1].x1"));
+        let wrong =
+            Look::of(&scene, &Wish { of: Some("module[1].x9"), ..Wish::default() }).unwrap_err();
+        assert!(wrong.is_argument() && wrong.to_string().contains("did you mean"), "{wrong}");
+        let short = Look::of(&scene, &Wish { window: Some(1e-3), ..Wish::default() }).unwrap_err();
+        assert!(short.is_argument(), "{short}");
+    }
+}
