@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | what a motion ends in: when it is settled, what kind it is |
+//! | `transient` | how one run grows and decays, band by band, beside eigenvalues |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
@@ -11,6 +12,7 @@
 mod ending;
 mod journal;
 mod look;
+pub mod transient;
 
 pub use ending::{Ending, Kind};
 pub use journal::Journal;

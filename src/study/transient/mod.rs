@@ -15,7 +15,6 @@ pub use stretches::{Course, Stretch};
 
 use super::Watch;
 use crate::Error;
-use crate::accuracy::half_range;
 use crate::contact::{ContactState, Joined};
 use crate::model::LumpedModel;
 use crate::scene::{Experiment, Scene, nearest};
@@ -98,18 +97,10 @@ pub struct Transient {
     /// The contacts' states at the same times: contact by contact.
     #[serde(skip)]
     pub states: Vec<Vec<ContactState>>,
-    /// Time, and half of what lies between smallest and largest value within a period of the strongest line.
-    ///
-    /// That, not the modulus of the analytic signal: it is the amplitude that one sees, whatever lines the motion
-    /// has, a slow motion of the middle does not enter it, and it needs no filter that smears a beginning.
-    pub envelope: Vec<[f64; 2]>,
-    /// The strongest line of the whole run, Hz.
-    pub dominant: Option<f64>,
-    /// The windows through which bands are seen, s.
-    pub window: f64,
-    /// The strongest lines over time.
-    pub bands: Vec<Band>,
-    /// Growth and decay, by beginning.
+    /// Lines, bands and envelope.
+    #[serde(flatten)]
+    pub growth: Growth,
+    /// Each of `growth.phases` beside eigenvalues.
     pub findings: Vec<Finding>,
     /// The states that each contact takes over time.
     pub courses: Vec<Course>,
@@ -152,9 +143,9 @@ pub fn transient(
     let complete = failure.is_none() && !watch.is_over();
     let (output, history) = record.most_moving();
     let states = record.states;
-    let Growth { dominant, window, bands, phases } = growth(&history, interval);
+    let growth = growth(&history, interval);
     let mut shares = Shares::of(&linear, &states, interval);
-    let findings = phases.into_iter().map(|phase| shares.beside(phase)).collect();
+    let findings = growth.phases.iter().map(|phase| shares.beside(phase)).collect();
     Ok(Transient {
         unit: if output.template.quantity == Quantity::Velocity { "m/s" } else { "m" },
         output: output.name,
@@ -162,13 +153,10 @@ pub fn transient(
         end: interval * history.len().saturating_sub(1) as f64,
         complete,
         failure,
-        envelope: dominant.map_or_else(Vec::new, |f| envelope(&history, interval, 1.0 / f)),
-        dominant,
-        window,
-        bands,
         findings,
         courses: stretches::courses(&contact_names(scene), &states, interval),
-        spectrogram: spectrogram(&history, interval, window, linear.highest),
+        spectrogram: spectrogram(&history, interval, growth.window, linear.highest),
+        growth,
         history,
         states,
     })
@@ -269,7 +257,9 @@ impl Record {
             }
             // A last row that closes no whole interval would be out of step with the others.
             let taken = simulation.advance_to(time);
-            if let Err(error) = taken.and_then(|()| if is_whole { self.note(simulation) } else { Ok(()) }) {
+            if let Err(error) =
+                taken.and_then(|()| if is_whole { self.note(simulation) } else { Ok(()) })
+            {
                 return Some(error);
             }
         }
@@ -305,17 +295,6 @@ impl Record {
     }
 }
 
-/// Half of what lies between the smallest and the largest value of each period (s), at its middle.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn envelope(history: &[f64], interval: f64, period: f64) -> Vec<[f64; 2]> {
-    let count = (period / interval).ceil().max(1.0) as usize + 1;
-    let pieces = history.windows(count).enumerate().step_by(count - 1);
-    let point = |(start, piece)| {
-        [(start as f64 + 0.5 * (count - 1) as f64) * interval, half_range(piece)]
-    };
-    pieces.map(point).collect()
-}
-
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn spectrogram(history: &[f64], interval: f64, window: f64, highest: Option<f64>) -> Spectrogram {
     let count = (LONGER * window / interval).round() as usize;
@@ -340,14 +319,14 @@ impl<'a> Shares<'a> {
         Self { linear, states, interval, known: HashMap::new() }
     }
 
-    fn beside(&mut self, phase: Phase) -> Finding {
-        let resting = self.nearest(&self.linear.resting, &phase);
+    fn beside(&mut self, phase: &Phase) -> Finding {
+        let resting = self.nearest(&self.linear.resting, phase);
         let taken = self.taken(phase.span).into_iter().map(|(states, share)| Taken {
-            eigenvalue: self.nearest(&states, &phase),
+            eigenvalue: self.nearest(&states, phase),
             states: Joined(&states).to_string(),
             share,
         });
-        Finding { taken: taken.collect(), resting, phase }
+        Finding { taken: taken.collect(), resting, phase: phase.clone() }
     }
 
     /// The states over a span of time (s) with their shares, longest first.
@@ -361,7 +340,8 @@ impl<'a> Shares<'a> {
             *counts.entry(self.states.iter().map(|course| course[row]).collect()).or_default() += 1;
         }
         let mut found: Vec<_> = counts.into_iter().collect();
-        let order = |states: &[ContactState]| states.iter().map(|state| *state as u8).collect::<Vec<_>>();
+        let order =
+            |states: &[ContactState]| states.iter().map(|state| *state as u8).collect::<Vec<_>>();
         found.sort_by(|(a, first), (b, second)| {
             second.cmp(first).then_with(|| order(a).cmp(&order(b)))
         });

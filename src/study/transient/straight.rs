@@ -72,9 +72,8 @@ mod tests {
     fn a_bent_line_is_parted_at_its_bends() {
         let bent = |x: f64| if x < 4.0 { 2.0 * x } else { 8.0 - 0.5 * (x - 4.0).min(3.0) };
         let wiggle = |i: i32| if i % 2 == 0 { 0.01 } else { -0.01 };
-        let points: Vec<[f64; 2]> = (0..100)
-            .map(|i| [0.1 * f64::from(i), bent(0.1 * f64::from(i)) + wiggle(i)])
-            .collect();
+        let points: Vec<[f64; 2]> =
+            (0..100).map(|i| [0.1 * f64::from(i), bent(0.1 * f64::from(i)) + wiggle(i)]).collect();
         let found = pieces(&points, 0.1);
         let ends: Vec<usize> = found.iter().map(|piece| piece.end).collect();
         assert_eq!(found.len(), 3, "{found:?}");

@@ -61,9 +61,8 @@ mod tests {
 
     #[test]
     fn a_contact_that_sticks_by_turns_has_one_stretch_of_both_states() {
-        let rows: Vec<ContactState> = (0..=3000)
-            .map(|row| if row >= 1500 && row % 3 == 0 { Stick } else { Slide })
-            .collect();
+        let rows: Vec<ContactState> =
+            (0..=3000).map(|row| if row >= 1500 && row % 3 == 0 { Stick } else { Slide }).collect();
         let names = ["contact[1]".to_owned()];
         let found = courses(&names, &[rows], 1e-3);
         let [course] = &found[..] else { panic!("{found:?}") };
