@@ -272,12 +272,16 @@ impl Settling {
         })
     }
 
-    /// The kind of a motion with steady lines.
+    /// The kind of a motion with steady lines: as the mixture and the output have them, since in a mixture of many
+    /// displacements some lines are faint.
     fn kind(&self) -> Kind {
-        let Some(Seen { lines: Some(found), .. }) = self.seen.last() else {
+        let Some(Seen { lines: Some(mixture), .. }) = self.seen.last() else {
             return Kind::Irregular;
         };
-        kind_of(found)
+        let followed = lines(&self.followed, self.look.interval, TELLING);
+        let telling = [telling(mixture), telling(&followed)].concat();
+        let share = mixture.share.min(if followed.lines.is_empty() { 1.0 } else { followed.share });
+        kind_of(&telling, share, mixture.resolution)
     }
 }
 
@@ -369,26 +373,27 @@ fn near(line: &Line, window: &Lines, part: f64) -> Option<f64> {
     window.lines.iter().find(at).map(|other| other.amplitude)
 }
 
-/// What the lines of a steady motion tell.
-fn kind_of(found: &Lines) -> Kind {
-    let Some(strongest) = found.lines.first() else { return Kind::Equilibrium };
-    if found.share < IN_LINES {
+/// The frequencies of the lines that tell the kinds of motion apart, Hz, the strongest first.
+fn telling(found: &Lines) -> Vec<f64> {
+    let strongest = found.lines.first().map_or(0.0, |line| line.amplitude);
+    let is_telling = |line: &&Line| line.amplitude >= TELLING * strongest;
+    found.lines.iter().filter(is_telling).map(|line| line.frequency).collect()
+}
+
+/// What the lines of a steady motion tell: their frequencies, the strongest first, what part of the power they
+/// have, and how well they are known, all in Hz.
+fn kind_of(telling: &[f64], share: f64, resolution: f64) -> Kind {
+    let Some(&main) = telling.first() else { return Kind::Equilibrium };
+    if share < IN_LINES {
         return Kind::Irregular;
     }
-    let telling: Vec<f64> = found
-        .lines
-        .iter()
-        .filter(|line| line.amplitude >= TELLING * strongest.amplitude)
-        .map(|line| line.frequency)
-        .collect();
-    let meets = MEETS * found.resolution;
+    let meets = MEETS * resolution;
     let multiple =
         |base: f64, of: f64| (of - (of / base).round() * base).abs() <= meets * (1.0 + of / base);
-    let main = strongest.frequency;
     for part in 1..=SUBHARMONICS {
         let base = main / f64::from(part);
         // Not so many that anything would do.
-        if base > 2.0 * found.resolution && telling.iter().all(|&of| multiple(base, of)) {
+        if base > 2.0 * resolution && telling.iter().all(|&of| multiple(base, of)) {
             return Kind::Periodic;
         }
     }

@@ -1,8 +1,9 @@
 //! How a motion is looked at: which output, how often, for how long.
 
 use crate::Error;
+use crate::integrator::EventDriven;
 use crate::model::LumpedModel;
-use crate::scene::{Scene, nearest};
+use crate::scene::{Method, Scene, Selection, nearest};
 use crate::simulation::catalogue::{Causality, Kind};
 use crate::simulation::{Variable, variables};
 use crate::stability::candidates::resting_state;
@@ -116,6 +117,16 @@ pub fn output(scene: &Scene, name: &str) -> Result<Variable, Error> {
         None => "`amontons simulate` has them as columns".to_owned(),
     };
     Err(Error::argument(format!("{} has no output {name}; {help}", scene.name)))
+}
+
+/// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
+/// the quickest way to where a motion ends, and the truest. What exact motion does not take, as Stribeck's law, keeps
+/// its own.
+pub fn pace(scene: &mut Scene, look: &Look) {
+    if EventDriven::new(&LumpedModel::from(&*scene)).is_ok() {
+        (scene.method, scene.step) = (Method::EventDriven, look.interval);
+        scene.selection = Selection::Given;
+    }
 }
 
 /// The unit of an output.

@@ -16,7 +16,7 @@ pub mod transient;
 
 pub use ending::{Ending, Kind};
 pub use journal::Journal;
-pub use look::{Look, Wish, output, unit};
+pub use look::{Look, Wish, output, pace, unit};
 
 use std::ops::ControlFlow;
 

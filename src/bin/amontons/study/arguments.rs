@@ -15,6 +15,7 @@ pub struct Common {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
+    /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method
     #[command(flatten)]
     pub integrator: Integrator,
     /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's,
