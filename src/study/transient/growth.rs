@@ -32,6 +32,8 @@ const FAINT: f64 = 3e-2;
 const LEAK: f64 = 2e-4;
 /// How straight the logarithm of an amplitude has to be.
 const STRAIGHT: f64 = 0.1;
+/// How well frequencies are known whose phases are straight to rounding, in parts of themselves.
+const ROUNDING: f64 = 1e-9;
 /// Sums and differences of the frequencies of two lines with so many terms are looked for.
 const MOST_TERMS: i32 = 3;
 
@@ -302,16 +304,17 @@ fn combination(phase: &Phase, all: &[Followed]) -> Option<Combination> {
     };
     let own = level(&all[phase.band?]);
     let stronger = all.iter().filter(|band| level(band) > own);
-    let stronger: Vec<f64> =
-        stronger.map(|band| band.frequency_over(band.looks(phase.span))[0]).collect();
-    let allowed = 1.0 / (phase.span[1] - phase.span[0]);
-    for (i, &a) in stronger.iter().enumerate() {
-        for &b in &stronger[i..] {
+    let stronger: Vec<[f64; 2]> =
+        stronger.map(|band| band.frequency_over(band.looks(phase.span))).collect();
+    for (i, &[a, a_error]) in stronger.iter().enumerate() {
+        for &[b, b_error] in &stronger[i..] {
             for m in 0..=MOST_TERMS {
                 for n in -MOST_TERMS..=MOST_TERMS {
-                    let sum = (f64::from(m) * a + f64::from(n) * b).abs();
+                    let [times_a, times_b] = [m, n].map(f64::from);
+                    let sum = (times_a * a + times_b * b).abs();
+                    let error = times_a * a_error + times_b.abs() * b_error + phase.frequency_error;
                     let is_few = (2..=MOST_TERMS).contains(&(m + n.abs()));
-                    if is_few && (sum - phase.frequency).abs() < allowed {
+                    if is_few && (sum - phase.frequency).abs() <= error + ROUNDING * sum {
                         return Some(Combination { frequencies: [a, b], factors: [m, n] });
                     }
                 }

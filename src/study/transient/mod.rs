@@ -13,22 +13,21 @@ mod stretches;
 pub use growth::{Band, Combination, Growth, Phase, growth};
 pub use stretches::{Course, Stretch};
 
-use super::Watch;
+use super::look::{ROWS_A_PERIOD, frequencies, output};
+use super::{Watch, unit};
 use crate::Error;
 use crate::contact::{ContactState, Joined};
 use crate::model::LumpedModel;
-use crate::scene::{Experiment, Scene, nearest};
+use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Quantity;
 use crate::simulation::{Simulation, Variable, variables};
 use crate::spectral::Spectrogram;
+use crate::stability::Spectrum;
 use crate::stability::candidates::resting_state;
-use crate::stability::{Spectrum, highest_frequency};
 use serde::Serialize;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// The period of the fastest mode is looked at so often.
-const LOOKS_A_PERIOD: f64 = 20.0;
 /// The most values that are kept of a run.
 const MOST_KEPT: f64 = 2e7;
 /// Contact states of less than this part of the time are not listed, nor more than so many.
@@ -109,13 +108,9 @@ pub struct Transient {
     pub spectrogram: Spectrogram,
 }
 
-/// Runs a scene once, as long as `experiment` says, and looks at its output of that name, a displacement or a
-/// velocity, or else at the displacement that moves most.
-///
-/// The output is looked at each output interval, or at such a part of it (1/2, 1/3, …) that the fastest mode's
-/// period has 20 values: its frequency is one that no mode without friction exceeds in any contact state, or, of
-/// a full mass matrix, the highest in the state of rest. A run that fails or is ended by the watch is looked at as
-/// far as it went.
+/// Runs a scene once, as long as `experiment` says, and looks at its output of that name, or else at the displacement
+/// that moves most, as often as the output interval and [`interval()`] say. A run that fails or is ended by the
+/// watch is looked at as far as it went.
 ///
 /// # Errors
 /// What is wrong with the scene; there is no such output; a run too long to keep.
@@ -128,14 +123,14 @@ pub fn transient(
     let outputs = outputs(scene, of)?;
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
     let linear = Linear::of(&simulation);
-    let interval = interval(&linear, experiment.output_interval);
+    let interval = interval(scene, experiment.output_interval);
     let experiment = Experiment { output_interval: interval, ..experiment };
     let kept = experiment.stop_time / interval * (outputs.len() + scene.contact_count()) as f64;
     if kept > MOST_KEPT {
         return Err(Error::argument(format!(
-            "{} s at {} values a period of the fastest mode are {kept:.1e} values, more than {MOST_KEPT:e}; choose \
-             a shorter --stop-time, or a single output with --of",
-            experiment.stop_time, LOOKS_A_PERIOD
+            "{} s with a row each {interval} s are {kept:.1e} values, more than {MOST_KEPT:e}; choose a shorter \
+             --stop-time, or a single output with --of",
+            experiment.stop_time
         )));
     }
     let mut record = Record::of(outputs, scene.contact_count());
@@ -147,7 +142,7 @@ pub fn transient(
     let mut shares = Shares::of(&linear, &states, interval);
     let findings = growth.phases.iter().map(|phase| shares.beside(phase)).collect();
     Ok(Transient {
-        unit: if output.template.quantity == Quantity::Velocity { "m/s" } else { "m" },
+        unit: unit(&output),
         output: output.name,
         interval,
         end: interval * history.len().saturating_sub(1) as f64,
@@ -155,7 +150,7 @@ pub fn transient(
         failure,
         findings,
         courses: stretches::courses(&contact_names(scene), &states, interval),
-        spectrogram: spectrogram(&history, interval, growth.window, linear.highest),
+        spectrogram: spectrogram(&history, interval, growth.window, highest(scene)),
         growth,
         history,
         states,
@@ -164,25 +159,26 @@ pub fn transient(
 
 /// The output of that name, or all displacements.
 fn outputs(scene: &Scene, of: Option<&str>) -> Result<Vec<Variable>, Error> {
-    let moving = |variable: &Variable| {
-        matches!(variable.template.quantity, Quantity::Displacement | Quantity::Velocity)
-    };
-    let mut all: Vec<Variable> = variables(scene).into_iter().filter(moving).collect();
     let Some(name) = of else {
-        all.retain(|variable| variable.template.quantity == Quantity::Displacement);
-        return Ok(all);
+        let is_displacement =
+            |variable: &Variable| variable.template.quantity == Quantity::Displacement;
+        return Ok(variables(scene).into_iter().filter(is_displacement).collect());
     };
-    if let Some(place) = all.iter().position(|variable| variable.name == name) {
-        return Ok(vec![all.swap_remove(place)]);
-    }
-    let help = match nearest(name, all.iter().map(|variable| &*variable.name)) {
-        Some(near) => format!("did you mean {near}?"),
-        None => match (all.first(), all.last()) {
-            (Some(first), Some(last)) => format!("there are {} to {}", first.name, last.name),
-            _ => "it has none".to_owned(),
-        },
-    };
-    Err(Error::argument(format!("{} has no displacement or velocity {name}; {help}", scene.name)))
+    Ok(vec![output(scene, name)?])
+}
+
+/// Time between two values of a run, s: the longest whole part (1/1, 1/2, 1/3, …) of an output interval of which
+/// the period of the scene's fastest mode has 20.
+#[must_use]
+pub fn interval(scene: &Scene, output_interval: f64) -> f64 {
+    let longest = highest(scene).map_or(f64::INFINITY, |highest| 1.0 / (ROWS_A_PERIOD * highest));
+    // A whole number but for rounding is that number.
+    output_interval / (output_interval / longest * (1.0 - 1e-9)).ceil().max(1.0)
+}
+
+/// The frequency of the fastest mode, Hz.
+fn highest(scene: &Scene) -> Option<f64> {
+    frequencies(scene).map(|[_, fastest]| fastest)
 }
 
 /// The contacts as the FMU names them.
@@ -198,8 +194,6 @@ struct Linear {
     model: LumpedModel,
     friction: f64,
     resting: Vec<ContactState>,
-    /// Hz.
-    highest: Option<f64>,
 }
 
 impl Linear {
@@ -207,22 +201,9 @@ impl Linear {
         let acting = simulation.acting();
         let mut model = LumpedModel::from(acting);
         model.linearise(simulation.reference());
-        let friction = acting.friction_coefficient;
         let resting = resting_state(&model, acting.slider.velocity);
-        let at_rest = || {
-            let spectrum = Spectrum::of(&model, &resting, friction).ok()?;
-            spectrum.oscillating.last().map(|eigenvalue| eigenvalue.im)
-        };
-        let highest = highest_frequency(&model).or_else(at_rest).map(|highest| highest / TAU);
-        Self { model, friction, resting, highest }
+        Self { model, friction: acting.friction_coefficient, resting }
     }
-}
-
-/// The longest whole part of an output interval (s) that is short enough for the fastest mode.
-fn interval(linear: &Linear, output_interval: f64) -> f64 {
-    let longest = linear.highest.map_or(f64::INFINITY, |highest| 1.0 / (LOOKS_A_PERIOD * highest));
-    // A whole number but for rounding is that number.
-    output_interval / (output_interval / longest * (1.0 - 1e-9)).ceil().max(1.0)
 }
 
 /// What is kept of a run.
