@@ -8,6 +8,7 @@
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
 //! | `portrait` | phase portraits of a settled motion |
+//! | `transient` | how one run grows and decays, band by band, beside eigenvalues |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
@@ -19,6 +20,7 @@ mod limit_cycle;
 mod look;
 mod portrait;
 mod push;
+pub mod transient;
 
 pub use continuation::{Bistable, Continuation, FRICTION, Fold, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
