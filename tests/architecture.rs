@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 13] = [
+const ROOMS: [&str; 14] = [
     "error",
     "output",
     "contact",
@@ -18,6 +18,7 @@ const ROOMS: [&str; 13] = [
     "fmi2",
     "package",
     "picture",
+    "report",
 ];
 
 /// Rooms that the sources under `path` name with `crate::room`.
