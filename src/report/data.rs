@@ -61,6 +61,8 @@ struct DrawnRaster<'a> {
     y: [f64; 2],
     range: [f64; 2],
     label: &'a str,
+    /// Six hexadecimal digits for each of the 255 colours.
+    colours: String,
     columns: usize,
     /// Lowest first; two hexadecimal digits a cell: 0 to 254 from the first to the last colour, 255 for none.
     rows: Vec<String>,
@@ -200,9 +202,14 @@ fn of_raster(raster: &Raster) -> Result<DrawnRaster<'_>, &'static str> {
         y: raster.y,
         range: raster.range,
         label: &raster.label,
+        colours: colours(),
         columns: across.len(),
         rows: rows.collect(),
     })
+}
+
+fn colours() -> String {
+    (0..255).map(|i: u8| format!("{i:02x}{i:02x}{:02x}", 255 - i)).collect()
 }
 
 /// A lane of many stretches becomes one of equal parts, each of the class that has most of it.
