@@ -155,11 +155,13 @@ fn what_cannot_be_drawn_is_refused_by_name() {
     let with = |section| Page { sections: vec![section], ..Page::default() };
     let chart = Chart {
         title: "Nothing".into(),
-        panels: vec![Panel {
-            y_label: "Growth".into(),
-            series: vec![Series { points: vec![[f64::NAN, 1.0]], ..Series::default() }],
-            ..Panel::default()
-        }],
+        panels: [("Frequency", 1.0), ("Growth", f64::NAN)]
+            .map(|(name, y)| Panel {
+                y_label: name.into(),
+                series: vec![Series { points: vec![[1.0, y]], ..Series::default() }],
+                ..Panel::default()
+            })
+            .into(),
         ..Chart::default()
     };
     let figure = Figure { caption: String::new(), command: None, content: Content::Chart(chart) };

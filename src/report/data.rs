@@ -3,7 +3,7 @@
 use super::Content;
 use super::thin::{is_ascending, kept, rounded};
 use crate::Error;
-use crate::picture::{Band, Chart, Class, Lane, Map, Panel, Raster, Series, Style};
+use crate::picture::{Band, COLOURS, Chart, Class, Lane, Map, Panel, Raster, Series, Style, scale};
 use serde::Serialize;
 
 /// Stretches of a lane that need no thinning, and parts of the x axis that take one class each beyond that.
@@ -87,7 +87,7 @@ struct DrawnCells {
 /// The data of a figure.
 ///
 /// # Errors
-/// Nothing to draw in a panel, or data that contradict each other.
+/// Those of the picture's own `write`, but for its file.
 pub(super) fn drawn(content: &Content) -> Result<Drawn<'_>, Error> {
     match content {
         Content::Chart(chart) => of_chart(chart),
@@ -95,39 +95,16 @@ pub(super) fn drawn(content: &Content) -> Result<Drawn<'_>, Error> {
     }
 }
 
-fn wrong(title: &str, what: &str) -> Error {
-    Error::picture(format!("cannot draw {title:?}: {what}"))
-}
-
 fn of_chart(chart: &Chart) -> Result<Drawn<'_>, Error> {
-    if chart.panels.is_empty() {
-        return Err(wrong(&chart.title, "a chart needs at least one panel"));
-    }
+    chart.check()?;
     let panels = chart.panels.iter().map(|panel| of_panel(chart, panel));
-    Ok(Drawn {
-        x_label: &chart.x_label,
-        logarithmic: chart.logarithmic,
-        panels: panels.collect::<Result<_, _>>()?,
-    })
+    Ok(Drawn { x_label: &chart.x_label, logarithmic: chart.logarithmic, panels: panels.collect() })
 }
 
-fn of_panel<'a>(chart: &'a Chart, panel: &'a Panel) -> Result<DrawnPanel<'a>, Error> {
-    let wrong = |what: &str| wrong(&chart.title, &format!("the panel {:?} {what}", panel.y_label));
-    let shown = |value: &f64| value.is_finite() && (!chart.logarithmic || *value > 0.0);
-    let has_points = panel.series.iter().any(|one| one.points.iter().any(|p| p.iter().all(shown)));
-    if !has_points && panel.raster.is_none() && panel.lanes.is_empty() {
-        return Err(wrong("has no finite point"));
-    }
-    if panel.raster.is_some() && chart.logarithmic {
-        return Err(wrong("has a raster, which has cells of equal size, on logarithmic axes"));
-    }
-    for lane in &panel.lanes {
-        if lane.stretches.iter().any(|stretch| stretch.class >= panel.classes.len()) {
-            return Err(wrong(&format!("has a stretch of no class in the lane {:?}", lane.name)));
-        }
-    }
-    let marks = panel.marks.iter().filter(|mark| shown(&mark.x));
-    Ok(DrawnPanel {
+fn of_panel<'a>(chart: &'a Chart, panel: &'a Panel) -> DrawnPanel<'a> {
+    let shown = |value: f64| value.is_finite() && (!chart.logarithmic || value > 0.0);
+    let marks = panel.marks.iter().filter(|mark| shown(mark.x));
+    DrawnPanel {
         y_label: &panel.y_label,
         zero_line: panel.zero_line,
         series: panel.series.iter().map(|series| of_series(series, chart.logarithmic)).collect(),
@@ -135,11 +112,11 @@ fn of_panel<'a>(chart: &'a Chart, panel: &'a Panel) -> Result<DrawnPanel<'a>, Er
             .map(|mark| DrawnMark { x: rounded(mark.x), label: mark.label.as_deref() })
             .collect(),
         bands: &panel.bands,
-        raster: panel.raster.as_ref().map(|raster| of_raster(raster).map_err(wrong)).transpose()?,
+        raster: panel.raster.as_ref().map(of_raster),
         lanes: panel.lanes.iter().map(|lane| of_lane(lane, panel.classes.len())).collect(),
         classes: &panel.classes,
         cells: None,
-    })
+    }
 }
 
 fn of_series(series: &Series, logarithmic: bool) -> DrawnSeries<'_> {
@@ -169,23 +146,14 @@ fn parts(count: usize, parts: usize) -> Vec<std::ops::Range<usize>> {
     (0..parts).map(|part| part * count / parts..(part + 1) * count / parts).collect()
 }
 
-fn of_raster(raster: &Raster) -> Result<DrawnRaster<'_>, &'static str> {
+fn of_raster(raster: &Raster) -> DrawnRaster<'_> {
     let columns = raster.rows.first().map_or(0, Vec::len);
-    if columns == 0 {
-        return Err("has a raster without a cell");
-    }
-    if raster.rows.iter().any(|row| row.len() != columns) {
-        return Err("has a raster whose rows differ in length");
-    }
-    let ascends = |[from, to]: [f64; 2]| from.is_finite() && to.is_finite() && from < to;
-    if ![raster.x, raster.y, raster.range].into_iter().all(ascends) {
-        return Err("has a raster with an axis or a range that does not ascend");
-    }
     let across = parts(columns, RASTER[0]);
-    let [low, high] = raster.range;
+    let [low, high] = raster.colours();
+    let last = (COLOURS - 1) as f64;
     let level = |value: f64| match value.is_finite() {
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-        true => (254.0 * ((value - low) / (high - low)).clamp(0.0, 1.0)).round() as u8,
+        true => (last * ((value - low) / (high - low)).clamp(0.0, 1.0)).round() as u8,
         false => 255,
     };
     let rows = parts(raster.rows.len(), RASTER[1]).into_iter().map(|rows| {
@@ -197,19 +165,22 @@ fn of_raster(raster: &Raster) -> Result<DrawnRaster<'_>, &'static str> {
         });
         cells.collect()
     });
-    Ok(DrawnRaster {
+    DrawnRaster {
         x: raster.x,
         y: raster.y,
-        range: raster.range,
+        range: raster.colours(),
         label: &raster.label,
         colours: colours(),
         columns: across.len(),
         rows: rows.collect(),
-    })
+    }
 }
 
 fn colours() -> String {
-    (0..255).map(|i: u8| format!("{i:02x}{i:02x}{:02x}", 255 - i)).collect()
+    let texts = scale()
+        .into_iter()
+        .map(|colour| format!("{:02x}{:02x}{:02x}", colour.0, colour.1, colour.2));
+    texts.collect()
 }
 
 /// A lane of many stretches becomes one of equal parts, each of the class that has most of it.
@@ -252,13 +223,8 @@ fn majority(stretches: &[(f64, f64, usize)], classes: usize) -> Vec<(f64, f64, u
 }
 
 fn of_map(map: &Map) -> Result<Drawn<'_>, Error> {
-    let columns = map.cells.first().map_or(0, Vec::len);
-    if columns == 0 || map.cells.iter().any(|row| row.len() != columns) {
-        return Err(wrong(&map.title, "a map needs cells, as many in each row"));
-    }
-    if map.cells.iter().flatten().any(|&class| class >= map.classes.len()) {
-        return Err(wrong(&map.title, "a cell is of no class"));
-    }
+    map.check()?;
+    let columns = map.cells[0].len();
     let across = nearest(columns);
     let rows = nearest(map.cells.len()).into_iter().map(|row| {
         let classes: Vec<usize> = across.iter().map(|&column| map.cells[row][column]).collect();
@@ -319,7 +285,7 @@ mod tests {
         rows[0][0] = f64::NAN;
         let raster =
             Raster { x: [0.0, 1.0], y: [0.0, 1.0], rows, range: [0.0, 1.0], label: "".into() };
-        let drawn = of_raster(&raster).unwrap();
+        let drawn = of_raster(&raster);
         assert_eq!((drawn.columns, drawn.rows.len()), (600, 300));
         let cells =
             |text: &String| text.as_bytes().chunks(2).map(<[u8]>::to_vec).collect::<Vec<_>>();

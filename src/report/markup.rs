@@ -209,7 +209,7 @@ pub(super) fn plain_table(
         html,
         format_args!(
             "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{id}\">\n<table>\n\
-         <caption id=\"{id}\">{caption}</caption>\n<thead><tr>"
+         <caption id=\"{id}\"><span>{caption}</span></caption>\n<thead><tr>"
         ),
     );
     for name in head {

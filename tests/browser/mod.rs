@@ -114,9 +114,11 @@ impl Browser {
         let size =
             json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600 });
         self.call("Emulation.setDeviceMetricsOverride", &size);
+        // What was shown before may be there for a while.
+        self.eval("document.documentElement.dataset.old = 1");
         self.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
-        // Not by the event of its load: the empty page before has one, too, and may be late.
-        while self.text("document.readyState") != "complete" {}
+        let state = "document.documentElement?.dataset.old ? 'old' : document.readyState";
+        while self.text(state) != "complete" {}
     }
 
     /// Waits for two frames: what watches sizes has then been told.

@@ -70,20 +70,22 @@ function placeHead(place, top, row) {
     place.scale = { lines: wrapped(panel.raster.label, width), top };
     top += row * (place.scale.lines.length + 1);
   }
-  return top + 4;
+  return top + 7;
 }
 
 /**
  * Labels of marks in rows, beside their lines. A line goes down from its label's row, so a label stands above those
- * whose lines it would cross: labels to the right of their lines are placed from the right, those that the end of the
- * frame turns to the left are placed first, from the left.
+ * whose lines it would cross: labels to the right of their lines are placed from the right; those that the end of the
+ * frame, or another such label, turns to the left are placed first, from the left.
  */
 function placeMarks(place, top, row) {
   const seen = place.panel.marks.filter(({ x }) => x >= place.view[0] && x <= place.view[1]);
-  const wanted = seen.filter(({ label }) => label).map(({ x, label }) => {
-    const at = acrossOf(place, x);
+  const labelled = seen.filter(({ label }) => label).map(({ x, label }) => ({ at: acrossOf(place, x), label }));
+  let edge = Infinity;
+  const wanted = labelled.sort((a, b) => b.at - a.at).map(({ at, label }) => {
     const width = textWidth(label) + 8;
-    const ends = at + width > place.right + 12 && at - width > 0;
+    const ends = (at + width > place.right + 12 || at > edge) && at - width > 0;
+    if (ends) edge = Math.min(edge, at - width);
     return { at, label, ends, span: ends ? [at - width, at] : [at, at + width] };
   });
   wanted.sort((a, b) => (a.ends === b.ends ? (a.ends ? a.at - b.at : b.at - a.at) : a.ends ? -1 : 1));

@@ -35,17 +35,17 @@ function ticks([from, to], most) {
 
 /** Ticks of an axis of decimal logarithms: powers of ten; within less than two of them 1, 2 and 5. */
 function logarithmicTicks([from, to], most) {
-  const tick = (at) => ({ at, text: number(10 ** at, 1) });
   const found = [];
   if (to - from < 2) {
     for (let power = Math.floor(from); power <= to; power++) {
-      for (const digit of [1, 2, 5]) found.push(tick(power + Math.log10(digit)));
+      found.push(...[1, 2, 5].map((digit) => power + Math.log10(digit)).filter((at) => at >= from && at <= to));
     }
-    return found.filter(({ at }) => at >= from && at <= to);
+  } else {
+    const apart = [1, 2, 3, 4, 6, 10, 20, 50, 100].find((step) => (to - from) / step <= most) ?? 100;
+    for (let at = Math.ceil(from / apart) * apart; at <= to; at += apart) found.push(at);
   }
-  const apart = [1, 2, 3, 4, 6, 10, 20, 50, 100].find((step) => (to - from) / step <= most) ?? 100;
-  for (let at = Math.ceil(from / apart) * apart; at <= to; at += apart) found.push(tick(at));
-  return found;
+  const plain = found.every((at) => at > -3.5 && at < 5);
+  return found.map((at) => ({ at, text: number(10 ** at, 1, plain) }));
 }
 
 function clamp(value, low, high) {

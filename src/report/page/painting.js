@@ -17,11 +17,11 @@ function paintPanel(layout, place, isHidden) {
   const box = [place.left, place.top, place.right, place.bottom];
   const clip = shape("clipPath", { id }, rectangle(...box));
   const inside = shape("g", { "clip-path": `url(#${id})` },
-    ...paintBands(place, isHidden), ...paintRaster(place), ...paintCells(place, isHidden), ...paintGrid(layout, place),
+    ...paintRaster(place), ...paintBands(place, isHidden), ...paintCells(place, isHidden), ...paintGrid(layout, place),
     ...paintLanes(place, isHidden),
     ...(place.panel.zeroLine ? [line(place.left, downOf(place, 0), place.right, downOf(place, 0), "zero")] : []),
     ...place.marks.lines.map((at) => line(at, place.top, at, place.bottom, "mark")),
-    ...shownSeries(place, isHidden).map((series) => paintCurve(place, series)));
+    ...shownSeries(place, isHidden).flatMap((series) => paintCurve(place, series)));
   return [clip, ...paintHead(place, layout.row), ...paintMarkLabels(place, layout.row), inside,
     rectangle(...box, "frame"), ...paintYAxis(place), ...paintDots(place, isHidden), ...paintPointLabels(place, isHidden)];
 }
@@ -94,7 +94,9 @@ function paintXAxis({ xTicks, panels, xLabel, bottom, row, left, right }) {
 function paintBands(place, isHidden) {
   return place.panel.bands.filter((band) => !isHidden(bandKey(band))).map(({ from, to, colour }) => {
     const ends = [from, to].map((x) => acrossOf(place, clamp(x, ...place.view)));
-    return rectangle(ends[0], place.top, ends[1], place.bottom, `band ${colourOf(colour)}`);
+    // A tint would change the colours of a raster.
+    const kind = place.panel.raster ? "band outline" : "band";
+    return rectangle(ends[0], place.top, ends[1], place.bottom, `${kind} ${colourOf(colour)}`);
   });
 }
 
@@ -198,7 +200,9 @@ function paintLanes(place, isHidden) {
 function paintCurve(place, series) {
   const dotted = series.style === "dots" ? "dots" : series.style === "dashed" ? "curve dashed" : "curve";
   const path = series.isLine ? linePath(place, series) : dotPath(place, series);
-  return shape("path", { d: path, class: `${dotted} ${colourOf(series.colour)}` });
+  const curve = shape("path", { d: path, class: `${dotted} ${colourOf(series.colour)}` });
+  // On the colours of a raster a curve needs an edge.
+  return place.panel.raster ? [shape("path", { d: path, class: "casing" }), curve] : [curve];
 }
 
 /** The places of points that may be seen; of a curve along x one more at both ends. */

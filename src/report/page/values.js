@@ -58,13 +58,15 @@ function fullRange(data) {
     ...panel.series.map((series) => shownExtent(series, 0)),
     extent(panel.marks.map((mark) => mark.x)),
     panel.raster?.x,
+    extent(panel.bands.flatMap(({ from, to }) => [from, to])),
     panel.cells?.x,
     extent(panel.lanes.flatMap((lane) => lane.stretches.flatMap(({ from, to }) => [from, to]))),
   ]);
   const all = extent(ranges.filter(Boolean).flat()) ?? [0, 1];
   const curvesTurn = data.panels.some((panel) => panel.series.some((series) => !series.ascending));
   const hasDots = data.panels.some((panel) => panel.series.some((series) => !series.isLine || series.labels.length));
-  return roomy(all, data.logarithmic ? 0.05 : curvesTurn || hasDots ? 0.03 : 0);
+  const hasEdges = data.panels.some((panel) => panel.raster || panel.cells);
+  return roomy(all, data.logarithmic ? 0.05 : (curvesTurn || hasDots) && !hasEdges ? 0.03 : 0);
 }
 
 /** The range that a curve spans with points that have both values. */
