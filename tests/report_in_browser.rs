@@ -14,7 +14,8 @@ const PHONE: u32 = 390;
 /// A browser that shows the sample.
 struct Shown {
     browser: Browser,
-    _folder: TempDir,
+    /// Where the file is; it goes with this.
+    folder: TempDir,
     path: PathBuf,
 }
 
@@ -24,7 +25,7 @@ fn shown(width: u32) -> Shown {
     amontons::report::write(&sample_report::page(), &path).unwrap();
     let mut browser = Browser::start();
     browser.open(&path, width);
-    Shown { browser, _folder: folder, path }
+    Shown { browser, folder, path }
 }
 
 /// The figure of this title as an expression.
@@ -54,7 +55,7 @@ fn live(browser: &mut Browser) -> String {
 
 #[test]
 fn every_figure_is_drawn_wide_and_on_a_phone() {
-    let Shown { mut browser, path, .. } = shown(DESKTOP);
+    let Shown { mut browser, path, folder: _folder } = shown(DESKTOP);
     for width in [DESKTOP, PHONE] {
         browser.open(&path, width);
         let count = browser.number("document.querySelectorAll('figure').length");
@@ -89,7 +90,7 @@ fn every_figure_is_drawn_wide_and_on_a_phone() {
 
 #[test]
 fn texts_of_axes_stay_inside_and_apart() {
-    let Shown { mut browser, path, .. } = shown(PHONE);
+    let Shown { mut browser, path, folder: _folder } = shown(PHONE);
     for width in [PHONE, 768, DESKTOP] {
         browser.open(&path, width);
         let outside = browser.text(
@@ -268,7 +269,7 @@ fn the_scheme_is_the_readers_and_can_be_switched() {
 
 #[test]
 fn without_its_script_a_page_says_where_the_data_are() {
-    let Shown { mut browser, path, .. } = shown(DESKTOP);
+    let Shown { mut browser, path, folder: _folder } = shown(DESKTOP);
     browser.call("Emulation.setScriptExecutionDisabled", &serde_json::json!({ "value": true }));
     browser.load(&path, DESKTOP);
     // What stands in `noscript` is made of elements only where no script runs.

@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
+use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
 /// A browser with one page.
@@ -118,7 +119,12 @@ impl Browser {
         self.eval("document.documentElement.dataset.old = 1");
         self.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
         let state = "document.documentElement?.dataset.old ? 'old' : document.readyState";
-        while self.text(state) != "complete" {}
+        let started = Instant::now();
+        while self.text(state) != "complete" {
+            assert!(started.elapsed() < Duration::from_secs(60), "the page does not open");
+        }
+        let address = self.text("location.href");
+        assert!(address.starts_with("file:"), "{address} in place of {}", path.display());
     }
 
     /// Waits for two frames: what watches sizes has then been told.
