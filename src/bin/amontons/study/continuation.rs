@@ -232,9 +232,9 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
             way.name(),
             between[0],
             between[1],
-            state(before),
+            describe(before),
             metres(before.amplitude),
-            state(after),
+            describe(after),
             metres(after.amplitude)
         );
     }
@@ -283,7 +283,7 @@ fn turn(becomes_unstable: bool) -> &'static str {
 }
 
 /// What a motion does at a fold, where it may take too long to settle.
-fn state(ending: &Ending) -> &'static str {
+pub fn describe(ending: &Ending) -> &'static str {
     match ending.kind {
         Kind::Unsettled if ending.rests() => "decaying motion",
         Kind::Unsettled if ending.rate > 0.0 => "growing motion",

@@ -90,11 +90,11 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
 }
 
 /// What is told of a study.
-struct Told<'a> {
-    scene: &'a Scene,
-    look: &'a Look,
-    question: &'a Question,
-    found: &'a LimitCycles,
+pub struct Told<'a> {
+    pub scene: &'a Scene,
+    pub look: &'a Look,
+    pub question: &'a Question,
+    pub found: &'a LimitCycles,
 }
 
 impl Told<'_> {
@@ -145,7 +145,7 @@ impl Told<'_> {
     }
 
     /// Amplitude, frequency and shares of the states over the parameter.
-    fn chart(&self) -> Chart {
+    pub fn chart(&self) -> Chart {
         let marks: Vec<Mark> = self.found.thresholds.iter().map(mark).collect();
         let plain: Vec<Mark> =
             marks.iter().map(|mark| Mark { label: None, ..mark.clone() }).collect();
@@ -223,7 +223,7 @@ impl Told<'_> {
     }
 
     /// The orbits of the contacts in one plane.
-    fn portrait(&self, portrait: &Portrait, direction: &str) -> Chart {
+    pub fn portrait(&self, portrait: &Portrait, direction: &str) -> Chart {
         let is_tangential = direction == "tangential";
         let mut series: Vec<Series> = Vec::new();
         for (colour, contact) in portrait.orbits.iter().enumerate() {

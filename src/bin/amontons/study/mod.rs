@@ -1,10 +1,10 @@
 //! `amontons study`: each kind of study in a file of its own; what they share stands here.
 
 pub mod arguments;
-mod continuation;
+pub mod continuation;
 mod folder;
-mod limit_cycle;
-mod transient;
+pub mod limit_cycle;
+pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
 use amontons::integrator::select;

@@ -14,7 +14,7 @@ const MOST_LANES: usize = 16;
 const DEEPEST: f64 = -80.0;
 
 /// The history, the logarithms of its amplitudes, its spectrogram, and the contacts' states.
-pub(super) fn chart(scene: &Scene, found: &Transient) -> Chart {
+pub fn chart(scene: &Scene, found: &Transient) -> Chart {
     let panels = [Some(history(found)), amplitudes(found), spectrogram(found), states(found)];
     Chart {
         title: format!("Growth and decay of {} in {}", found.output, scene.name),

@@ -1,6 +1,6 @@
 //! `amontons study transient`: growth and decay in one run.
 
-mod chart;
+pub mod chart;
 
 use super::arguments::Transient as Arguments;
 use super::folder::Folder;
