@@ -4,15 +4,25 @@
 //! | --- | --- |
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | what a motion ends in: when it is settled, what kind it is |
+//! | `attractor` | which endings are the same motion |
+//! | `initial` | runs from other initial values |
+//! | `perturbation` | what perturbations end in, and the thresholds between |
+//! | `basin` | which points of a plane of initial values end in which attractor |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
 
+mod attractor;
+pub mod basin;
 mod ending;
+mod initial;
 mod journal;
 mod look;
+pub mod perturbation;
 
+pub use attractor::{attractors, is_same};
 pub use ending::{Ending, Kind};
+pub use initial::{history, initial_value};
 pub use journal::Journal;
 pub use look::{Look, Wish, output, pace, unit};
 

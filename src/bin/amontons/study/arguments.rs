@@ -1,11 +1,18 @@
 //! What `amontons study` understands.
 
+use super::basin::Basin;
+use super::perturbation::Perturbation;
 use crate::arguments::{Integrator, assignment, positive};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 #[derive(Subcommand)]
-pub enum Study {}
+pub enum Study {
+    /// What perturbations of one initial value end in, and the thresholds between
+    Perturbation(Perturbation),
+    /// Which points of a plane of two initial values end in which attractor
+    Basin(Basin),
+}
 
 /// What all studies take.
 #[derive(Args)]
@@ -15,7 +22,8 @@ pub struct Common {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
-    /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method
+    /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method. A basin
+    /// takes the scene's own method, with which rings move several at once
     #[command(flatten)]
     pub integrator: Integrator,
     /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's,

@@ -1,7 +1,10 @@
 //! `amontons study`: each kind of study in a file of its own; what they share stands here.
 
 pub mod arguments;
+mod attractor;
+mod basin;
 mod folder;
+mod perturbation;
 
 use crate::interrupt::{self, Interrupted};
 use amontons::integrator::select;
@@ -14,12 +17,24 @@ use std::error::Error;
 
 pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
     interrupt::listen();
-    match *command {}
+    match command {
+        Study::Basin(arguments) => basin::run(arguments),
+        Study::Perturbation(arguments) => perturbation::run(arguments),
+    }
 }
 
 /// The scene with the values of the command line and the method and step of the study, its files, and how it is
 /// looked at.
 fn prepared(common: &Common, looking: &Looking) -> Result<(Scene, Source, Look), amontons::Error> {
+    prepared_with(common, looking, &|scene, look| pace(scene, look))
+}
+
+/// The same with another method and step for a scene whose command line gives none.
+fn prepared_with(
+    common: &Common,
+    looking: &Looking,
+    default: &dyn Fn(&mut Scene, &Look),
+) -> Result<(Scene, Source, Look), amontons::Error> {
     let (mut scene, source) = scene::find(&common.scene)?;
     for (name, value) in &common.set {
         assign(&mut scene, name, *value)?;
@@ -30,7 +45,7 @@ fn prepared(common: &Common, looking: &Looking) -> Result<(Scene, Source, Look),
     let look = Look::of(&scene, &wish)?;
     let given = &common.integrator;
     match (given.integrator, given.step, given.preset) {
-        (None, None, None) => pace(&mut scene, &look),
+        (None, None, None) => default(&mut scene, &look),
         (Some(Method::EventDriven), None, None) => {
             scene.set_integrator(given.integrator, Some(look.interval))?;
         }
