@@ -9,21 +9,32 @@
 //! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
 //! | `portrait` | phase portraits of a settled motion |
 //! | `transient` | how one run grows and decays, band by band, beside eigenvalues |
+//! | `attractor` | which endings are the same motion |
+//! | `initial` | runs from other initial values |
+//! | `perturbation` | what perturbations end in, and the thresholds between |
+//! | `basin` | which points of a plane of initial values end in which attractor |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
 
+mod attractor;
+pub mod basin;
 mod continuation;
 mod ending;
+mod initial;
 mod journal;
 mod limit_cycle;
 mod look;
+pub mod perturbation;
 mod portrait;
 mod push;
 pub mod transient;
 
 pub use continuation::{Bistable, Continuation, FRICTION, Fold, Plan, Point, Way, continuation};
+
+pub use attractor::{attractors, is_same};
 pub use ending::{Ending, Kind};
+pub use initial::{history, initial_value};
 pub use journal::Journal;
 pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
 pub use look::{Look, Wish, output, pace, unit};

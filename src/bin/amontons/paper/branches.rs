@@ -7,9 +7,7 @@ use amontons::Error;
 use amontons::report::{Claim, Content, Figure, Section, Table};
 use amontons::scene::{Method, Scene};
 use amontons::stability::candidates::{Bistability, bistability};
-use amontons::study::{
-    Continuation, Fold, Journal, Look, Plan, Push, Watch, continuation,
-};
+use amontons::study::{Continuation, Fold, Journal, Look, Plan, Push, Watch, continuation};
 
 /// µ of both figures: 1.5 to 2.5 in steps of 0.01.
 const FRICTION: [i32; 2] = [150, 250];
@@ -40,10 +38,13 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         let known = bistability(&scene, [values[0], values[values.len() - 1]], &|_| {})?;
         section.figures.push(Figure {
             caption: format!("Fig. {figure}: what {name} ends in over rising and falling µ"),
-            command: Some(format!("amontons study continuation {name} --friction 1.5:2.5:0.01 --resolution 1e-5")),
+            command: Some(format!(
+                "amontons study continuation {name} --friction 1.5:2.5:0.01 --resolution 1e-5"
+            )),
             content: Content::Chart(chart(&scene, &look, &found, Some(&known))),
         });
-        let claims = if name == "set2" { subcritical(&found, &known) } else { two_branches(&found) };
+        let claims =
+            if name == "set2" { subcritical(&found, &known) } else { two_branches(&found) };
         section.claims.extend(claims);
         let Some((claim, table)) = both_integrators(name, &scene, &look, &found, watch)? else {
             return Ok(None);
@@ -88,7 +89,9 @@ fn subcritical(found: &Continuation, known: &Bistability) -> Vec<Claim> {
         ),
         claim(
             "Upwards rest ends where uniform sliding becomes unstable.",
-            format!("rest ends at {high:.5}, a mode of uniform sliding begins to grow at {onset:.5}"),
+            format!(
+                "rest ends at {high:.5}, a mode of uniform sliding begins to grow at {onset:.5}"
+            ),
             (high - onset).abs() <= 2.0 * RESOLUTION,
             None,
         ),
@@ -99,7 +102,8 @@ fn subcritical(found: &Continuation, known: &Bistability) -> Vec<Claim> {
 fn two_branches(found: &Continuation) -> Vec<Claim> {
     let cycles: Vec<[f64; 2]> =
         found.bistable.iter().filter(|range| !range.rests).map(|range| range.range).collect();
-    let told: Vec<String> = cycles.iter().map(|[from, to]| format!("{from:.5} to {to:.5}")).collect();
+    let told: Vec<String> =
+        cycles.iter().map(|[from, to]| format!("{from:.5} to {to:.5}")).collect();
     let near_two = cycles.iter().find(|[from, to]| is_about(0.5 * (from + to), 2.0));
     vec![
         claim(
@@ -149,7 +153,9 @@ fn both_integrators(
     });
     let rows: Vec<_> = rows.collect();
     let claim = claim(
-        &format!("Folds of {name} do not depend on the method: the paper's scheme has those of exact motion."),
+        &format!(
+            "Folds of {name} do not depend on the method: the paper's scheme has those of exact motion."
+        ),
         format!(
             "with a step of {STEP} s the worst of {} is off by {worst:.1e} of itself (holds up to {SCHEME_ERROR:e}, which \
              amontons accuracy gives as that step's error of a cycle's amplitude)",
@@ -159,6 +165,7 @@ fn both_integrators(
         None,
     );
     let head = ["µ", "what changes", "exact motion", "paper's scheme", "apart"].map(str::to_owned);
-    let caption = format!("Folds of {name}: exact motion, and the paper's scheme with a step of {STEP} s");
+    let caption =
+        format!("Folds of {name}: exact motion, and the paper's scheme with a step of {STEP} s");
     Ok(Some((claim, Table { caption, head: head.to_vec(), rows })))
 }

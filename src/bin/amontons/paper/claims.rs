@@ -4,11 +4,8 @@ use amontons::report::{Claim, Page, Verdict};
 
 /// A claim that holds if a condition does; why it does not, where that is known.
 pub fn claim(paper: &str, found: String, holds: bool, reason: Option<&str>) -> Claim {
-    let verdict = if holds {
-        Verdict::Holds
-    } else {
-        Verdict::Differs { reason: reason.map(str::to_owned) }
-    };
+    let verdict =
+        if holds { Verdict::Holds } else { Verdict::Differs { reason: reason.map(str::to_owned) } };
     Claim { paper: paper.to_owned(), found, verdict }
 }
 

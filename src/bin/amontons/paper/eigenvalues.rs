@@ -76,18 +76,24 @@ fn parameters() -> Result<Table, Error> {
         std::iter::once(name.into()).chain(values).collect()
     };
     let module = |scene: &Scene| scene.modules()[0].clone();
-    let mut rows = vec![
-        row("m1, m2 [kg]", &|scene| format!("{}, {}", module(scene).mass[0], module(scene).mass[1])),
-    ];
+    let mut rows = vec![row("m1, m2 [kg]", &|scene| {
+        format!("{}, {}", module(scene).mass[0], module(scene).mass[1])
+    })];
     for i in 0..6 {
-        rows.push(row(&format!("k{} [kN/m]", i + 1), &|scene| format!("{}", 1e-3 * module(scene).stiffness[i])));
+        rows.push(row(&format!("k{} [kN/m]", i + 1), &|scene| {
+            format!("{}", 1e-3 * module(scene).stiffness[i])
+        }));
     }
     rows.push(row("θ [rad]", &|scene| scene.slider.angle.to_string()));
     rows.push(row("δ [m]", &|scene| module(scene).preload.to_string()));
     rows.push(row("v [m/s]", &|scene| scene.slider.velocity.to_string()));
     rows.push(row("β [s]", &|scene| scene.damping.beta.to_string()));
     let head = ["", "set1", "set2"].map(str::to_owned).to_vec();
-    Ok(Table { caption: "Table 1: parameters as the built-in scenes have them".to_owned(), head, rows })
+    Ok(Table {
+        caption: "Table 1: parameters as the built-in scenes have them".to_owned(),
+        head,
+        rows,
+    })
 }
 
 /// Fig. 2(c).
@@ -145,7 +151,10 @@ fn couplings(set1: &Locus, set2: &Locus) -> Vec<Claim> {
             "In both sets modes 3 and 4 merge, and modes 5 and 6, at about 170 and 215 Hz.",
             format!(
                 "Set 1: modes 3 and 4 at {}, 5 and 6 at {}; Set 2: at {} and {} (about: within 5 %)",
-                told(low1), told(high1), told(low2), told(high2)
+                told(low1),
+                told(high1),
+                told(low2),
+                told(high2)
             ),
             both(low1, low2, 170.0) && both(high1, high2, 215.0),
             None,
@@ -154,7 +163,10 @@ fn couplings(set1: &Locus, set2: &Locus) -> Vec<Claim> {
             "In Set 1 modes 5 and 6 merge at a lower µ than modes 3 and 4, in Set 2 at a higher one.",
             format!(
                 "Set 1: {:.4} against {:.4}; Set 2: {:.4} against {:.4}",
-                mu(high1), mu(low1), mu(high2), mu(low2)
+                mu(high1),
+                mu(low1),
+                mu(high2),
+                mu(low2)
             ),
             mu(high1) < mu(low1) && mu(high2) > mu(low2),
             None,
@@ -186,7 +198,11 @@ fn chart(name: &str, locus: &Locus) -> Chart {
     };
     let mark = |x: f64| Mark { x, label: Some(format!("{x:.4}")) };
     let panel = |y_label: &str, series, marks, zero_line| Panel {
-        y_label: y_label.to_owned(), series, marks, zero_line, ..Panel::default()
+        y_label: y_label.to_owned(),
+        series,
+        marks,
+        zero_line,
+        ..Panel::default()
     };
     let crossings = locus.crossings.iter().map(|crossing| mark(crossing.value)).collect();
     let merging = locus.coalescences.iter().map(|merging| mark(merging.value)).collect();
@@ -212,8 +228,10 @@ fn worst(found: &[[f64; 2]], printed: &[[f64; 2]]) -> f64 {
     let mut left = found.to_vec();
     let mut worst: f64 = if left.len() == printed.len() { 0.0 } else { f64::INFINITY };
     for value in printed {
-        let distance = |other: &[f64; 2]| (other[0] - value[0]).abs().max((other[1] - value[1]).abs());
-        let near = (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b])));
+        let distance =
+            |other: &[f64; 2]| (other[0] - value[0]).abs().max((other[1] - value[1]).abs());
+        let near =
+            (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b])));
         // Each eigenvalue stands for one printed value.
         worst = worst.max(near.map_or(f64::INFINITY, |near| distance(&left.swap_remove(near))));
     }
@@ -237,7 +255,8 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
     for (states, alike) in classes(&model)? {
         let found = eigenvalues(&model, &states)?;
         let known = printed.states.get(&states);
-        let difference = known.map_or("–".to_owned(), |known| format!("{:.4}", worst(&found, known)));
+        let difference =
+            known.map_or("–".to_owned(), |known| format!("{:.4}", worst(&found, known)));
         let line = |[re, im]: &[f64; 2]| Line {
             text: format!("{re:+.2} ± {im:.2} i"),
             emphasised: *re > 0.0,
@@ -282,6 +301,8 @@ fn second_stiffness() -> Result<Claim, Error> {
             "with 53 kN/m the worst value of Table 3 is off by {as_printed:.2} Hz, with 53.617 kN/m by {as_used:.4} Hz"
         ),
         as_printed <= ROUNDING,
-        Some("the paper's own Table 3 belongs to 53.617 kN/m, so that is what set2 has; 53 is probably rounded"),
+        Some(
+            "the paper's own Table 3 belongs to 53.617 kN/m, so that is what set2 has; 53 is probably rounded",
+        ),
     ))
 }

@@ -6,8 +6,8 @@ use crate::study::transient::chart;
 use amontons::Error;
 use amontons::report::{Claim, Content, Figure, Section, Table};
 use amontons::scene::Experiment;
-use amontons::study::transient::{Eigenvalue, Finding, Transient, transient};
 use amontons::study::Watch;
+use amontons::study::transient::{Eigenvalue, Finding, Transient, transient};
 
 /// A fitted rate and the eigenvalue's differ by less than this part where they are of one growth.
 const SAME_RATE: f64 = 0.01;
@@ -39,7 +39,8 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
 
 /// Growths that are no combination of others, in order of their beginning.
 fn growths(found: &Transient) -> impl Iterator<Item = &Finding> {
-    let grows = |finding: &&Finding| finding.phase.rate > 0.0 && finding.phase.combination.is_none();
+    let grows =
+        |finding: &&Finding| finding.phase.rate > 0.0 && finding.phase.combination.is_none();
     found.findings.iter().filter(grows)
 }
 
@@ -55,7 +56,9 @@ fn claims(found: &Transient) -> Vec<Claim> {
         })
     };
     let eigenvalue = first.and_then(|finding| finding.resting);
-    let ratio = first.zip(eigenvalue).map(|(finding, eigenvalue)| finding.phase.rate / eigenvalue.rate - 1.0);
+    let ratio = first
+        .zip(eigenvalue)
+        .map(|(finding, eigenvalue)| finding.phase.rate / eigenvalue.rate - 1.0);
     let stuck = second.and_then(|finding| {
         finding.taken.iter().find(|taken| {
             taken.states.contains("St") && taken.eigenvalue.is_some_and(|value| value.rate > 0.0)
@@ -77,29 +80,42 @@ fn claims(found: &Transient) -> Vec<Claim> {
         ),
         claim(
             "It reaches a first orbit at about 1 s.",
-            format!("the first growth ends at {:.2} s (about: within a quarter of a second)",
-                first.map_or(f64::NAN, |finding| finding.phase.span[1])),
+            format!(
+                "the first growth ends at {:.2} s (about: within a quarter of a second); with a push of 1e-7 m/s, which is \
+                 set1's: the paper prints none",
+                first.map_or(f64::NAN, |finding| finding.phase.span[1])
+            ),
             first.is_some_and(|finding| (finding.phase.span[1] - 1.0).abs() <= 0.25),
-            Some("the time depends on how small the perturbation is, which the paper does not print"),
+            Some(
+                "the time depends on how small the perturbation is, which the paper does not print",
+            ),
         ),
         claim(
             "A second growth follows between 1 and 3 s, at about 170 Hz, and its frequency joins the first.",
             format!("{} (about: within 5 %)", told(second)),
-            second.zip(first).is_some_and(|(second, first)| second.phase.span[0] > first.phase.span[0]),
+            second
+                .zip(first)
+                .is_some_and(|(second, first)| second.phase.span[0] > first.phase.span[0]),
             None,
         ),
         claim(
             "The second growth comes from the mode near 168 Hz that grows while one contact sticks.",
-            stuck.map_or("no growing mode of a state with a stuck contact near it".to_owned(), |taken| {
-                format!(
-                    "in {} for {:.0} % of that time, where the nearest eigenvalue has {}",
-                    taken.states, 100.0 * taken.share,
-                    taken.eigenvalue.map_or(String::new(), |value| {
-                        format!("{:.2} Hz and {:+.2} 1/s", value.frequency, value.rate)
-                    })
-                )
-            }),
-            stuck.and_then(|taken| taken.eigenvalue).is_some_and(|value| is_about(value.frequency, 168.0)),
+            stuck.map_or(
+                "no growing mode of a state with a stuck contact near it".to_owned(),
+                |taken| {
+                    format!(
+                        "in {} for {:.0} % of that time, where the nearest eigenvalue has {}",
+                        taken.states,
+                        100.0 * taken.share,
+                        taken.eigenvalue.map_or(String::new(), |value| {
+                            format!("{:.2} Hz and {:+.2} 1/s", value.frequency, value.rate)
+                        })
+                    )
+                },
+            ),
+            stuck
+                .and_then(|taken| taken.eigenvalue)
+                .is_some_and(|value| is_about(value.frequency, 168.0)),
             None,
         ),
     ]
@@ -118,7 +134,12 @@ fn table(found: &Transient) -> Table {
             format!("{:.2} to {:.2}", phase.span[0], phase.span[1]).into(),
             format!("{:.2}", phase.frequency).into(),
             format!("{:+.3} ± {:.1e}", phase.rate, phase.rate_error).into(),
-            finding.resting.map_or("–".to_owned(), |value| format!("{:+.3} at {:.2} Hz", value.rate, value.frequency)).into(),
+            finding
+                .resting
+                .map_or("–".to_owned(), |value| {
+                    format!("{:+.3} at {:.2} Hz", value.rate, value.frequency)
+                })
+                .into(),
             states.join(", ").into(),
         ]
     });

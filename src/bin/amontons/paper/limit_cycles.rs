@@ -74,18 +74,26 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
         let shares = ending.map_or([f64::NAN; 4], |ending| ending.shares);
         let found = format!(
             "states taken: {}; of the time {:.1} % slip, {:.1} % stick, {:.1} % detached",
-            states(ending).join(", "), 100.0 * shares[0], 100.0 * shares[2], 100.0 * shares[3]
+            states(ending).join(", "),
+            100.0 * shares[0],
+            100.0 * shares[2],
+            100.0 * shares[3]
         );
         claim(paper, found, states(ending) == expected, None)
     };
     let at = |change: Change| {
-        let threshold = found.thresholds.iter().find(|threshold| threshold.changes.contains(&change));
+        let threshold =
+            found.thresholds.iter().find(|threshold| threshold.changes.contains(&change));
         threshold.map_or(f64::NAN, |threshold| 0.5 * (threshold.between[0] + threshold.between[1]))
     };
     let detaches = at(Change::Appears(ContactState::Detached));
     let slips = at(Change::Vanishes(ContactState::Stick));
     vec![
-        regime("At v = 0.05 m/s the masses stick and slip, and do not detach.", SHOWN[0], &["Sl", "St"]),
+        regime(
+            "At v = 0.05 m/s the masses stick and slip, and do not detach.",
+            SHOWN[0],
+            &["Sl", "St"],
+        ),
         regime("At v = 0.15 m/s they stick, slip and detach.", SHOWN[1], &["Sl", "St", "Dt"]),
         regime("At v = 0.25 m/s they slip and detach, and do not stick.", SHOWN[2], &["Sl", "Dt"]),
         independent(question, found),
@@ -93,8 +101,10 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
             "The first slope of the amplitude changes, and detachment begins, at about 0.1 m/s.",
             format!("contacts detach from {detaches:.5} m/s on (about: within a fifth)"),
             (detaches / 0.1 - 1.0).abs() <= 0.2,
-            Some("the paper reads the value off a plot where the slope changes; the first short detachment comes \
-                  before the slope tells"),
+            Some(
+                "the paper reads the value off a plot where the slope changes; the first short detachment comes \
+                  before the slope tells",
+            ),
         ),
         claim(
             "The second slope changes, and sticking ends, at about 0.2 m/s.",
@@ -107,7 +117,8 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
 
 /// Beyond sticking the motion does not depend on the velocity.
 fn independent(question: &Question, found: &LimitCycles) -> Claim {
-    let beyond = question.values.iter().zip(&found.outcomes).filter(|(value, _)| **value >= SHOWN[2]);
+    let beyond =
+        question.values.iter().zip(&found.outcomes).filter(|(value, _)| **value >= SHOWN[2]);
     let amplitudes: Vec<f64> = beyond
         .map(|(_, outcome)| match outcome {
             Outcome::Ending(ending) => ending.amplitude,
@@ -116,7 +127,8 @@ fn independent(question: &Question, found: &LimitCycles) -> Claim {
         .collect();
     let least = amplitudes.iter().copied().fold(f64::INFINITY, f64::min);
     let most = amplitudes.iter().copied().fold(0.0, f64::max);
-    let spread = if amplitudes.iter().all(|a| a.is_finite()) { most / least - 1.0 } else { f64::NAN };
+    let spread =
+        if amplitudes.iter().all(|a| a.is_finite()) { most / least - 1.0 } else { f64::NAN };
     claim(
         "Where nothing sticks the limit cycle does not depend on v.",
         format!(

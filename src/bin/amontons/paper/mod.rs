@@ -10,7 +10,7 @@ mod perturbations;
 use crate::interrupt::{self, Interrupted};
 use amontons::Error;
 use amontons::report::{Cell, Page, Section, Table, write};
-use amontons::scene::{Scene, builtin};
+use amontons::scene::{Scene, named};
 use amontons::simulation::assign;
 use amontons::study::{Look, Watch, Wish, pace};
 use clap::Args;
@@ -86,7 +86,7 @@ const LEAD: [&str; 2] = [
 
 /// A built-in scene with other values, moved as studies move it, and how it is looked at.
 fn scene(name: &str, values: &[(&str, f64)]) -> Result<(Scene, Look), Error> {
-    let mut scene = builtin(name)?.scene();
+    let mut scene = named(name)?.scene();
     for (name, value) in values {
         assign(&mut scene, name, *value)?;
     }
@@ -96,8 +96,11 @@ fn scene(name: &str, values: &[(&str, f64)]) -> Result<(Scene, Look), Error> {
 }
 
 fn time(times: &[(&str, f64)]) -> Section {
-    let row = |name: &str, seconds: f64| -> Vec<Cell> { vec![name.into(), format!("{seconds:.2}").into()] };
-    let mut rows: Vec<Vec<Cell>> = times.iter().map(|(name, seconds)| row(name, *seconds)).collect();
+    let row = |name: &str, seconds: f64| -> Vec<Cell> {
+        vec![name.into(), format!("{seconds:.2}").into()]
+    };
+    let mut rows: Vec<Vec<Cell>> =
+        times.iter().map(|(name, seconds)| row(name, *seconds)).collect();
     rows.push(row("all", times.iter().map(|(_, seconds)| seconds).sum()));
     let cores = std::thread::available_parallelism().map_or(1, usize::from);
     Section {

@@ -1,6 +1,8 @@
 //! What `amontons study` understands.
 
+use super::basin::Basin;
 use super::limit_cycle::LimitCycle;
+use super::perturbation::Perturbation;
 use crate::arguments::{Integrator, Values, assignment, positive};
 use amontons::sweep::range;
 use clap::{Args, Subcommand, ValueEnum};
@@ -19,6 +21,10 @@ pub enum Study {
     /// Ctrl-C ends the run, and what it has done is looked at and written (exit code 130). A run takes a second or
     /// so, so the same command runs it anew.
     Transient(Transient),
+    /// What perturbations of one initial value end in, and the thresholds between
+    Perturbation(Perturbation),
+    /// Which points of a plane of two initial values end in which attractor
+    Basin(Basin),
 }
 
 #[derive(Args)]
@@ -45,7 +51,8 @@ pub struct Common {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
-    /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method
+    /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method. A basin
+    /// takes the scene's own method, with which rings move several at once
     #[command(flatten)]
     pub integrator: Integrator,
     /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's,

@@ -1,9 +1,12 @@
 //! `amontons study`: each kind of study in a file of its own; what they share stands here.
 
 pub mod arguments;
+mod attractor;
+mod basin;
 pub mod continuation;
 mod folder;
 pub mod limit_cycle;
+pub mod perturbation;
 pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
@@ -21,6 +24,8 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
         Study::Continuation(arguments) => continuation::run(arguments),
         Study::LimitCycle(arguments) => limit_cycle::run(arguments),
         Study::Transient(arguments) => transient::run(arguments),
+        Study::Basin(arguments) => basin::run(arguments),
+        Study::Perturbation(arguments) => perturbation::run(arguments),
     }
 }
 
@@ -36,19 +41,33 @@ fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
 
 /// The same with the method and step of the study, and how it is looked at.
 fn prepared(common: &Common, looking: &Looking) -> Result<(Scene, Source, Look), amontons::Error> {
+    prepared_with(common, looking, pace)
+}
+
+/// The same with another method and step for a scene whose command line gives none.
+fn prepared_with(
+    common: &Common,
+    looking: &Looking,
+    default: fn(&mut Scene, &Look),
+) -> Result<(Scene, Source, Look), amontons::Error> {
     let (mut scene, source) = found(common)?;
     let Looking { of, window, interval, longest } = looking;
     let wish = Wish { of: of.as_deref(), interval: *interval, window: *window, longest: *longest };
     let look = Look::of(&scene, &wish)?;
-    set_pace(&mut scene, common, &look)?;
+    set_pace(&mut scene, common, &look, default)?;
     Ok((scene, source, look))
 }
 
 /// Gives a scene the method and step of a study.
-fn set_pace(scene: &mut Scene, common: &Common, look: &Look) -> Result<(), amontons::Error> {
+fn set_pace(
+    scene: &mut Scene,
+    common: &Common,
+    look: &Look,
+    default: fn(&mut Scene, &Look),
+) -> Result<(), amontons::Error> {
     let given = &common.integrator;
     match (given.integrator, given.step, given.preset) {
-        (None, None, None) => pace(scene, look),
+        (None, None, None) => default(scene, look),
         (Some(Method::EventDriven), None, None) => {
             scene.set_integrator(given.integrator, Some(look.interval))?;
         }

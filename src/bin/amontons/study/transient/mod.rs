@@ -8,7 +8,7 @@ use super::{found, set_pace, watched};
 use crate::interrupt::Interrupted;
 use amontons::scene::{Experiment, Scene};
 use amontons::study::transient::{Eigenvalue, Finding, Taken, Transient, interval, transient};
-use amontons::study::{Look, output};
+use amontons::study::{Look, output, pace};
 use serde_json::json;
 use std::error::Error;
 use std::io::{ErrorKind, Write, stdout};
@@ -29,7 +29,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         window: stop_time,
         longest: stop_time,
     };
-    set_pace(&mut scene, &arguments.common, &look)?;
+    set_pace(&mut scene, &arguments.common, &look, pace)?;
     let settings = json!({
         "of": arguments.of,
         "stop_time": stop_time,
