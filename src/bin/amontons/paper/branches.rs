@@ -113,10 +113,12 @@ fn two_branches(found: &Continuation) -> Vec<Claim> {
             None,
         ),
         claim(
-            "There is one such range.",
-            format!("{} found", cycles.len()),
+            "The text speaks of one such transition.",
+            format!(
+                "{} were found; which of them the figure shows the text does not say",
+                cycles.len()
+            ),
             cycles.len() == 1,
-            // The text prints one value; what its figure shows elsewhere is not in it.
             None,
         ),
     ]
@@ -154,7 +156,7 @@ fn both_integrators(
     let rows: Vec<_> = rows.collect();
     let claim = claim(
         &format!(
-            "Folds of {name} do not depend on the method: the paper's scheme has those of exact motion."
+            "(Not in the paper) Folds of {name} do not depend on the method: the paper's scheme has those of exact motion."
         ),
         format!(
             "with a step of {STEP} s the worst of {} is off by {worst:.1e} of itself (holds up to {SCHEME_ERROR:e}, which \

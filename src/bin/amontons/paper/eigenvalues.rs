@@ -136,6 +136,12 @@ fn grows(locus: &Locus, friction: f64) -> Vec<usize> {
     modes.filter(|mode| locus.branches[*mode][place].lambda.re > 0.0).map(|mode| mode + 1).collect()
 }
 
+/// Numbers of modes in words.
+fn listed(modes: &[usize]) -> String {
+    let modes: Vec<String> = modes.iter().map(ToString::to_string).collect();
+    if modes.is_empty() { "none".to_owned() } else { modes.join(", ") }
+}
+
 fn couplings(set1: &Locus, set2: &Locus) -> Vec<Claim> {
     let pairs = [[3, 4], [5, 6]].map(|modes| [merging(set1, modes), merging(set2, modes)]);
     let told = |merge: &Option<[f64; 2]>| {
@@ -173,13 +179,17 @@ fn couplings(set1: &Locus, set2: &Locus) -> Vec<Claim> {
         ),
         claim(
             "At µ = 1.5 uniform sliding of Set 1 is unstable, by mode 6.",
-            format!("modes that grow: {:?}", grows(set1, 1.5)),
+            format!("modes that grow: {}", listed(&grows(set1, 1.5))),
             grows(set1, 1.5) == [6],
             None,
         ),
         claim(
             "At µ = 1.96 uniform sliding of Set 1 is unstable, that of Set 2 is stable.",
-            format!("modes that grow: {:?} and {:?}", grows(set1, FRICTION), grows(set2, FRICTION)),
+            format!(
+                "modes that grow: {} in Set 1, {} in Set 2",
+                listed(&grows(set1, FRICTION)),
+                listed(&grows(set2, FRICTION))
+            ),
             !grows(set1, FRICTION).is_empty() && grows(set2, FRICTION).is_empty(),
             None,
         ),
