@@ -44,6 +44,8 @@ struct DrawnSeries<'a> {
     style: Style,
     /// Does x never go back?
     ascending: bool,
+    /// Are points left out, so that what is between two of them is not known?
+    thinned: bool,
     x: Vec<f64>,
     y: Vec<f64>,
     labels: Vec<&'a str>,
@@ -82,6 +84,13 @@ struct DrawnCells {
     columns: usize,
     /// Lowest first: class and how many cells of it follow, in turn.
     rows: Vec<Vec<usize>>,
+}
+
+impl Drawn<'_> {
+    /// Are curves thinned?
+    pub(super) fn is_thinned(&self) -> bool {
+        self.panels.iter().any(|panel| panel.series.iter().any(|series| series.thinned))
+    }
 }
 
 /// The data of a figure.
@@ -133,6 +142,7 @@ fn of_series(series: &Series, logarithmic: bool) -> DrawnSeries<'_> {
         label: series.label.as_deref(),
         colour: series.colour,
         style: series.style,
+        thinned: places.len() < series.points.len(),
         ascending: descending || is_ascending(&series.points),
         x: values(0),
         y: values(1),
