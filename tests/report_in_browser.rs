@@ -28,6 +28,9 @@ fn shown(width: u32) -> Shown {
     Shown { browser, folder, path }
 }
 
+/// What a reader does.
+type Act = fn(&mut Browser);
+
 /// The figure of this title as an expression.
 fn figure(title: &str) -> String {
     format!(
@@ -129,6 +132,29 @@ fn arrow_keys_read_the_values_of_a_curve() {
 }
 
 #[test]
+fn what_is_read_from_a_thinned_curve_are_its_own_points() {
+    let mut browser = shown(DESKTOP).browser;
+    let figure = figure(sample_report::TRANSIENT);
+    browser.eval(&format!("{figure}.querySelector('.plot').focus()"));
+    browser.key("Home");
+    let mut last = 0.0;
+    for _ in 0..15 {
+        browser.key("ArrowRight");
+        let said = browser.text(&format!("{figure}.querySelector('.live').textContent"));
+        let number = |after: &str| -> f64 {
+            let text = said.split(after).nth(1).unwrap_or_else(|| panic!("{after} in {said}"));
+            text.split(';').next().unwrap().replace('−', "-").parse().unwrap()
+        };
+        let (t, value) = (number("Time [s]: "), number("]: ẋ1: "));
+        assert!(t > last + 0.04, "a hundredth of the range at a time: {last}, {t}");
+        last = t;
+        // Five digits; samples stand at multiples of 50 µs, so t is exact.
+        let exact = sample_report::wave(t);
+        assert!((value - exact).abs() <= 6e-5 * exact.abs(), "{value} for {exact} at {t}");
+    }
+}
+
+#[test]
 fn the_pointer_reads_the_nearest_point() {
     let mut browser = shown(DESKTOP).browser;
     let at = place_of(&mut browser, 30.2);
@@ -151,7 +177,7 @@ fn place_of(browser: &mut Browser, x: f64) -> [f64; 2] {
 fn a_drag_zooms_and_escape_a_double_click_and_a_button_go_back() {
     let mut browser = shown(DESKTOP).browser;
     assert_eq!(first_and_last_tick(&mut browser), [0.0, 50.0]);
-    let back: [(&str, fn(&mut Browser)); 3] = [
+    let back: [(&str, Act); 3] = [
         ("Escape", |browser| browser.key("Escape")),
         ("a double click", |browser| {
             let at = place_of(browser, 25.0);

@@ -26,6 +26,10 @@ pub(super) fn figure(figure: &Figure, number: usize) -> Result<String, Error> {
             format_args!("<p class=\"command\">Made by <code>{}</code></p>\n", text(command)),
         );
     }
+    if data.is_thinned() {
+        html += "<p class=\"hint\">Long curves keep some 4000 of their points here: what the whole figure shows. A zoom \
+                 shows no more of them.</p>\n";
+    }
     html += "</figcaption>\n<details>\n<summary>The data as a table</summary>\n";
     let listings = listings(&figure.content);
     for (place, listing) in listings.tables.iter().enumerate() {

@@ -108,9 +108,15 @@ fn envelope(t: f64) -> f64 {
     first + second
 }
 
+/// The velocity in the figure of this title.
+pub const TRANSIENT: &str = "Response to a small perturbation, µ = 1.96";
+
+pub fn wave(t: f64) -> f64 {
+    envelope(t) * ((TAU * 219.0 * t).sin() + 0.5 * (TAU * 168.0 * t).sin())
+}
+
 /// A velocity with 100,001 points, its spectrogram, and the states of two contacts.
 fn transient() -> Chart {
-    let wave = |t: f64| envelope(t) * ((TAU * 219.0 * t).sin() + 0.5 * (TAU * 168.0 * t).sin());
     let level = |t: f64, f: f64| {
         let peak = |at: f64, size: f64| size * (-((f - at) / 4.0).powi(2)).exp();
         let first = peak(219.0, envelope(t).min(0.02) + 1e-4);
@@ -132,7 +138,7 @@ fn transient() -> Chart {
     };
     let class = |name: &str, colour| Class { name: name.into(), colour };
     Chart {
-        title: "Response to a small perturbation, µ = 1.96".into(),
+        title: TRANSIENT.into(),
         x_label: "Time [s]".into(),
         panels: vec![
             Panel {

@@ -27,7 +27,12 @@ function line(x1, y1, x2, y2, kind) {
 
 function rectangle(left, top, right, bottom, kind) {
   const box = { x: pixel(left), y: pixel(top) };
-  return shape("rect", { ...box, width: pixel(Math.max(right - left, 0)), height: pixel(bottom - top), class: kind });
+  return shape("rect", {
+    ...box,
+    width: pixel(Math.max(right - left, 0)),
+    height: pixel(bottom - top),
+    class: kind,
+  });
 }
 
 /** A text whose middle height is at y. */

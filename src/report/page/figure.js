@@ -7,6 +7,11 @@ const FINEST = 1e-4;
 /** How far an arrow key goes, as a part of the range that is shown; at least to the next point. */
 const STRIDE = 1 / 100;
 
+/** A line of the crosshair, with an edge that keeps it apart from any colour. */
+function hair(...ends) {
+  return [line(...ends, "crosshair-edge"), line(...ends, "crosshair")];
+}
+
 class ChartFigure {
   constructor(figure) {
     this.data = readValues(figure.querySelector('script[type="application/json"]').textContent);
@@ -23,17 +28,31 @@ class ChartFigure {
   }
 
   build(stage, title) {
-    this.plot = element("div", { class: "plot", tabindex: "0", role: "application", "aria-label": `Chart: ${title}. ${this.help()}` });
+    this.plot = element("div", {
+      class: "plot",
+      tabindex: "0",
+      role: "application",
+      "aria-label": `Chart: ${title}. ${this.help()}`,
+    });
     this.live = element("p", { class: "unseen live", "aria-live": "polite" });
     this.whole = this.button("Whole range", () => this.zoomTo(this.data.full));
-    const zoom = element("div", { class: "zoom", role: "group", "aria-label": "Zoom" },
-      this.button("−", () => this.zoomBy(2), "Zoom out"), this.button("+", () => this.zoomBy(0.5), "Zoom in"), this.whole);
+    const zoom = element(
+      "div",
+      { class: "zoom", role: "group", "aria-label": "Zoom" },
+      this.button("−", () => this.zoomBy(2), "Zoom out"),
+      this.button("+", () => this.zoomBy(0.5), "Zoom in"),
+      this.whole,
+    );
     stage.append(element("div", { class: "tools" }, this.legend(), zoom), this.plot, this.live);
     this.listen();
   }
 
   help() {
-    const arrows = { along: "Left and right arrow keys read values", points: "Arrow keys go along a curve and between curves", cells: "Arrow keys go from cell to cell" };
+    const arrows = {
+      along: "Left and right arrow keys read values",
+      points: "Arrow keys go along a curve and between curves",
+      cells: "Arrow keys go from cell to cell",
+    };
     return `${arrows[this.reading]}; plus and minus zoom, Escape shows the whole range.`;
   }
 
@@ -49,12 +68,18 @@ class ChartFigure {
     const entries = new Map();
     for (const panel of this.data.panels) {
       for (const { key, label: text, colour, style, labels } of panel.series) {
-        if (text) entries.set(key, { text, colour, kind: style === "line" && !labels.length ? "curve" : style === "dashed" ? "curve dashed" : "dots" });
+        if (text)
+          entries.set(key, {
+            text,
+            colour,
+            kind: style === "line" && !labels.length ? "curve" : style === "dashed" ? "curve dashed" : "dots",
+          });
       }
       for (const band of panel.bands) {
         if (band.label) entries.set(bandKey(band), { text: band.label, colour: band.colour, kind: "band" });
       }
-      for (const one of panel.classes) entries.set(classKey(one), { text: one.name, colour: one.colour, kind: "area" });
+      for (const one of panel.classes)
+        entries.set(classKey(one), { text: one.name, colour: one.colour, kind: "area" });
     }
     const buttons = [...entries].map(([key, entry]) => this.switchOf(key, entry));
     return element("div", { class: "legend", role: "group", "aria-label": "Show or hide" }, ...buttons);
@@ -62,10 +87,16 @@ class ChartFigure {
 
   switchOf(key, { text, colour, kind }) {
     const area = kind === "band" || kind === "area";
-    const sample = area ? rectangle(3, 1, 25, 13, kind) : shape("path", { d: kind === "dots" ? "M14 7h0" : "M1 7H27", class: kind });
+    const sample = area
+      ? rectangle(3, 1, 25, 13, kind)
+      : shape("path", { d: kind === "dots" ? "M14 7h0" : "M1 7H27", class: kind });
     sample.classList.add(...colourOf(colour).split(" "));
-    const button = element("button", { type: "button", "aria-pressed": "true" },
-      shape("svg", { width: 28, height: 14, "aria-hidden": "true" }, sample), text);
+    const button = element(
+      "button",
+      { type: "button", "aria-pressed": "true" },
+      shape("svg", { width: 28, height: 14, "aria-hidden": "true" }, sample),
+      text,
+    );
     button.addEventListener("click", () => {
       if (!this.hidden.delete(key)) this.hidden.add(key);
       button.setAttribute("aria-pressed", String(!this.hidden.has(key)));
@@ -113,21 +144,25 @@ class ChartFigure {
   showAlong() {
     const at = acrossOf(this.layout, this.cursor.x);
     this.layout.panels.forEach((place, i) => {
-      this.over.append(line(at, place.top, at, place.bottom, "crosshair"));
+      this.over.append(...hair(at, place.top, at, place.bottom));
       const lines = this.linesAlong(place);
       for (const { series, at: value, colour } of lines) {
         if (series) this.over.append(this.dot(at, downOf(place, value), colour));
       }
       if (this.pointedAt(place) !== undefined) {
         const y = downOf(place, this.cursor.y);
-        this.over.append(line(place.left, y, place.right, y, "crosshair"));
+        this.over.append(...hair(place.left, y, place.right, y));
       }
       this.showValues(place, at, i === 0 ? [this.lineOfX(), ...lines] : lines);
     });
   }
 
   linesAlong(place) {
-    return linesAlong(place, this.cursor.x, { data: this.data, isHidden: this.isHidden, y: this.pointedAt(place) });
+    return linesAlong(place, this.cursor.x, {
+      data: this.data,
+      isHidden: this.isHidden,
+      y: this.pointedAt(place),
+    });
   }
 
   /** y of the pointer where it has a meaning: over a raster. */
@@ -144,18 +179,31 @@ class ChartFigure {
     if (this.reading === "cells") {
       const { column, row } = this.cursor;
       const { cells } = this.data.panels[0];
-      const middle = ([from, to], count, place) => (count === 1 ? (from + to) / 2 : from + ((to - from) * place) / (count - 1));
-      return { place: this.layout.panels[0], x: middle(cells.x, cells.columns, column), y: middle(cells.y, cells.rows.length, row),
-        lines: linesOfCell(this.data, this.data.panels[0], column, row) };
+      const middle = ([from, to], count, place) =>
+        count === 1 ? (from + to) / 2 : from + ((to - from) * place) / (count - 1);
+      return {
+        place: this.layout.panels[0],
+        x: middle(cells.x, cells.columns, column),
+        y: middle(cells.y, cells.rows.length, row),
+        lines: linesOfCell(this.data, this.data.panels[0], column, row),
+      };
     }
     const { panel, series, point } = this.cursor;
-    return { place: this.layout.panels.find((place) => place.panel === panel), x: series.x[point], y: series.y[point],
-      lines: linesOfPoint(this.data, panel, series, point), colour: series.colour };
+    return {
+      place: this.layout.panels.find((place) => place.panel === panel),
+      x: series.x[point],
+      y: series.y[point],
+      lines: linesOfPoint(this.data, panel, series, point),
+      colour: series.colour,
+    };
   }
 
   showPlace({ place, x, y, lines, colour }) {
     const [across, down] = [acrossOf(place, x), downOf(place, y)];
-    this.over.append(line(across, place.top, across, place.bottom, "crosshair"), line(place.left, down, place.right, down, "crosshair"));
+    this.over.append(
+      ...hair(across, place.top, across, place.bottom),
+      ...hair(place.left, down, place.right, down),
+    );
     if (colour !== undefined) this.over.append(this.dot(across, down, colour));
     this.showValues(place, across, lines);
   }
@@ -192,7 +240,9 @@ class ChartFigure {
   sayAlong() {
     const parts = this.layout.panels.map((place) => {
       const text = spoken(this.linesAlong(place));
-      return text && this.layout.panels.length > 1 && place.panel.hasY ? `${place.panel.yLabel}: ${text}` : text;
+      return text && this.layout.panels.length > 1 && place.panel.hasY
+        ? `${place.panel.yLabel}: ${text}`
+        : text;
     });
     return [spoken([this.lineOfX()]), ...parts].filter(Boolean).join("; ");
   }
@@ -210,7 +260,10 @@ class ChartFigure {
     plot.addEventListener("pointermove", (event) => this.move(event));
     plot.addEventListener("pointerup", (event) => this.release(event));
     plot.addEventListener("pointercancel", () => this.endDrag());
-    plot.addEventListener("pointerleave", (event) => event.pointerType === "mouse" && !this.drag && this.moveTo(null));
+    plot.addEventListener(
+      "pointerleave",
+      (event) => event.pointerType === "mouse" && !this.drag && this.moveTo(null),
+    );
     plot.addEventListener("dblclick", () => this.zoomTo(this.data.full));
     plot.addEventListener("keydown", (event) => this.pressKey(event));
     plot.addEventListener("focus", () => plot.matches(":focus-visible") && !this.cursor && this.begin());
@@ -245,7 +298,9 @@ class ChartFigure {
     const ends = [this.drag.from, this.drag.to].sort((a, b) => a - b);
     this.cursor = null;
     this.showCursor();
-    this.over.append(...panels.map(({ top, bottom }) => rectangle(ends[0], top, ends[1], bottom, "selection")));
+    this.over.append(
+      ...panels.map(({ top, bottom }) => rectangle(ends[0], top, ends[1], bottom, "selection")),
+    );
   }
 
   release() {
@@ -282,7 +337,8 @@ class ChartFigure {
 
   cellAt(x, y) {
     const { cells } = this.data.panels[0];
-    const placeIn = ([from, to], count, value) => clamp(Math.round(((value - from) / (to - from)) * (count - 1)), 0, count - 1);
+    const placeIn = ([from, to], count, value) =>
+      clamp(Math.round(((value - from) / (to - from)) * (count - 1)), 0, count - 1);
     return { column: placeIn(cells.x, cells.columns, x), row: placeIn(cells.y, cells.rows.length, y) };
   }
 
@@ -302,8 +358,11 @@ class ChartFigure {
   pressKey(event) {
     const steps = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowDown: [0, -1], ArrowUp: [0, 1] };
     const acts = {
-      Home: () => this.toEnd(0), End: () => this.toEnd(1),
-      "+": () => this.zoomBy(0.5), "=": () => this.zoomBy(0.5), "-": () => this.zoomBy(2),
+      Home: () => this.toEnd(0),
+      End: () => this.toEnd(1),
+      "+": () => this.zoomBy(0.5),
+      "=": () => this.zoomBy(0.5),
+      "-": () => this.zoomBy(2),
       Escape: () => this.leave(),
     };
     const step = steps[event.key];
@@ -319,7 +378,8 @@ class ChartFigure {
   begin() {
     const x = (this.view[0] + this.view[1]) / 2;
     if (this.reading === "along") this.moveTo({ x: this.stopNear(x) });
-    else if (this.reading === "cells") this.moveTo(this.cellAt(x, (this.data.panels[0].cells.y[0] + this.data.panels[0].cells.y[1]) / 2));
+    else if (this.reading === "cells")
+      this.moveTo(this.cellAt(x, (this.data.panels[0].cells.y[0] + this.data.panels[0].cells.y[1]) / 2));
     else this.moveTo(this.firstPoint());
     this.say();
   }
@@ -330,8 +390,16 @@ class ChartFigure {
 
   /** Each curve that is shown, with its first point. */
   readableCurves() {
-    return this.data.panels.flatMap((panel) => panel.series.filter((series) => !this.isHidden(series.key)).map((series) =>
-      ({ panel, series, point: series.y.findIndex((y, i) => Number.isFinite(y + series.x[i])) })).filter(({ point }) => point >= 0));
+    return this.data.panels.flatMap((panel) =>
+      panel.series
+        .filter((series) => !this.isHidden(series.key))
+        .map((series) => ({
+          panel,
+          series,
+          point: series.y.findIndex((y, i) => Number.isFinite(y + series.x[i])),
+        }))
+        .filter(({ point }) => point >= 0),
+    );
   }
 
   step(across, up, isFine) {
@@ -349,9 +417,10 @@ class ChartFigure {
     const { x } = this.cursor;
     // Rounding of the stride must not leave out the point that is that far away.
     const slack = 1e-9 * (this.view[1] - this.view[0]);
-    const place = across > 0
-      ? Math.max(firstFrom(stops, x + far - slack), firstFrom(stops, x) + 1)
-      : Math.min(firstFrom(stops, x - far + slack) - 1, firstFrom(stops, x) - 1);
+    const place =
+      across > 0
+        ? Math.max(firstFrom(stops, x + far - slack), firstFrom(stops, x) + 1)
+        : Math.min(firstFrom(stops, x - far + slack) - 1, firstFrom(stops, x) - 1);
     const to = stops[clamp(place, 0, stops.length - 1)];
     return { x: to >= this.view[0] && to <= this.view[1] ? to : x };
   }
@@ -360,7 +429,10 @@ class ChartFigure {
     const { columns, rows } = this.data.panels[0].cells;
     const far = (count) => (isFine ? 1 : Math.max(1, Math.round(count / 50)));
     const { column, row } = this.cursor;
-    return { column: clamp(column + across * far(columns), 0, columns - 1), row: clamp(row + up * far(rows.length), 0, rows.length - 1) };
+    return {
+      column: clamp(column + across * far(columns), 0, columns - 1),
+      row: clamp(row + up * far(rows.length), 0, rows.length - 1),
+    };
   }
 
   stepPoints(across, up, isFine) {
@@ -378,11 +450,18 @@ class ChartFigure {
     this.begin();
     if (this.reading === "along") {
       const { stops } = this.data;
-      this.moveTo({ x: end ? stops[firstFrom(stops, this.view[1] * (1 + Math.sign(this.view[1]) * 1e-12)) - 1] ?? stops[0] : stops[firstFrom(stops, this.view[0])] });
+      this.moveTo({
+        x: end
+          ? (stops[firstFrom(stops, this.view[1] * (1 + Math.sign(this.view[1]) * 1e-12)) - 1] ?? stops[0])
+          : stops[firstFrom(stops, this.view[0])],
+      });
     } else if (this.reading === "cells") {
       this.moveTo({ ...this.cursor, column: end ? this.data.panels[0].cells.columns - 1 : 0 });
     } else if (this.cursor) {
-      this.moveTo({ ...this.cursor, point: end ? this.cursor.series.y.findLastIndex(Number.isFinite) : this.cursor.point });
+      this.moveTo({
+        ...this.cursor,
+        point: end ? this.cursor.series.y.findLastIndex(Number.isFinite) : this.cursor.point,
+      });
     }
     this.say();
   }
@@ -396,7 +475,11 @@ class ChartFigure {
 
   zoomBy(factor) {
     const [from, to] = this.view;
-    const about = this.cursor ? (this.reading === "along" ? this.cursor.x : this.placeOfCursor().x) : (from + to) / 2;
+    const about = this.cursor
+      ? this.reading === "along"
+        ? this.cursor.x
+        : this.placeOfCursor().x
+      : (from + to) / 2;
     this.zoomTo([about - factor * (about - from), about + factor * (to - about)]);
   }
 

@@ -29,8 +29,20 @@ function layoutOf(data, width, view, isHidden) {
   }
   const xLabel = wrapped(data.xLabel, right - left);
   const bottom = panels.at(-1).bottom;
-  return { data, width, size, row, panels, left, right, view, xTicks, xLabel, bottom,
-    height: bottom + TICK + row * (1 + xLabel.length) + 6 };
+  return {
+    data,
+    width,
+    size,
+    row,
+    panels,
+    left,
+    right,
+    view,
+    xTicks,
+    xLabel,
+    bottom,
+    height: bottom + TICK + row * (1 + xLabel.length) + 6,
+  };
 }
 
 function heightOf(panel, count, width) {
@@ -80,14 +92,18 @@ function placeHead(place, top, row) {
  */
 function placeMarks(place, top, row) {
   const seen = place.panel.marks.filter(({ x }) => x >= place.view[0] && x <= place.view[1]);
-  const labelled = seen.filter(({ label }) => label).map(({ x, label }) => ({ at: acrossOf(place, x), label }));
+  const labelled = seen
+    .filter(({ label }) => label)
+    .map(({ x, label }) => ({ at: acrossOf(place, x), label }));
   let edge = Infinity;
-  const wanted = labelled.sort((a, b) => b.at - a.at).map(({ at, label }) => {
-    const width = textWidth(label) + 8;
-    const ends = (at + width > place.right + 12 || at > edge) && at - width > 0;
-    if (ends) edge = Math.min(edge, at - width);
-    return { at, label, ends, span: ends ? [at - width, at] : [at, at + width] };
-  });
+  const wanted = labelled
+    .sort((a, b) => b.at - a.at)
+    .map(({ at, label }) => {
+      const width = textWidth(label) + 8;
+      const ends = (at + width > place.right + 12 || at > edge) && at - width > 0;
+      if (ends) edge = Math.min(edge, at - width);
+      return { at, label, ends, span: ends ? [at - width, at] : [at, at + width] };
+    });
   wanted.sort((a, b) => (a.ends === b.ends ? (a.ends ? a.at - b.at : b.at - a.at) : a.ends ? -1 : 1));
   const placed = [];
   for (const one of wanted) {

@@ -38,7 +38,9 @@ function logarithmicTicks([from, to], most) {
   const found = [];
   if (to - from < 2) {
     for (let power = Math.floor(from); power <= to; power++) {
-      found.push(...[1, 2, 5].map((digit) => power + Math.log10(digit)).filter((at) => at >= from && at <= to));
+      found.push(
+        ...[1, 2, 5].map((digit) => power + Math.log10(digit)).filter((at) => at >= from && at <= to),
+      );
     }
   } else {
     const apart = [1, 2, 3, 4, 6, 10, 20, 50, 100].find((step) => (to - from) / step <= most) ?? 100;

@@ -5,7 +5,12 @@ let clips = 0;
 
 function paint(layout, isHidden) {
   const { width, height } = layout;
-  const drawing = shape("svg", { viewBox: `0 0 ${width} ${pixel(height)}`, width, height: pixel(height), "aria-hidden": "true" });
+  const drawing = shape("svg", {
+    viewBox: `0 0 ${width} ${pixel(height)}`,
+    width,
+    height: pixel(height),
+    "aria-hidden": "true",
+  });
   drawing.style.fontSize = `${layout.size}px`;
   layout.panels.forEach((place) => drawing.append(...paintPanel(layout, place, isHidden)));
   drawing.append(...paintXAxis(layout));
@@ -16,14 +21,30 @@ function paintPanel(layout, place, isHidden) {
   const id = `clip-${clips++}`;
   const box = [place.left, place.top, place.right, place.bottom];
   const clip = shape("clipPath", { id }, rectangle(...box));
-  const inside = shape("g", { "clip-path": `url(#${id})` },
-    ...paintRaster(place), ...paintBands(place, isHidden), ...paintCells(place, isHidden), ...paintGrid(layout, place),
+  const inside = shape(
+    "g",
+    { "clip-path": `url(#${id})` },
+    ...paintRaster(place),
+    ...paintBands(place, isHidden),
+    ...paintCells(place, isHidden),
+    ...paintGrid(layout, place),
     ...paintLanes(place, isHidden),
-    ...(place.panel.zeroLine ? [line(place.left, downOf(place, 0), place.right, downOf(place, 0), "zero")] : []),
+    ...(place.panel.zeroLine
+      ? [line(place.left, downOf(place, 0), place.right, downOf(place, 0), "zero")]
+      : []),
     ...place.marks.lines.map((at) => line(at, place.top, at, place.bottom, "mark")),
-    ...shownSeries(place, isHidden).flatMap((series) => paintCurve(place, series)));
-  return [clip, ...paintHead(place, layout.row), ...paintMarkLabels(place, layout.row), inside,
-    rectangle(...box, "frame"), ...paintYAxis(place), ...paintDots(place, isHidden), ...paintPointLabels(place, isHidden)];
+    ...shownSeries(place, isHidden).flatMap((series) => paintCurve(place, series)),
+  );
+  return [
+    clip,
+    ...paintHead(place, layout.row),
+    ...paintMarkLabels(place, layout.row),
+    inside,
+    rectangle(...box, "frame"),
+    ...paintYAxis(place),
+    ...paintDots(place, isHidden),
+    ...paintPointLabels(place, isHidden),
+  ];
 }
 
 function shownSeries({ panel }, isHidden) {
@@ -43,8 +64,10 @@ function paintScale({ lines, top }, raster, row) {
   const bar = { x: from, y: pixel(middle - 6), width: to - from, height: 12, preserveAspectRatio: "none" };
   return [
     ...lines.map((text, place) => label(text, 0, top + row * (place + 0.5), "axis-label")),
-    label(texts[0], 0, middle), label(texts[1], to + 6, middle),
-    shape("image", { ...bar, href: scaleImage(raster) }), rectangle(from, middle - 6, to, middle + 6, "frame"),
+    label(texts[0], 0, middle),
+    label(texts[1], to + 6, middle),
+    shape("image", { ...bar, href: scaleImage(raster) }),
+    rectangle(from, middle - 6, to, middle + 6, "frame"),
   ];
 }
 
@@ -59,8 +82,12 @@ function paintMarkLabels(place, row) {
 function paintGrid({ xTicks }, place) {
   if (place.panel.cells || place.panel.raster) return [];
   return [
-    ...xTicks.map(({ at }) => line(acrossOf(place, at), place.top, acrossOf(place, at), place.bottom, "grid")),
-    ...place.ticks.map(({ at }) => line(place.left, downOf(place, at), place.right, downOf(place, at), "grid")),
+    ...xTicks.map(({ at }) =>
+      line(acrossOf(place, at), place.top, acrossOf(place, at), place.bottom, "grid"),
+    ),
+    ...place.ticks.map(({ at }) =>
+      line(place.left, downOf(place, at), place.right, downOf(place, at), "grid"),
+    ),
   ];
 }
 
@@ -73,31 +100,38 @@ function paintYAxis(place) {
     });
   }
   return place.panel.lanes.map((lane, row) =>
-    label(shortened(lane.name, left - TICK - 3), left - TICK - 3, laneMiddle(place, row), "at-end"));
+    label(shortened(lane.name, left - TICK - 3), left - TICK - 3, laneMiddle(place, row), "at-end"),
+  );
 }
 
 function paintXAxis({ xTicks, panels, xLabel, bottom, row, left, right }) {
   const last = panels.at(-1);
-  const drawn = panels.flatMap((place) => xTicks.map(({ at }) => {
-    const x = acrossOf(place, at);
-    return line(x, place.bottom, x, place.bottom + TICK, "tick");
-  }));
+  const drawn = panels.flatMap((place) =>
+    xTicks.map(({ at }) => {
+      const x = acrossOf(place, at);
+      return line(x, place.bottom, x, place.bottom + TICK, "tick");
+    }),
+  );
   for (const { at, text } of xTicks) {
     drawn.push(label(text, acrossOf(last, at), bottom + TICK + row / 2 + 1, "at-middle"));
   }
   xLabel.forEach((text, place) => {
-    drawn.push(label(text, (left + right) / 2, bottom + TICK + 5 + row * (place + 1.5), "at-middle axis-label"));
+    drawn.push(
+      label(text, (left + right) / 2, bottom + TICK + 5 + row * (place + 1.5), "at-middle axis-label"),
+    );
   });
   return drawn;
 }
 
 function paintBands(place, isHidden) {
-  return place.panel.bands.filter((band) => !isHidden(bandKey(band))).map(({ from, to, colour }) => {
-    const ends = [from, to].map((x) => acrossOf(place, clamp(x, ...place.view)));
-    // A tint would change the colours of a raster.
-    const kind = place.panel.raster ? "band outline" : "band";
-    return rectangle(ends[0], place.top, ends[1], place.bottom, `${kind} ${colourOf(colour)}`);
-  });
+  return place.panel.bands
+    .filter((band) => !isHidden(bandKey(band)))
+    .map(({ from, to, colour }) => {
+      const ends = [from, to].map((x) => acrossOf(place, clamp(x, ...place.view)));
+      // A tint would change the colours of a raster.
+      const kind = place.panel.raster ? "band outline" : "band";
+      return rectangle(ends[0], place.top, ends[1], place.bottom, `${kind} ${colourOf(colour)}`);
+    });
 }
 
 function bandKey(band) {
@@ -114,8 +148,14 @@ function paintRaster(place) {
   const [left, right] = raster.x.map((x) => acrossOf(place, x));
   const [bottom, top] = raster.y.map((y) => downOf(place, y));
   raster.image ??= rasterImage(raster);
-  const image = shape("image", { x: pixel(left), y: pixel(top), width: pixel(right - left), height: pixel(bottom - top),
-    preserveAspectRatio: "none", href: raster.image });
+  const image = shape("image", {
+    x: pixel(left),
+    y: pixel(top),
+    width: pixel(right - left),
+    height: pixel(bottom - top),
+    preserveAspectRatio: "none",
+    href: raster.image,
+  });
   // Cells that are large are to be seen as cells; small ones are blended.
   image.style.imageRendering = right - left > 2 * raster.columns ? "pixelated" : "auto";
   return [image];
@@ -128,7 +168,9 @@ function levelAt(raster, row, column) {
 
 function rasterImage(raster) {
   const height = raster.rows.length;
-  return pictureOf(raster.columns, height, raster, (column, row) => levelAt(raster, height - 1 - row, column));
+  return pictureOf(raster.columns, height, raster, (column, row) =>
+    levelAt(raster, height - 1 - row, column),
+  );
 }
 
 function scaleImage(raster) {
@@ -183,18 +225,30 @@ function laneMiddle({ top }, row) {
   return top + LANE * (row + 0.5);
 }
 
+/** A stretch too short to be seen, between long ones, is drawn a pixel wide over them: an impact is to be seen. */
 function paintLanes(place, isHidden) {
-  return paintAreas(place.panel, isHidden, (wanted) => {
-    let path = "";
-    place.panel.lanes.forEach((lane, row) => {
-      const [top, bottom] = [laneMiddle(place, row) - LANE / 2 + 3, laneMiddle(place, row) + LANE / 2 - 3];
-      for (const { from, to, of } of lane.stretches) {
-        if (of !== wanted || !(to > place.view[0] && from < place.view[1])) continue;
-        path += box(...[from, to].flatMap((x, end) => [acrossOf(place, clamp(x, ...place.view)), end ? bottom : top]));
-      }
+  const across = (x) => acrossOf(place, clamp(x, ...place.view));
+  const width = (stretch) => (stretch ? across(stretch.to) - across(stretch.from) : Infinity);
+  const stretches = place.panel.lanes.flatMap((lane, row) =>
+    lane.stretches.map((stretch, i) => {
+      const beside = Math.min(width(lane.stretches[i - 1]), width(lane.stretches[i + 1]));
+      return { ...stretch, row, isEvent: width(stretch) < 1 && beside > 3 };
+    }),
+  );
+  const inView = stretches.filter(({ from, to }) => to >= place.view[0] && from <= place.view[1]);
+  const paintOf = (events) =>
+    paintAreas(place.panel, isHidden, (wanted) => {
+      const parts = inView.filter(({ of, isEvent }) => of === wanted && isEvent === events);
+      return parts
+        .map(({ from, to, row }) => laneBox(place, row, across(from), events ? across(from) + 1 : across(to)))
+        .join("");
     });
-    return path;
-  });
+  return [...paintOf(false), ...paintOf(true)];
+}
+
+function laneBox(place, row, left, right) {
+  const middle = laneMiddle(place, row);
+  return box(left, middle - LANE / 2 + 3, right, middle + LANE / 2 - 3);
 }
 
 function paintCurve(place, series) {
@@ -208,7 +262,10 @@ function paintCurve(place, series) {
 /** The places of points that may be seen; of a curve along x one more at both ends. */
 function seenPlaces(series, view) {
   if (!series.ascending) return [0, series.x.length];
-  return [Math.max(firstFrom(series.x, view[0]) - 1, 0), Math.min(firstFrom(series.x, view[1]) + 2, series.x.length)];
+  return [
+    Math.max(firstFrom(series.x, view[0]) - 1, 0),
+    Math.min(firstFrom(series.x, view[1]) + 2, series.x.length),
+  ];
 }
 
 function linePath(place, series) {
@@ -239,23 +296,38 @@ function dotPath(place, series) {
 
 /** Points that have labels are dots on their curve. */
 function paintDots(place, isHidden) {
-  return shownSeries(place, isHidden).filter((series) => series.labels.length).map((series) =>
-    shape("path", { d: dotPath(place, series), class: `dots ${colourOf(series.colour)}` }));
+  return shownSeries(place, isHidden)
+    .filter((series) => series.labels.length)
+    .map((series) => shape("path", { d: dotPath(place, series), class: `dots ${colourOf(series.colour)}` }));
 }
 
 /** Labels of points where there is room, each at the first free one of four places. */
 function paintPointLabels(place, isHidden) {
   const taken = [];
   const drawn = [];
-  const free = (area) => area[0] >= place.left && area[2] <= place.right && area[1] >= place.top && area[3] <= place.bottom
-    && !taken.some((other) => area[0] < other[2] && other[0] < area[2] && area[1] < other[3] && other[1] < area[3]);
-  const points = shownSeries(place, isHidden).flatMap((series) => series.labels.map((text, i) =>
-    [text, acrossOf(place, series.x[i]), downOf(place, series.y[i])]));
+  const free = (area) =>
+    area[0] >= place.left &&
+    area[2] <= place.right &&
+    area[1] >= place.top &&
+    area[3] <= place.bottom &&
+    !taken.some(
+      (other) => area[0] < other[2] && other[0] < area[2] && area[1] < other[3] && other[1] < area[3],
+    );
+  const points = shownSeries(place, isHidden).flatMap((series) =>
+    series.labels.map((text, i) => [text, acrossOf(place, series.x[i]), downOf(place, series.y[i])]),
+  );
   points.forEach(([, x, y]) => taken.push([x - 3, y - 3, x + 3, y + 3]));
   for (const [text, x, y] of points) {
     if (!text) continue;
     const width = textWidth(text);
-    const places = [[8, -10], [8, 10], [-8 - width, -10], [-8 - width, 10], [8, 0], [-8 - width, 0]];
+    const places = [
+      [8, -10],
+      [8, 10],
+      [-8 - width, -10],
+      [-8 - width, 10],
+      [8, 0],
+      [-8 - width, 0],
+    ];
     for (const [dx, dy] of places) {
       const area = [x + dx, y + dy - 7, x + dx + width, y + dy + 7];
       if (!free(area)) continue;

@@ -10,7 +10,13 @@ function linesAlong(place, x, { data, isHidden, y }) {
     if (!Number.isFinite(value)) continue;
     const text = number(data.unscaled(value));
     const point = series.labels.length ? series.labels[nearest(series.x, x)] : "";
-    lines.push({ name: series.label ?? panel.yLabel, value: point ? `${text} (${point})` : text, colour: series.colour, series, at: value });
+    lines.push({
+      name: series.label ?? panel.yLabel,
+      value: point ? `${text} (${point})` : text,
+      colour: series.colour,
+      series,
+      at: value,
+    });
   }
   if (panel.raster) lines.push(...rasterLines(panel, x, y));
   for (const lane of panel.lanes) {
@@ -20,7 +26,8 @@ function linesAlong(place, x, { data, isHidden, y }) {
     lines.push({ name: lane.name, value: name, colour });
   }
   for (const band of panel.bands) {
-    if (band.label && x >= band.from && x <= band.to) lines.push({ name: band.label, value: "", colour: band.colour });
+    if (band.label && x >= band.from && x <= band.to)
+      lines.push({ name: band.label, value: "", colour: band.colour });
   }
   return lines;
 }
@@ -43,12 +50,13 @@ function rasterLines(panel, x, y) {
   const rows = middles(raster.y, raster.rows.length);
   const level = (row) => levelAt(raster, row, Math.min(column, raster.columns - 1));
   const known = (row) => (level(row) === 255 ? -1 : level(row));
-  const row = y === undefined
-    ? rows.reduce((most, _, row) => (known(row) > known(most) ? row : most), 0)
-    : nearest(rows, y);
+  const row =
+    y === undefined
+      ? rows.reduce((most, _, row) => (known(row) > known(most) ? row : most), 0)
+      : nearest(rows, y);
   const value = raster.range[0] + (level(row) / 254) * (raster.range[1] - raster.range[0]);
   return [
-    { name: y === undefined ? `largest at ${panel.yLabel}` : panel.yLabel, value: number(rows[row], 4) },
+    { name: y === undefined ? `${panel.yLabel} of the largest` : panel.yLabel, value: number(rows[row], 4) },
     { name: raster.label, value: level(row) === 255 ? "none" : number(value, 3) },
   ];
 }
@@ -68,7 +76,8 @@ function linesOfPoint(data, panel, series, place) {
 /** The lines of one cell of a map. */
 function linesOfCell(data, panel, column, row) {
   const { cells, classes } = panel;
-  const middle = ([from, to], count, place) => (count === 1 ? (from + to) / 2 : from + ((to - from) * place) / (count - 1));
+  const middle = ([from, to], count, place) =>
+    count === 1 ? (from + to) / 2 : from + ((to - from) * place) / (count - 1);
   const { name, colour } = classes[cells.rows[row][column]];
   return [
     { name: data.xLabel, value: number(middle(cells.x, cells.columns, column), 4) },

@@ -64,7 +64,9 @@ function fullRange(data) {
   ]);
   const all = extent(ranges.filter(Boolean).flat()) ?? [0, 1];
   const curvesTurn = data.panels.some((panel) => panel.series.some((series) => !series.ascending));
-  const hasDots = data.panels.some((panel) => panel.series.some((series) => !series.isLine || series.labels.length));
+  const hasDots = data.panels.some((panel) =>
+    panel.series.some((series) => !series.isLine || series.labels.length),
+  );
   const hasEdges = data.panels.some((panel) => panel.raster || panel.cells);
   return roomy(all, data.logarithmic ? 0.05 : (curvesTurn || hasDots) && !hasEdges ? 0.03 : 0);
 }
@@ -82,13 +84,13 @@ function readingOf(data) {
   return lines.every((series) => series.ascending) ? "along" : "points";
 }
 
-/** The places on x where something is known, ascending. */
+/** The places on x where something is known, ascending: points of curves; where there are none, cells and stretches. */
 function readingStops(data) {
   const stops = [];
-  for (const panel of data.panels) {
-    for (const series of panel.series) {
-      series.x.forEach((x, place) => Number.isFinite(x + series.y[place]) && stops.push(x));
-    }
+  for (const series of data.panels.flatMap((panel) => panel.series)) {
+    series.x.forEach((x, place) => Number.isFinite(x + series.y[place]) && stops.push(x));
+  }
+  for (const panel of stops.length ? [] : data.panels) {
     for (const lane of panel.lanes) {
       for (const { from, to } of lane.stretches) stops.push(from, (from + to) / 2);
     }
@@ -131,8 +133,12 @@ function* seenValues(panel, view, isHidden) {
   }
 }
 
-/** The value of a curve at x, on the straight line between its points; NaN where it has none. */
+/**
+ * The value of a curve at x, on the straight line between its points; NaN where it has none. Between the points of a
+ * thinned curve there were others, so of such a one it is the value of the nearest point.
+ */
 function valueAt(series, x) {
+  if (series.thinned) return x < series.x[0] || x > series.x.at(-1) ? NaN : series.y[nearest(series.x, x)];
   const next = firstFrom(series.x, x);
   if (series.x[next] === x) return series.y[next];
   if (next === 0 || next === series.x.length) return NaN;
