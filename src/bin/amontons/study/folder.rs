@@ -126,4 +126,9 @@ impl Folder {
     }
 }
 
+/// A text as a field of a CSV file.
+pub fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
+}
+
 const JOURNAL: &str = "journal.jsonl";

@@ -1,7 +1,9 @@
 //! `amontons study`: each kind of study in a file of its own; what they share stands here.
 
 pub mod arguments;
+mod continuation;
 mod folder;
+mod limit_cycle;
 mod transient;
 
 use crate::interrupt::{self, Interrupted};
@@ -16,6 +18,8 @@ use std::error::Error;
 pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
     interrupt::listen();
     match command {
+        Study::Continuation(arguments) => continuation::run(arguments),
+        Study::LimitCycle(arguments) => limit_cycle::run(arguments),
         Study::Transient(arguments) => transient::run(arguments),
     }
 }
