@@ -76,7 +76,6 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
         labels: vec![String::new(), format!("{:+.2} 1/s at {:.1} Hz", phase.rate, phase.frequency)],
         colour: 6,
         style: Style::Dashed,
-        ..Series::default()
     });
     has_shown.then(|| Panel {
         y_label: format!("log10 of amplitude in {}", found.unit),
