@@ -99,4 +99,10 @@ impl Chart {
         let layout = Layout::of(self).map_err(|failure| canvas::cannot_draw(path, &failure))?;
         canvas::write(&layout, path)
     }
+
+    /// Refuses what [`write`](Self::write) could not draw.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let layout = Layout::of(self);
+        layout.map(drop).map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))
+    }
 }
