@@ -340,6 +340,8 @@ mod tests {
     fn assert_found(phase: &Phase, [frequency, amplitude, rate]: [f64; 3], allowed: f64) {
         assert!((phase.rate - rate).abs() <= phase.rate_error + 1e-9, "{phase:?}");
         assert!((phase.frequency - frequency).abs() <= phase.frequency_error + 1e-9, "{phase:?}");
+        // Steady lines are known better than the middle of their band, which comes from an eighth of the run.
+        assert!((phase.frequency - frequency).abs() < 2e-4, "{phase:?}");
         assert!(phase.rate_error < allowed, "{phase:?}");
         for (found, time) in phase.amplitude.iter().zip(phase.span) {
             let exact = amplitude * (rate * time).exp();

@@ -134,8 +134,7 @@ pub fn transient(
         )));
     }
     let mut record = Record::of(outputs, scene.contact_count());
-    let failure = record.run(&mut simulation, experiment, watch);
-    let complete = failure.is_none() && !watch.is_over();
+    let ended = record.run(&mut simulation, experiment, watch);
     let (output, history) = record.most_moving();
     let states = record.states;
     let growth = growth(&history, interval);
@@ -146,8 +145,8 @@ pub fn transient(
         output: output.name,
         interval,
         end: interval * history.len().saturating_sub(1) as f64,
-        complete,
-        failure,
+        complete: matches!(ended, Ok(true)),
+        failure: ended.err(),
         findings,
         courses: stretches::courses(&contact_names(scene), &states, interval),
         spectrogram: spectrogram(&history, interval, growth.window, highest(scene)),
@@ -219,32 +218,28 @@ impl Record {
         Self { outputs, histories, states: vec![Vec::new(); contacts] }
     }
 
-    /// All rows until the end, a failure or the watch's word.
+    /// All rows until the end, or a failure, or the watch's word: whether it is the end.
     fn run(
         &mut self,
         simulation: &mut Simulation,
         experiment: Experiment,
         watch: Watch<'_>,
-    ) -> Option<Error> {
-        if let Err(error) = self.note(simulation) {
-            return Some(error);
-        }
+    ) -> Result<bool, Error> {
+        self.note(simulation)?;
         for (row, (time, is_whole)) in experiment.row_times().enumerate() {
             if row.is_multiple_of(ROWS_AT_ONCE) {
                 (watch.progress)(time / experiment.stop_time);
                 if watch.is_over() {
-                    return None;
+                    return Ok(false);
                 }
             }
+            simulation.advance_to(time)?;
             // A last row that closes no whole interval would be out of step with the others.
-            let taken = simulation.advance_to(time);
-            if let Err(error) =
-                taken.and_then(|()| if is_whole { self.note(simulation) } else { Ok(()) })
-            {
-                return Some(error);
+            if is_whole {
+                self.note(simulation)?;
             }
         }
-        None
+        Ok(true)
     }
 
     fn note(&mut self, simulation: &mut Simulation) -> Result<(), Error> {

@@ -5,7 +5,7 @@ use serde::Serialize;
 
 /// A run has so many pieces at most, for each of which is said which states a contact takes in it: finer than that
 /// a picture does not show.
-const PIECES: usize = 600;
+const PIECES: usize = 300;
 
 /// The states of one contact over time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -35,15 +35,16 @@ pub(super) fn courses(
     interval: f64,
 ) -> Vec<Course> {
     let course = |(name, states): (&String, &Vec<ContactState>)| {
-        let size = states.len().div_ceil(PIECES).max(1);
-        let mut stretches: Vec<Stretch> = Vec::new();
         // The last row ends the run.
         let held = &states[..states.len().saturating_sub(1)];
-        for (place, piece) in held.chunks(size).enumerate() {
-            let taken = ContactState::ALL.into_iter().filter(|state| piece.contains(state));
-            let taken: Vec<ContactState> = taken.collect();
-            let from = (place * size) as f64 * interval;
-            let to = (place * size + piece.len()) as f64 * interval;
+        let pieces = held.len().min(PIECES);
+        let begin = |piece: usize| piece * held.len() / pieces;
+        let mut stretches: Vec<Stretch> = Vec::new();
+        for piece in 0..pieces {
+            let rows = begin(piece)..begin(piece + 1);
+            let [from, to] = [rows.start, rows.end].map(|row| row as f64 * interval);
+            let is_taken = |state: &ContactState| held[rows.clone()].contains(state);
+            let taken: Vec<ContactState> = ContactState::ALL.into_iter().filter(is_taken).collect();
             match stretches.last_mut() {
                 Some(last) if last.states == taken => last.to = to,
                 _ => stretches.push(Stretch { from, to, states: taken }),
@@ -69,8 +70,8 @@ mod tests {
         let [first, second] = &course.stretches[..] else { panic!("{course:?}") };
         assert_eq!((first.from, &first.states[..]), (0.0, &[Slide][..]));
         assert_eq!(&second.states[..], [Slide, Stick]);
-        // Pieces are 6 ms long.
-        assert!((first.to - 1.5).abs() <= 6e-3 && first.to == second.from);
+        // Pieces are 10 ms long.
+        assert!((first.to - 1.5).abs() <= 1e-2 && first.to == second.from);
         assert!((second.to - 3.0).abs() < 1e-12);
         assert_eq!(courses(&names, &[vec![Slide]], 1e-3)[0].stretches, []);
     }

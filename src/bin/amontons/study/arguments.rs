@@ -20,27 +20,11 @@ pub enum Study {
     /// It writes history.csv (the output and the contacts' states), results.csv (each growth and decay) and study.json.
     /// Ctrl-C ends the run, and what it has done is looked at and written (exit code 130). A run takes a second or
     /// so, so the same command runs it anew.
-    Transient(Transient),
+    Transient(super::transient::Arguments),
     /// What perturbations of one initial value end in, and the thresholds between
     Perturbation(Perturbation),
     /// Which points of a plane of two initial values end in which attractor
     Basin(Basin),
-}
-
-#[derive(Args)]
-pub struct Transient {
-    #[command(flatten)]
-    pub common: Common,
-    /// The output that is looked at, such as a displacement or a velocity [default: the displacement that moves most]
-    #[arg(long, value_name = "NAME")]
-    pub of: Option<String>,
-    /// End of the run, s [default: the scene's]
-    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
-    pub stop_time: Option<f64>,
-    /// Time between two values, s; a whole part of it where the fastest mode's period would have less than 20
-    /// [default: the scene's]
-    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
-    pub output_interval: Option<f64>,
 }
 
 /// What all studies take.

@@ -59,11 +59,11 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
     let whole = Series {
         label: Some("whole motion".to_owned()),
         points: logarithms(&thinned(&growth.envelope)),
-        colour: 5,
+        colour: 2,
         ..Series::default()
     };
     let has_shown = whole.points.iter().any(|[_, y]| y.is_finite());
-    let bands = shown(found).into_iter().zip([0, 1, 2, 3, 4]).map(|(band, colour)| Series {
+    let bands = shown(found).into_iter().zip([0, 1, 3, 4, 5]).map(|(band, colour)| Series {
         label: Some(format!("band about {:.0} Hz", band.frequency)),
         points: broken(&logarithms(&band.amplitude)),
         colour,
@@ -73,9 +73,9 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
     let fits = own.map(|Finding { phase, .. }| Series {
         label: Some("fitted exponential".to_owned()),
         points: phase.span.into_iter().zip(phase.amplitude).map(|(t, a)| [t, a.log10()]).collect(),
+        labels: vec![String::new(), format!("{:+.2} 1/s at {:.1} Hz", phase.rate, phase.frequency)],
         colour: 6,
         style: Style::Dashed,
-        ..Series::default()
     });
     has_shown.then(|| Panel {
         y_label: format!("log10 of amplitude in {}", found.unit),
@@ -118,28 +118,24 @@ fn broken(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
 
 fn spectrogram(found: &Transient) -> Option<Panel> {
     let spectrogram = &found.spectrogram;
-    let edges = |values: &[f64]| {
-        let (first, last) = (values.first()?, values.last()?);
-        let half = 0.5 * (last - first) / (values.len().checked_sub(1).filter(|n| *n > 0)? as f64);
-        Some([first - half, last + half])
-    };
-    let x = edges(&spectrogram.times)?;
-    let [_, top] = edges(&spectrogram.frequencies)?;
     Some(Panel {
         y_label: "Frequency [Hz]".to_owned(),
         raster: Some(Raster {
-            x,
-            y: [
-                spectrogram.frequencies[0]
-                    - (top - spectrogram.frequencies[spectrogram.frequencies.len() - 1]),
-                top,
-            ],
+            x: edges(&spectrogram.times)?,
+            y: edges(&spectrogram.frequencies)?,
             rows: spectrogram.power.clone(),
             range: [DEEPEST, 0.0],
             label: "Power [dB]".to_owned(),
         }),
         ..Panel::default()
     })
+}
+
+/// The outer edges of cells about values at equal distances; `None` of less than two.
+fn edges(values: &[f64]) -> Option<[f64; 2]> {
+    let [first, second, ..] = values else { return None };
+    let half = 0.5 * (second - first);
+    Some([first - half, values[values.len() - 1] + half])
 }
 
 fn states(found: &Transient) -> Option<Panel> {
@@ -175,8 +171,8 @@ fn states(found: &Transient) -> Option<Panel> {
     })
 }
 
-/// Places in the palette: no black, which hides edges, before all others are used.
-const COLOURS: [usize; 8] = [5, 4, 1, 0, 3, 2, 7, 6];
+/// Places in the palette, those that curves do not take first.
+const COLOURS: [usize; 8] = [5, 4, 7, 3, 2, 1, 0, 6];
 
 fn word(state: ContactState) -> &'static str {
     match state {

@@ -2,16 +2,34 @@
 
 pub mod chart;
 
-use super::arguments::Transient as Arguments;
+use super::arguments::Common;
 use super::folder::Folder;
 use super::{found, set_pace, watched};
+use crate::arguments::positive;
 use crate::interrupt::Interrupted;
 use amontons::scene::{Experiment, Scene};
 use amontons::study::transient::{Eigenvalue, Finding, Taken, Transient, interval, transient};
 use amontons::study::{Look, output, pace};
+use clap::Args;
 use serde_json::json;
 use std::error::Error;
 use std::io::{ErrorKind, Write, stdout};
+
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    /// The output that is looked at, such as a displacement or a velocity [default: the displacement that moves most]
+    #[arg(long, value_name = "NAME")]
+    of: Option<String>,
+    /// End of the run, s [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    stop_time: Option<f64>,
+    /// Time between two values, s; a whole part of it where the fastest mode's period would have less than 20
+    /// [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    output_interval: Option<f64>,
+}
 
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (mut scene, source) = found(&arguments.common)?;
