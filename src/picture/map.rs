@@ -89,6 +89,7 @@ impl Layout<'_> {
     fn frame(&self) -> Frame<'_> {
         let top = TITLE + self.legend.height + 8.0;
         Frame {
+            left: LEFT,
             top,
             bottom: top + HEIGHT,
             x: self.map.x,
@@ -96,6 +97,7 @@ impl Layout<'_> {
             y_label: &self.map.y_label,
             x_label: Some(&self.map.x_label),
             grid: false,
+            y_axis: true,
             logarithmic: false,
         }
     }
@@ -134,9 +136,8 @@ impl Drawing for Layout<'_> {
             for run in classes.chunk_by(|a, b| a == b) {
                 // For the same reason up to the end of the row; the next run covers it.
                 let left = part(start, classes.len(), LEFT, super::axes::RIGHT);
-                let right = super::axes::RIGHT;
-                let corners = [[left, up], [right, up], [right, down], [left, down]];
-                canvas.fill(&corners, colour(self.map.classes[run[0]].colour))?;
+                let corners = [left, up, super::axes::RIGHT, down];
+                canvas.rectangle(corners, colour(self.map.classes[run[0]].colour))?;
                 start += run.len();
             }
         }

@@ -9,7 +9,7 @@ use crate::Error;
 use crate::accuracy::half_range;
 use crate::integrator::Statistics;
 use crate::simulation::{Simulation, Variable};
-use crate::spectral::{Line, Lines, lines};
+use crate::spectral::{Line, Lines, Window, lines};
 use serde::{Deserialize, Serialize};
 
 /// The size of a settled motion differs by less than this from one window to the next, relative.
@@ -101,6 +101,18 @@ pub struct Ending {
     pub taken: [bool; 4],
     /// s from where the motion was first looked at.
     pub time: f64,
+    /// How fast the motion still grew or, below zero, decayed at the end, 1/s.
+    pub rate: f64,
+}
+
+impl Ending {
+    /// Does it rest, or was it left on its way to rest?
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        let states = self.taken.iter().filter(|taken| **taken).count();
+        self.kind == Kind::Equilibrium
+            || self.kind == Kind::Unsettled && self.rate < 0.0 && states <= 1
+    }
 }
 
 /// A motion that is looked at until it is settled.
@@ -116,11 +128,14 @@ pub(crate) struct Settling {
     taken: [bool; 4],
     before: Statistics,
     seen: Vec<Seen>,
+    /// Of the rows of a window.
+    weights: Vec<f64>,
 }
 
 /// A window that was looked at.
 struct Seen {
-    /// Deviation of the mixture from its mean, root mean square, and whether a contact changed its state.
+    /// Deviation of the mixture from its mean, root mean square of the weighted values, and whether a contact changed
+    /// its state.
     size: f64,
     changed: bool,
     mixture: Vec<f64>,
@@ -144,6 +159,8 @@ impl Settling {
             taken: [false; 4],
             before: simulation.statistics(),
             seen: Vec::new(),
+            #[allow(clippy::cast_possible_truncation)]
+            weights: Window::BlackmanHarris.weights(look.rows() as usize),
         };
         settling.note_states(simulation);
         settling.states = [0; 4];
@@ -184,7 +201,7 @@ impl Settling {
         {
             *taken |= now > before;
         }
-        let size = deviation(&self.mixture);
+        let size = weighted_deviation(&self.mixture, &self.weights);
         let changed = now.state_changes() > self.before.state_changes();
         self.seen.push(Seen {
             size,
@@ -228,6 +245,12 @@ impl Settling {
             shares: self.states.map(|count| count as f64 / all),
             taken: self.taken,
             time: (self.row - self.began) as f64 * self.look.interval,
+            rate: match &self.seen[..] {
+                [.., before, last] if before.size > 0.0 && last.size > 0.0 => {
+                    (last.size / before.size).ln() / self.look.window
+                }
+                _ => 0.0,
+            },
         }
     }
 
@@ -324,6 +347,18 @@ fn deviation(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let mean = values.iter().fold(0.0, |sum, x| sum + x) / count;
     (values.iter().fold(0.0, |sum, x| sum + (x - mean) * (x - mean)) / count).sqrt()
+}
+
+/// The same of weighted values: as many periods as fit in a window, whole or not, have the same size wherever it
+/// begins.
+fn weighted_deviation(values: &[f64], weights: &[f64]) -> f64 {
+    let over = |quantity: &dyn Fn(f64) -> f64| {
+        let pairs = values.iter().zip(weights);
+        pairs.fold(0.0, |sum, (value, weight)| sum + weight * quantity(*value))
+    };
+    let sum = over(&|_| 1.0);
+    let mean = over(&|x| x) / sum;
+    (over(&|x| (x - mean) * (x - mean)) / sum).sqrt()
 }
 
 /// Does a motion decay to rest? No contact changes its state any more, and the limit of its size, by Aitken's

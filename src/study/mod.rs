@@ -4,13 +4,15 @@
 //! | --- | --- |
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | what a motion ends in: when it is settled, what kind it is |
-//! | `push` | the push of a scene that starts at rest |
 //! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
 //! | `portrait` | phase portraits of a settled motion |
+//! | `continuation` | what it ends in over µ, upwards and downwards; folds |
+//! | `push` | a small push out of an equilibrium |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
 
+mod continuation;
 mod ending;
 mod journal;
 mod limit_cycle;
@@ -18,12 +20,13 @@ mod look;
 mod portrait;
 mod push;
 
+pub use continuation::{Bistable, Continuation, Fold, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
 pub use journal::Journal;
 pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
 pub use look::{Look, Wish, output, pace, unit};
 pub use portrait::{Orbit, Portrait};
-pub use push::{Push, push};
+pub use push::Push;
 
 use std::ops::ControlFlow;
 

@@ -10,6 +10,9 @@ use std::path::PathBuf;
 pub enum Study {
     /// Amplitude, frequency and contact states of limit cycles over a parameter, and where they change (Fig. 3)
     LimitCycle(LimitCycle),
+    /// Follow what a scene ends in over the friction coefficient, upwards and downwards: branches, folds, ranges with
+    /// two motions
+    Continuation(super::continuation::Arguments),
 }
 
 /// What all studies take.

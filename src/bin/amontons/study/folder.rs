@@ -113,8 +113,8 @@ impl Folder {
     }
 }
 
-/// A text as a field of a CSV file.
-pub fn quoted(text: &str) -> String {
+/// A text as a cell of a CSV file.
+pub fn cell(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
 }
 

@@ -1,7 +1,7 @@
 //! `amontons study limit-cycle`.
 
 use super::arguments::{Common, Looking, named_steps};
-use super::folder::{Folder, quoted};
+use super::folder::{Folder, cell};
 use super::{heading, interrupted, prepared, watched};
 use crate::arguments::Values;
 use amontons::contact::ContactState;
@@ -55,8 +55,14 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     if common.set.iter().any(|(set, _)| set == name) {
         eprintln!("note: {name} takes the values of --parameter, not that of --set");
     }
-    if let Some(push) = push(&mut first)? {
-        eprintln!("note: with {name} = {:?} {push}", values[0]);
+    if let Some(push) = Push::of_resting(&first) {
+        eprintln!(
+            "note: {} starts at rest in its equilibrium; {} is pushed, with {:?} m/s where {name} = {:?}",
+            scene.name,
+            scene.dof_names()[push.dof],
+            push.velocity,
+            values[0]
+        );
     }
     let mut drawn = arguments.portrait.clone();
     drawn.sort_by(f64::total_cmp);
@@ -128,7 +134,7 @@ impl Told<'_> {
                 Outcome::Failure(failure) => {
                     row.push("failed".to_owned());
                     row.extend(vec![String::new(); 8]);
-                    row.push(quoted(failure));
+                    row.push(cell(failure));
                 }
             }
             row
@@ -309,7 +315,7 @@ impl Told<'_> {
             let [low, high] = bounds(threshold);
             write!(out, "  between {low} and {high}: {}", changes(threshold))?;
             match threshold.unknown {
-                Some(value) => writeln!(out, " ({value:?} does not settle, so no nearer)")?,
+                Some(value) => writeln!(out, " (no nearer: {value:?} has not settled)")?,
                 None => writeln!(out)?,
             }
         }

@@ -1,6 +1,7 @@
 //! `amontons study`: each kind of study in a file of its own; what they share stands here.
 
 pub mod arguments;
+mod continuation;
 mod folder;
 mod limit_cycle;
 
@@ -17,6 +18,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
     interrupt::listen();
     match command {
         Study::LimitCycle(arguments) => limit_cycle::run(arguments),
+        Study::Continuation(arguments) => continuation::run(arguments),
     }
 }
 
