@@ -145,13 +145,13 @@ fn without_detachment_the_cycle_is_proportional_to_the_velocity_until_the_force_
     scene.slider.velocity = 0.04;
     (scene.method, scene.step) = (Method::EventDriven, 2e-6);
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
-    let rest = simulation.contact_forces().unwrap()[0].normal;
+    let rest = simulation.contact_forces().unwrap()[0].normal_force;
     simulation.advance_to(20.0).unwrap();
     let mut least = f64::INFINITY;
     for row in 1..10_000 {
         simulation.advance_to(20.0 + f64::from(row) * 2e-6).unwrap();
         for force in simulation.contact_forces().unwrap() {
-            least = least.min(force.normal);
+            least = least.min(force.normal_force);
         }
     }
     let velocity = 0.04 * rest / (rest - least);

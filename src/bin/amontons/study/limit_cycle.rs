@@ -9,8 +9,8 @@ use amontons::picture::{Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::simulation::assign;
 use amontons::study::{
-    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Question, Threshold, limit_cycles, output,
-    push, unit,
+    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold, limit_cycles,
+    output, unit,
 };
 use amontons::sweep::axis;
 use amontons::sweep::range::number;
