@@ -80,11 +80,13 @@ fn drawn(write: impl Fn(&Path) -> Result<(), Error>) -> Vec<Element> {
 }
 
 /// Width and height of a PNG, and its pixels, three bytes each.
-fn decoded(path: &Path) -> (u32, u32, Vec<u8>) {
+type Pixels = (u32, u32, Vec<u8>);
+
+fn decoded(path: &Path) -> Pixels {
     decoded_bytes(&fs::read(path).unwrap())
 }
 
-fn decoded_bytes(bytes: &[u8]) -> (u32, u32, Vec<u8>) {
+fn decoded_bytes(bytes: &[u8]) -> Pixels {
     let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
     decoder.set_transformations(png::Transformations::EXPAND);
     let mut reader = decoder.read_info().unwrap();
@@ -508,12 +510,12 @@ fn description(elements: &[Element]) -> &str {
 }
 
 /// The pixel at a place of a picture, px.
-fn pixel((width, _, pixels): &(u32, u32, Vec<u8>), x: u32, y: u32) -> [u8; 3] {
+fn pixel((width, _, pixels): &Pixels, x: u32, y: u32) -> [u8; 3] {
     let place = 3 * (2 * y * width + 2 * x) as usize;
     [pixels[place], pixels[place + 1], pixels[place + 2]]
 }
 
-fn written(chart: &Chart) -> (u32, u32, Vec<u8>) {
+fn written(chart: &Chart) -> Pixels {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("chart.png");
     chart.write(&path).unwrap();
@@ -582,7 +584,7 @@ fn bytes(text: &str) -> Vec<u8> {
 }
 
 /// The images of an SVG, each with its place and its content.
-fn images(elements: &[Element]) -> Vec<([f64; 4], (u32, u32, Vec<u8>))> {
+fn images(elements: &[Element]) -> Vec<([f64; 4], Pixels)> {
     let found = elements.iter().filter(|e| e.name == "image");
     let sides = ["x", "y", "width", "height"];
     found
