@@ -28,6 +28,9 @@ fn shown(width: u32) -> Shown {
     Shown { browser, folder, path }
 }
 
+/// What a reader does.
+type Act = fn(&mut Browser);
+
 /// The figure of this title as an expression.
 fn figure(title: &str) -> String {
     format!(
@@ -174,7 +177,7 @@ fn place_of(browser: &mut Browser, x: f64) -> [f64; 2] {
 fn a_drag_zooms_and_escape_a_double_click_and_a_button_go_back() {
     let mut browser = shown(DESKTOP).browser;
     assert_eq!(first_and_last_tick(&mut browser), [0.0, 50.0]);
-    let back: [(&str, fn(&mut Browser)); 3] = [
+    let back: [(&str, Act); 3] = [
         ("Escape", |browser| browser.key("Escape")),
         ("a double click", |browser| {
             let at = place_of(browser, 25.0);

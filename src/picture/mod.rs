@@ -18,6 +18,7 @@ mod moving;
 mod palette;
 mod structure;
 
+pub(crate) use chart::shown;
 pub(crate) use colours::{COLOURS, scale};
 
 pub use chart::{Band, Chart, Lane, Mark, Panel, Raster, Series, Stretch, Style};

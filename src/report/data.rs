@@ -3,7 +3,9 @@
 use super::Content;
 use super::thin::{is_ascending, kept, rounded};
 use crate::Error;
-use crate::picture::{Band, COLOURS, Chart, Class, Lane, Map, Panel, Raster, Series, Style, scale};
+use crate::picture::{
+    Band, COLOURS, Chart, Class, Lane, Map, Panel, Raster, Series, Style, scale, shown,
+};
 use serde::Serialize;
 
 /// Stretches of a lane that need no thinning, and parts of the x axis that take one class each beyond that.
@@ -122,7 +124,7 @@ fn of_panel<'a>(chart: &'a Chart, panel: &'a Panel) -> DrawnPanel<'a> {
             .collect(),
         bands: &panel.bands,
         raster: panel.raster.as_ref().map(of_raster),
-        lanes: panel.lanes.iter().map(|lane| of_lane(lane, panel.classes.len())).collect(),
+        lanes: panel.lanes.iter().map(|lane| of_lane(lane)).collect(),
         classes: &panel.classes,
         cells: None,
     }
@@ -193,43 +195,36 @@ fn colours() -> String {
     texts.collect()
 }
 
-/// A lane of many stretches becomes one of equal parts, each of the class that has most of it.
-fn of_lane(lane: &Lane, classes: usize) -> DrawnLane<'_> {
+/// Of a lane of many stretches the one that each of equal parts of the axis shows, as in a picture.
+#[allow(clippy::cast_precision_loss)]
+fn of_lane(lane: &Lane) -> DrawnLane<'_> {
     let finite = lane.stretches.iter().filter(|s| s.from.is_finite() && s.to.is_finite());
-    let mut stretches: Vec<(f64, f64, usize)> =
-        finite.map(|stretch| (stretch.from, stretch.to, stretch.class)).collect();
-    if stretches.len() > STRETCHES {
-        stretches = majority(&stretches, classes);
-    }
+    let whole: Vec<(f64, f64, usize)> = finite.map(|s| (s.from, s.to, s.class)).collect();
+    let mut stretches = if whole.len() > STRETCHES { most_of_each_part(&whole) } else { whole };
     for stretch in &mut stretches {
         (stretch.0, stretch.1) = (rounded(stretch.0), rounded(stretch.1));
     }
     DrawnLane { name: &lane.name, stretches }
 }
 
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn majority(stretches: &[(f64, f64, usize)], classes: usize) -> Vec<(f64, f64, usize)> {
-    let start = stretches.iter().map(|stretch| stretch.0).fold(f64::INFINITY, f64::min);
-    let end = stretches.iter().map(|stretch| stretch.1).fold(f64::NEG_INFINITY, f64::max);
+#[allow(clippy::cast_precision_loss)]
+fn most_of_each_part(whole: &[(f64, f64, usize)]) -> Vec<(f64, f64, usize)> {
+    let start = whole.iter().map(|stretch| stretch.0).fold(f64::INFINITY, f64::min);
+    let end = whole.iter().map(|stretch| stretch.1).fold(f64::NEG_INFINITY, f64::max);
     let width = (end - start) / STRETCHES as f64;
-    let edge = |part: usize| start + width * part as f64;
-    let mut share = vec![vec![0.0; classes]; STRETCHES];
-    for &(from, to, class) in stretches {
-        let first = ((from - start) / width) as usize;
-        for part in (first..STRETCHES).take_while(|&part| edge(part) < to) {
-            share[part][class] += (to.min(edge(part + 1)) - from.max(edge(part))).max(0.0);
-        }
-    }
-    let mut merged: Vec<(f64, f64, usize)> = Vec::new();
-    for (part, share) in share.iter().enumerate() {
-        let most = (0..classes).max_by(|&a, &b| share[a].total_cmp(&share[b]));
-        let Some(class) = most.filter(|&class| share[class] > 0.0) else { continue };
-        match merged.last_mut() {
-            Some(last) if last.2 == class && last.1 == edge(part) => last.1 = edge(part + 1),
-            _ => merged.push((edge(part), edge(part + 1), class)),
-        }
-    }
-    merged
+    let part = |x: f64| (x - start) / width;
+    let spans: Vec<[f64; 2]> = whole.iter().map(|&(from, to, _)| [part(from), part(to)]).collect();
+    let classes: Vec<Option<usize>> = shown(&spans, STRETCHES)
+        .into_iter()
+        .map(|found| found.map(|place| whole[place].2))
+        .collect();
+    let mut first = 0;
+    let runs = classes.chunk_by(|a, b| a == b).filter_map(|run| {
+        let ends = [first, first + run.len()].map(|place| start + width * place as f64);
+        first += run.len();
+        run[0].map(|class| (ends[0], ends[1], class))
+    });
+    runs.collect()
 }
 
 fn of_map(map: &Map) -> Result<Drawn<'_>, Error> {
@@ -267,15 +262,27 @@ mod tests {
     use super::*;
 
     #[test]
-    fn many_short_stretches_keep_the_class_that_has_most() {
-        // Nine tenths of the time in class 1.
-        let stretches = (0..10_000).flat_map(|i| {
+    fn of_many_stretches_the_longer_are_seen_and_one_that_stands_alone() {
+        // Nine tenths of the time in class 1, then a long stretch with an impact in it.
+        let often = (0..10_000).flat_map(|i| {
             let at = f64::from(i);
             [(at, at + 0.1, 0), (at + 0.1, at + 1.0, 1)]
         });
-        let merged = majority(&stretches.collect::<Vec<_>>(), 2);
-        assert_eq!(merged.iter().map(|stretch| stretch.2).collect::<Vec<_>>(), [1]);
-        assert_eq!((merged[0].0, merged[0].1), (0.0, 10_000.0));
+        let then = [(10_000.0, 15_000.0, 1), (15_000.0, 15_000.01, 2), (15_000.01, 20_000.0, 1)];
+        let whole: Vec<(f64, f64, usize)> = often.chain(then).collect();
+        let seen = most_of_each_part(&whole);
+        assert!(seen.len() <= STRETCHES);
+        assert_eq!((seen[0].0, seen[seen.len() - 1].1), (0.0, 20_000.0));
+        let length = |class: usize| -> f64 {
+            seen.iter()
+                .filter(|stretch| stretch.2 == class)
+                .map(|stretch| stretch.1 - stretch.0)
+                .sum()
+        };
+        assert!(length(1) > 0.9 * 20_000.0, "{}", length(1));
+        let impact: Vec<_> = seen.iter().filter(|stretch| stretch.2 == 2).collect();
+        assert_eq!(impact.len(), 1);
+        assert!((impact[0].0 - 15_000.0).abs() <= 10.0);
     }
 
     #[test]

@@ -8,6 +8,7 @@ mod marks;
 mod raster;
 
 pub use band::Band;
+pub(crate) use lanes::shown;
 pub use lanes::{Lane, Stretch};
 pub use raster::Raster;
 

@@ -225,20 +225,30 @@ function laneMiddle({ top }, row) {
   return top + LANE * (row + 0.5);
 }
 
+/** A stretch too short to be seen, between long ones, is drawn a pixel wide over them: an impact is to be seen. */
 function paintLanes(place, isHidden) {
-  return paintAreas(place.panel, isHidden, (wanted) => {
-    let path = "";
-    place.panel.lanes.forEach((lane, row) => {
-      const [top, bottom] = [laneMiddle(place, row) - LANE / 2 + 3, laneMiddle(place, row) + LANE / 2 - 3];
-      for (const { from, to, of } of lane.stretches) {
-        if (of !== wanted || !(to > place.view[0] && from < place.view[1])) continue;
-        path += box(
-          ...[from, to].flatMap((x, end) => [acrossOf(place, clamp(x, ...place.view)), end ? bottom : top]),
-        );
-      }
+  const across = (x) => acrossOf(place, clamp(x, ...place.view));
+  const width = (stretch) => (stretch ? across(stretch.to) - across(stretch.from) : Infinity);
+  const stretches = place.panel.lanes.flatMap((lane, row) =>
+    lane.stretches.map((stretch, i) => {
+      const beside = Math.min(width(lane.stretches[i - 1]), width(lane.stretches[i + 1]));
+      return { ...stretch, row, isEvent: width(stretch) < 1 && beside > 3 };
+    }),
+  );
+  const inView = stretches.filter(({ from, to }) => to >= place.view[0] && from <= place.view[1]);
+  const paintOf = (events) =>
+    paintAreas(place.panel, isHidden, (wanted) => {
+      const parts = inView.filter(({ of, isEvent }) => of === wanted && isEvent === events);
+      return parts
+        .map(({ from, to, row }) => laneBox(place, row, across(from), events ? across(from) + 1 : across(to)))
+        .join("");
     });
-    return path;
-  });
+  return [...paintOf(false), ...paintOf(true)];
+}
+
+function laneBox(place, row, left, right) {
+  const middle = laneMiddle(place, row);
+  return box(left, middle - LANE / 2 + 3, right, middle + LANE / 2 - 3);
 }
 
 function paintCurve(place, series) {
