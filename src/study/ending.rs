@@ -548,9 +548,11 @@ mod tests {
         };
         let (_, kind, base) = known(true, noise).unwrap();
         assert_eq!((kind, base), (Kind::Irregular, None));
-        // Also beside a line that has less than IN_LINES of the power.
         let (_, kind, _) = known(true, |t| 0.5 * sine(200.0, t) + noise(t)).unwrap();
         assert_eq!(kind, Kind::Irregular);
+        // Also where one line stands out, but a tenth of the power is in none.
+        assert_eq!(kind_of(&[200.0], 0.9, 2.0), (Kind::Irregular, None));
+        assert_eq!(kind_of(&[200.0], 0.99, 2.0), (Kind::Periodic, Some(200.0)));
     }
 
     #[test]
