@@ -64,6 +64,11 @@ pub(super) fn write(drawing: &impl Drawing, path: &Path) -> Result<(), Error> {
     save(path, &content.map_err(|failure| cannot_draw(path, &failure))?)
 }
 
+/// For what has no file of its own.
+pub(super) fn cannot_draw_titled(title: &str, Failure(reason): &Failure) -> Error {
+    Error::picture(format!("cannot draw {title:?}: {reason}"))
+}
+
 pub(super) fn cannot_draw(path: &Path, Failure(reason): &Failure) -> Error {
     Error::picture(format!("cannot draw {}: {reason}", path.display()))
 }

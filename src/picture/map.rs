@@ -47,7 +47,7 @@ impl Map {
     /// Another ending, no cells, rows that differ in length, a cell of no class, axes that do not
     /// ascend, or a file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        self.check().map_err(|failure| canvas::cannot_draw(path, &failure))?;
+        self.whole().map_err(|failure| canvas::cannot_draw(path, &failure))?;
         let entries = self.classes.iter().map(|class| Entry {
             label: class.name.clone(),
             sample: Sample::Patch(colour(class.colour)),
@@ -55,7 +55,12 @@ impl Map {
         canvas::write(&Layout { map: self, legend: Legend::new(entries) }, path)
     }
 
-    fn check(&self) -> Result<(), Failure> {
+    /// Refuses what [`write`](Self::write) could not draw.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.whole().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))
+    }
+
+    fn whole(&self) -> Result<(), Failure> {
         let columns = self.cells.first().map_or(0, Vec::len);
         if columns == 0 {
             return Err(Failure("a map needs at least one cell".into()));

@@ -18,6 +18,9 @@ mod moving;
 mod palette;
 mod structure;
 
+pub(crate) use chart::shown;
+pub(crate) use colours::{COLOURS, scale};
+
 pub use chart::{Band, Chart, Lane, Mark, Panel, Raster, Series, Stretch, Style};
 pub use file::check_name;
 pub use map::{Class, Map};

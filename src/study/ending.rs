@@ -273,6 +273,8 @@ impl Settling {
                 seen.lines = Some(lines(&seen.mixture, interval, FAINT));
             }
         }
+        // Then the motion is linear, and a line that changes at all ends elsewhere.
+        let unchanged = self.seen[first..].iter().all(|seen| !seen.changed);
         let windows: Vec<&Lines> =
             self.seen[first..].iter().filter_map(|seen| seen.lines.as_ref()).collect();
         let [oldest, .., last] = windows[..] else { return false };
@@ -287,6 +289,9 @@ impl Settling {
                 windows.iter().map(|window| near(line, window, 1.0).unwrap_or(0.0)).collect();
             let grows =
                 before.windows(2).all(|two| two[1] > two[0]) && before[3] > GROWN * before[0];
+            if unchanged && goes_one_way(&before) {
+                return false;
+            }
             if strong { [oldest, windows[2]].iter().all(stays) } else { !grows }
         })
     }
@@ -384,6 +389,12 @@ fn is_steady(sizes: &[f64]) -> bool {
     change[1].abs() < change[0].abs()
         && slowing < 1.0
         && change[2].abs() * slowing / (1.0 - slowing) <= LEFT_TO_GO
+}
+
+/// Do amplitudes only grow, or only decay, by more than rounding?
+fn goes_one_way(amplitudes: &[f64]) -> bool {
+    let ratios = amplitudes.windows(2).map(|two| two[1] / two[0] - 1.0);
+    ratios.clone().all(|ratio| ratio > STANDING) || ratios.clone().all(|ratio| ratio < -STANDING)
 }
 
 /// Has the size, though it varies, no trend over many windows?

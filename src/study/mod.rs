@@ -4,24 +4,36 @@
 //! | --- | --- |
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | what a motion ends in: when it is settled, what kind it is |
-//! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
-//! | `portrait` | phase portraits of a settled motion |
 //! | `continuation` | what it ends in over µ, upwards and downwards; folds |
 //! | `push` | a small push out of an equilibrium |
+//! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
+//! | `portrait` | phase portraits of a settled motion |
+//! | `transient` | how one run grows and decays, band by band, beside eigenvalues |
+//! | `attractor` | which endings are the same motion |
+//! | `initial` | runs from other initial values |
+//! | `perturbation` | what perturbations end in, and the thresholds between |
+//! | `basin` | which points of a plane of initial values end in which attractor |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
 
+mod attractor;
+pub mod basin;
 mod continuation;
 mod ending;
+mod initial;
 mod journal;
 mod limit_cycle;
 mod look;
+pub mod perturbation;
 mod portrait;
 mod push;
+pub mod transient;
 
+pub use attractor::{attractors, is_same};
 pub use continuation::{Bistable, Continuation, Fold, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
+pub use initial::{history, initial_value};
 pub use journal::Journal;
 pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
 pub use look::{Look, Wish, output, pace, unit};

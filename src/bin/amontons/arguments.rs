@@ -35,6 +35,8 @@ pub enum Command {
         #[command(subcommand)]
         command: Study,
     },
+    /// Compute the paper's figures and tables, its claims beside what comes out, as one HTML page
+    Paper(crate::paper::Paper),
     /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files
     Scenes {
         #[command(subcommand)]
@@ -202,7 +204,11 @@ pub fn assignment(text: &str) -> Result<(String, f64), String> {
 #[derive(Clone, Debug)]
 pub struct Values(pub Vec<f64>);
 
-fn range(text: &str) -> Result<(String, Values), String> {
-    let (name, values) = text.split_once('=').ok_or("write it as NAME=A:B:N")?;
-    Ok((name.trim().to_owned(), Values(grid(values)?)))
+pub fn values(text: &str) -> Result<Values, String> {
+    grid(text).map(Values)
+}
+
+pub fn range(text: &str) -> Result<(String, Values), String> {
+    let (name, text) = text.split_once('=').ok_or("write it as NAME=A:B:N")?;
+    Ok((name.trim().to_owned(), values(text)?))
 }

@@ -149,7 +149,7 @@ pub(super) fn paint<B: DrawingBackend>(
 /// Which of the spans, in columns, each column shows: the one that covers most of it. A span that would be
 /// seen nowhere has the column of its middle, if the one that is shown there has others.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
-fn shown(spans: &[[f64; 2]], columns: usize) -> Vec<Option<usize>> {
+pub(crate) fn shown(spans: &[[f64; 2]], columns: usize) -> Vec<Option<usize>> {
     let mut shown: Vec<Option<usize>> = vec![None; columns];
     let mut most = vec![0.0; columns];
     let within = |[from, to]: [f64; 2]| to >= 0.0 && from <= columns as f64;

@@ -8,6 +8,7 @@ mod marks;
 mod raster;
 
 pub use band::Band;
+pub(crate) use lanes::shown;
 pub use lanes::{Lane, Stretch};
 pub use raster::Raster;
 
@@ -98,5 +99,11 @@ impl Chart {
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         let layout = Layout::of(self).map_err(|failure| canvas::cannot_draw(path, &failure))?;
         canvas::write(&layout, path)
+    }
+
+    /// Refuses what [`write`](Self::write) could not draw.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        let layout = Layout::of(self);
+        layout.map(drop).map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))
     }
 }

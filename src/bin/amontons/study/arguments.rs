@@ -1,6 +1,8 @@
 //! What `amontons study` understands.
 
+use super::basin::Basin;
 use super::limit_cycle::LimitCycle;
+use super::perturbation::Perturbation;
 use crate::arguments::{Integrator, Values, assignment, positive};
 use amontons::sweep::range;
 use clap::{Args, Subcommand, ValueEnum};
@@ -8,11 +10,21 @@ use std::path::PathBuf;
 
 #[derive(Subcommand)]
 pub enum Study {
-    /// Amplitude, frequency and contact states of limit cycles over a parameter, and where they change (Fig. 3)
-    LimitCycle(LimitCycle),
     /// Follow what a scene ends in over the friction coefficient, upwards and downwards: branches, folds, ranges with
     /// two motions
     Continuation(super::continuation::Arguments),
+    /// Amplitude, frequency and contact states of limit cycles over a parameter, and where they change (Fig. 3)
+    LimitCycle(LimitCycle),
+    /// One run: growth and decay of its motion, band by band, beside eigenvalues; spectrogram and contact states
+    ///
+    /// It writes history.csv (the output and the contacts' states), results.csv (each growth and decay) and study.json.
+    /// Ctrl-C ends the run, and what it has done is looked at and written (exit code 130). A run takes a second or
+    /// so, so the same command runs it anew.
+    Transient(super::transient::Arguments),
+    /// What perturbations of one initial value end in, and the thresholds between
+    Perturbation(Perturbation),
+    /// Which points of a plane of two initial values end in which attractor
+    Basin(Basin),
 }
 
 /// What all studies take.
@@ -23,7 +35,8 @@ pub struct Common {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
-    /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method
+    /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method. A basin
+    /// takes the scene's own method, with which rings move several at once
     #[command(flatten)]
     pub integrator: Integrator,
     /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's,

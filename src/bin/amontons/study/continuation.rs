@@ -1,7 +1,7 @@
 //! `amontons study continuation`: what a scene ends in over µ, upwards and downwards.
 
 use super::arguments::{Common, Looking};
-use super::folder::{Folder, cell};
+use super::folder::{Folder, quoted};
 use super::{heading, interrupted, prepared, watched};
 use amontons::contact::Joined;
 use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
@@ -114,7 +114,7 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
         }
         Err(failure) => {
             row.extend(std::iter::repeat_n(String::new(), 8));
-            row.push(cell(failure));
+            row.push(quoted(failure));
         }
     }
     row
@@ -137,17 +137,16 @@ pub fn chart(
     found: &Continuation,
     known: Option<&Bistability>,
 ) -> Chart {
-    let ways = [("µ rising", &found.rising, 0), ("µ falling", &found.falling, 1)];
-    let series = |value: fn(&Point) -> f64| {
-        ways.iter()
-            .map(|(label, points, colour)| Series {
-                label: Some((*label).to_owned()),
-                points: points.iter().map(|point| [point.friction, value(point)]).collect(),
-                colour: *colour,
-                style: if *colour == 0 { Style::Line } else { Style::Dashed },
-                ..Series::default()
-            })
-            .collect::<Vec<_>>()
+    let ways = [("µ rising", Way::Rising, 0), ("µ falling", Way::Falling, 1)];
+    let series = |value: fn(&Ending) -> f64| {
+        let curve = |(label, way, colour): &(&str, Way, usize)| Series {
+            label: Some((*label).to_owned()),
+            points: curve(found, *way, value),
+            colour: *colour,
+            style: if *way == Way::Rising { Style::Line } else { Style::Dashed },
+            ..Series::default()
+        };
+        ways.iter().map(curve).collect::<Vec<Series>>()
     };
     let bands: Vec<Band> = found
         .bistable
@@ -167,16 +166,10 @@ pub fn chart(
         x: crossing.value,
         label: Some(format!("{} {:.4}", turn(crossing.becomes_unstable), crossing.value)),
     });
-    let amplitude = series(|point| {
-        point
-            .ending
-            .as_ref()
-            .map_or(f64::NAN, |ending| if ending.rests() { 0.0 } else { ending.amplitude })
-    });
-    let frequency = series(|point| {
-        point.ending.as_ref().map_or(f64::NAN, |ending| {
-            if ending.rests() { f64::NAN } else { ending.frequency.unwrap_or(f64::NAN) }
-        })
+    let amplitude = series(|ending| if ending.rests() { 0.0 } else { ending.amplitude });
+    let frequency = series(|ending| match ending.frequency {
+        Some(frequency) if !ending.rests() => frequency,
+        _ => f64::NAN,
     });
     let mut panels = vec![Panel {
         y_label: format!("Amplitude of {} [m]", look.of),
@@ -203,6 +196,22 @@ pub fn chart(
     }
 }
 
+/// A value of one way over µ, with what was found at both bounds of its folds, so that jumps stand where they are.
+fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64; 2]> {
+    let points = match way {
+        Way::Rising => &found.rising,
+        Way::Falling => &found.falling,
+    };
+    let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, value)];
+    let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
+    for fold in found.folds.iter().filter(|fold| fold.way == way) {
+        let bounds = fold.between.iter().zip(&fold.endings);
+        curve.extend(bounds.map(|(friction, ending)| [*friction, value(ending)]));
+    }
+    curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    curve
+}
+
 fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistability>) {
     println!("{}: what it ends in over µ\n{}\n", scene.name, heading(scene, look));
     for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
@@ -222,9 +231,9 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
             way.name(),
             between[0],
             between[1],
-            state(before),
+            describe(before),
             metres(before.amplitude),
-            state(after),
+            describe(after),
             metres(after.amplitude)
         );
     }
@@ -273,7 +282,7 @@ fn turn(becomes_unstable: bool) -> &'static str {
 }
 
 /// What a motion does at a fold, where it may take too long to settle.
-fn state(ending: &Ending) -> &'static str {
+pub fn describe(ending: &Ending) -> &'static str {
     match ending.kind {
         Kind::Unsettled if ending.rests() => "decaying motion",
         Kind::Unsettled if ending.rate > 0.0 => "growing motion",

@@ -1,7 +1,7 @@
 //! `amontons study limit-cycle`.
 
 use super::arguments::{Common, Looking, named_steps};
-use super::folder::{Folder, cell};
+use super::folder::{Folder, quoted};
 use super::{heading, interrupted, prepared, watched};
 use crate::arguments::Values;
 use amontons::contact::ContactState;
@@ -96,11 +96,11 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
 }
 
 /// What is told of a study.
-struct Told<'a> {
-    scene: &'a Scene,
-    look: &'a Look,
-    question: &'a Question,
-    found: &'a LimitCycles,
+pub struct Told<'a> {
+    pub scene: &'a Scene,
+    pub look: &'a Look,
+    pub question: &'a Question,
+    pub found: &'a LimitCycles,
 }
 
 impl Told<'_> {
@@ -137,7 +137,7 @@ impl Told<'_> {
                 Outcome::Failure(failure) => {
                     row.push("failed".to_owned());
                     row.extend(vec![String::new(); 8]);
-                    row.push(cell(failure));
+                    row.push(quoted(failure));
                 }
             }
             row
@@ -151,7 +151,7 @@ impl Told<'_> {
     }
 
     /// Amplitude, frequency and shares of the states over the parameter.
-    fn chart(&self) -> Chart {
+    pub fn chart(&self) -> Chart {
         let marks: Vec<Mark> = self.found.thresholds.iter().map(mark).collect();
         let plain: Vec<Mark> =
             marks.iter().map(|mark| Mark { label: None, ..mark.clone() }).collect();
@@ -232,7 +232,7 @@ impl Told<'_> {
     }
 
     /// The orbits of the contacts in one plane.
-    fn portrait(&self, portrait: &Portrait, direction: &str) -> Chart {
+    pub fn portrait(&self, portrait: &Portrait, direction: &str) -> Chart {
         let is_tangential = direction == "tangential";
         let orbits: Vec<&Vec<[f64; 2]>> = portrait
             .orbits

@@ -1,0 +1,42 @@
+//! Attractors as tables and legends have them.
+
+use crate::draw::prefixed;
+use amontons::scene::Scene;
+use amontons::simulation::variables;
+use amontons::study::{Ending, Kind, unit};
+
+/// "quasi-periodic, 0.12 mm, 167.3 Hz"; "rest".
+pub fn words(ending: &Ending, unit: &str) -> String {
+    if ending.kind == Kind::Equilibrium {
+        return "rest".to_owned();
+    }
+    let frequency = ending.frequency.map_or_else(String::new, |f| format!(", {f:.2} Hz"));
+    format!("{}, {}{frequency}", ending.kind.name(), four_digits(ending.amplitude, unit))
+}
+
+/// A number of an attractor, from 1; empty without one.
+pub fn number(attractor: Option<usize>) -> String {
+    attractor.map_or_else(String::new, |place| (place + 1).to_string())
+}
+
+/// Prints the attractors, one a line.
+pub fn print(attractors: &[Ending], of: &str, unit: &str) {
+    println!("\nattractors (amplitude and strongest frequency of {of})");
+    for (place, ending) in attractors.iter().enumerate() {
+        println!("  {}  {}", place + 1, words(ending, unit));
+    }
+    if !attractors.iter().any(|ending| ending.kind.is_cycle()) {
+        println!("  no limit cycle was found");
+    }
+}
+
+/// A value with its unit to four digits.
+pub fn four_digits(value: f64, unit: &str) -> String {
+    let rounded = format!("{value:.3e}").parse().unwrap_or(value);
+    prefixed(rounded, unit)
+}
+
+/// The unit of a variable of a scene.
+pub fn unit_of(scene: &Scene, name: &str) -> &'static str {
+    variables(scene).iter().find(|variable| variable.name == name).map_or("1", unit)
+}

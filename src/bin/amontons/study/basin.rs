@@ -1,0 +1,135 @@
+//! `amontons study basin`.
+
+use super::arguments::{Common, Looking};
+use super::attractor::{self, number, unit_of, words};
+use super::folder::Folder;
+use super::{heading, interrupted, prepared_with, watched};
+use crate::arguments::{Values, range};
+use amontons::picture::{Class, Map, PALETTE};
+use amontons::scene::Scene;
+use amontons::study::basin::{Axis, Basin as Found, Cell, SHORT_WINDOWS, basin};
+use amontons::study::{Look, initial_value};
+use clap::Args;
+use serde_json::json;
+use std::error::Error;
+
+#[derive(Args)]
+pub struct Basin {
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    looking: Looking,
+    /// N values from A to B of an initial value, such as module[1].v2, across; those that no axis has stay as the
+    /// scene or --set has them
+    #[arg(long, value_name = "NAME=A:B:N", value_parser = range)]
+    x: (String, Values),
+    /// N values from A to B of another initial value, up
+    #[arg(long, value_name = "NAME=A:B:N", value_parser = range)]
+    y: (String, Values),
+}
+
+pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
+    let Basin { common, looking, x, y } = arguments;
+    let (scene, source, look) = prepared_with(common, looking, |_, _| {})?;
+    let axis = |(name, values): &(String, Values)| {
+        Ok::<_, amontons::Error>(Axis {
+            name: initial_value(&scene, name)?,
+            values: values.0.clone(),
+        })
+    };
+    let (x, y) = (axis(x)?, axis(y)?);
+    for axis in [&x, &y] {
+        if common.set.iter().any(|(set, _)| *set == axis.name) {
+            eprintln!("note: {} takes the values of its axis, not that of --set", axis.name);
+        }
+    }
+    let settings = json!({ "x": x, "y": y, "look": look });
+    let folder = Folder::open(common, "basin", (&scene, &source), settings)?;
+    let found = watched(|watch| basin(&scene, [&x, &y], &look, true, folder.journal(), watch))?;
+    let Some(found) = found else { return Err(interrupted(&folder)) };
+    let points = y.values.iter().zip(&found.rows);
+    let points = points.flat_map(|(y, row)| x.values.iter().zip(row).map(move |(x, c)| (x, y, c)));
+    folder.write_csv(
+        &["x", "y", "attractor", "kind"],
+        points.map(|(x, y, cell)| {
+            let kind = class(&found, cell);
+            [format!("{x:?}"), format!("{y:?}"), number(cell.attractor), kind.to_owned()]
+        }),
+    )?;
+    folder.write_json(json!({ "found": found }))?;
+    print(&scene, [&x, &y], &look, &found);
+    let map = map(&scene, [&x, &y], &look, &found);
+    map.write(&folder.picture("basin"))?;
+    println!("\nresults and pictures are in {}", folder.path().display());
+    Ok(())
+}
+
+/// The kind of motion that a point ends in, or why it has none.
+fn class(found: &Found, cell: &Cell) -> &'static str {
+    match (cell.attractor, &cell.failure) {
+        (Some(place), _) => found.attractors[place].kind.name(),
+        (None, None) => "unsettled",
+        (None, Some(_)) => "failed",
+    }
+}
+
+fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
+    let units = [x, y].map(|axis| unit_of(scene, &axis.name));
+    println!("{}: {}, {}, and {}, {}", scene.name, x.name, units[0], y.name, units[1]);
+    println!("{}", heading(scene, look));
+    attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
+    let cells = || found.rows.iter().flatten();
+    let count = |is: &dyn Fn(&Cell) -> bool| cells().filter(|cell| is(cell)).count();
+    println!("\npoints  end in");
+    for place in 0..found.attractors.len() {
+        println!("{:>6}  {}", count(&|cell| cell.attractor == Some(place)), place + 1);
+    }
+    for rest in ["unsettled", "failed"] {
+        let number = count(&|cell| class(found, cell) == rest);
+        if number > 0 {
+            println!("{number:>6}  {rest}");
+        }
+    }
+    println!(
+        "{} of {} were decided early, by windows of {} s",
+        count(&|cell| cell.early),
+        cells().count(),
+        look.window / f64::from(SHORT_WINDOWS)
+    );
+    if let Some(failure) = cells().find_map(|cell| cell.failure.as_ref()) {
+        eprintln!("note: the first that failed: {failure}");
+    }
+}
+
+fn map(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) -> Map {
+    let unit = unit_of(scene, &look.of);
+    let mut names: Vec<String> =
+        found.attractors.iter().map(|ending| words(ending, unit)).collect();
+    let attractors = names.len();
+    let is_any = |name: &str| found.rows.iter().flatten().any(|cell| class(found, cell) == name);
+    names
+        .extend(["unsettled", "failed"].into_iter().filter(|name| is_any(name)).map(str::to_owned));
+    let place = |cell: &Cell| {
+        cell.attractor.unwrap_or_else(|| {
+            let other = class(found, cell);
+            attractors + usize::from(other == "failed" && names[attractors] != "failed")
+        })
+    };
+    let cells = found.rows.iter().map(|row| row.iter().map(place).collect()).collect();
+    let classes = names
+        .iter()
+        .enumerate()
+        .map(|(place, name)| Class { name: name.clone(), colour: place % PALETTE.len() })
+        .collect();
+    let ends = |axis: &Axis| [axis.values[0], axis.values[axis.values.len() - 1]];
+    let label = |axis: &Axis| format!("{}, {}", axis.name, unit_of(scene, &axis.name));
+    Map {
+        title: format!("{}: what each point ends in", scene.name),
+        x_label: label(x),
+        y_label: label(y),
+        x: ends(x),
+        y: ends(y),
+        cells,
+        classes,
+    }
+}

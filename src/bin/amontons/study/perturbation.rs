@@ -1,0 +1,221 @@
+//! `amontons study perturbation`.
+
+use super::arguments::{Common, Looking};
+use super::attractor::{self, four_digits, number, unit_of, words};
+use super::folder::Folder;
+use super::{heading, interrupted, prepared, watched};
+use crate::arguments::{Values, values};
+use amontons::picture::{Chart, Mark, Panel, Series, Style};
+use amontons::scene::Scene;
+use amontons::study::perturbation::{Direction, Perturbations, Run, Threshold, perturbation};
+use amontons::study::{Look, history, initial_value};
+use clap::Args;
+use serde_json::json;
+use std::error::Error;
+
+#[derive(Args)]
+pub struct Perturbation {
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    looking: Looking,
+    /// The initial value that is varied, such as module[1].v2; the others stay as the scene or --set has them
+    #[arg(long, value_name = "NAME")]
+    direction: String,
+    /// N of its values from A to B
+    #[arg(long, value_name = "A:B:N", value_parser = values, allow_hyphen_values = true)]
+    amplitude: Values,
+    /// How closely thresholds are found: to this part of themselves
+    #[arg(long, value_name = "PART", default_value_t = 1e-3, allow_hyphen_values = true)]
+    resolution: f64,
+}
+
+pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
+    let Perturbation { common, looking, direction: name, amplitude, resolution } = arguments;
+    let (scene, source, look) = prepared(common, looking)?;
+    let direction = Direction {
+        name: initial_value(&scene, name)?,
+        amplitudes: amplitude.0.clone(),
+        resolution: *resolution,
+    };
+    if common.set.iter().any(|(set, _)| *set == direction.name) {
+        eprintln!("note: {} takes the values of --amplitude, not that of --set", direction.name);
+    }
+    // Neither the range nor the resolution changes what a run ends in: either may be widened later.
+    let settings = json!({ "direction": direction.name, "look": look });
+    let folder = Folder::open(common, "perturbation", (&scene, &source), settings)?;
+    let found = watched(|watch| perturbation(&scene, &direction, &look, folder.journal(), watch))?;
+    let Some(found) = found else { return Err(interrupted(&folder)) };
+    folder.write_csv(
+        &["amplitude", "kind", "attractor", "final_amplitude", "frequency", "time"],
+        found.runs.iter().map(row),
+    )?;
+    folder.write_json(json!({ "direction": direction, "found": found }))?;
+    print(&scene, &direction, &look, &found);
+    folder.draw("perturbation", &endings(&scene, &direction, &look, &found))?;
+    if let Some(threshold) = found.thresholds.first() {
+        match watched(|watch| {
+            histories(&scene, &direction, &look, (&found, threshold), &|| {
+                (watch.go_on)().is_break()
+            })
+        })? {
+            Some(chart) => folder.draw("histories", &chart)?,
+            None => return Err(interrupted(&folder)),
+        }
+    }
+    println!("\nresults and pictures are in {}", folder.path().display());
+    Ok(())
+}
+
+fn row(run: &Run) -> [String; 6] {
+    let Run { amplitude, ending, attractor, .. } = run;
+    let value = |value: Option<f64>| value.map_or_else(String::new, |value| format!("{value:?}"));
+    let ending = ending.as_ref();
+    [
+        format!("{amplitude:?}"),
+        ending.map_or("failed", |ending| ending.kind.name()).to_owned(),
+        number(*attractor),
+        value(ending.map(|ending| ending.amplitude)),
+        value(ending.and_then(|ending| ending.frequency)),
+        value(ending.map(|ending| ending.time)),
+    ]
+}
+
+fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) {
+    let unit = unit_of(scene, &direction.name);
+    println!("{}: {}, {unit}", scene.name, direction.name);
+    println!("{}", heading(scene, look));
+    attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
+    println!("\n{:<27}  runs  end in", direction.name);
+    for same in found.runs.chunk_by(|a, b| class(a) == class(b)) {
+        let [first, last] = [&same[0], &same[same.len() - 1]].map(|run| run.amplitude);
+        let range = if same.len() == 1 { format!("{first}") } else { format!("{first} to {last}") };
+        println!("{range:<27}  {:>4}  {}", same.len(), class(&same[0]));
+    }
+    if let Some(failure) = found.runs.iter().find_map(|run| run.failure.as_ref()) {
+        eprintln!("note: the first that failed: {failure}");
+    }
+    println!("\nthresholds, to {} of themselves", direction.resolution);
+    for Threshold { between: [below, above], attractors: [from, to] } in &found.thresholds {
+        println!("  between {below} and {above} {unit}: below {}, above {}", from + 1, to + 1);
+    }
+    if found.thresholds.is_empty() {
+        println!("  none: no neighbours end in different attractors");
+    }
+}
+
+/// What a run ends in: the number of its attractor, or why it has none.
+fn class(run: &Run) -> String {
+    match (run.attractor, &run.ending) {
+        (Some(place), _) => (place + 1).to_string(),
+        (None, Some(ending)) => ending.kind.name().to_owned(),
+        (None, None) => "failed".to_owned(),
+    }
+}
+
+/// Final amplitude over the perturbation.
+pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) -> Chart {
+    let unit = unit_of(scene, &look.of);
+    let points = |attractor: Option<usize>| {
+        let runs = found.runs.iter().filter(|run| run.attractor == attractor);
+        let point = |run: &Run| Some([run.amplitude, run.ending.as_ref()?.amplitude]);
+        runs.filter_map(point).collect::<Vec<_>>()
+    };
+    let mut series: Vec<Series> = found
+        .attractors
+        .iter()
+        .enumerate()
+        .map(|(place, ending)| Series {
+            label: Some(words(ending, unit)),
+            points: points(Some(place)),
+            colour: place,
+            style: Style::Dots,
+            ..Series::default()
+        })
+        .collect();
+    let unsettled = points(None);
+    if !unsettled.is_empty() {
+        series.push(Series {
+            label: Some("unsettled".to_owned()),
+            points: unsettled,
+            colour: found.attractors.len(),
+            style: Style::Dots,
+            ..Series::default()
+        });
+    }
+    let perturbed = unit_of(scene, &direction.name);
+    let marks = found.thresholds.iter().map(|threshold| {
+        let [a, b] = threshold.between;
+        let middle = 0.5 * (a + b);
+        Mark { x: middle, label: Some(format!("threshold {}", four_digits(middle, perturbed))) }
+    });
+    Chart {
+        title: format!("{}: what perturbations end in", scene.name),
+        x_label: format!("{}, {perturbed}", direction.name),
+        panels: vec![Panel {
+            y_label: format!("final amplitude of {}, {unit}", look.of),
+            series,
+            marks: marks.collect(),
+            zero_line: true,
+            ..Panel::default()
+        }],
+        logarithmic: false,
+    }
+}
+
+/// The runs on both sides of a threshold over time; `None` if they were ended.
+pub fn histories(
+    scene: &Scene,
+    direction: &Direction,
+    look: &Look,
+    (found, threshold): (&Perturbations, &Threshold),
+    is_over: &dyn Fn() -> bool,
+) -> Result<Option<Chart>, amontons::Error> {
+    let ends = threshold.attractors.map(|place| &found.attractors[place]);
+    let settled = |amplitude: &f64| {
+        let run = found.runs.iter().find(|run| run.amplitude == *amplitude);
+        run.and_then(|run| run.ending.as_ref()).map_or(look.window, |ending| ending.time)
+    };
+    let duration = threshold.between.iter().map(settled).fold(0.0, f64::max);
+    let unit = unit_of(scene, &direction.name);
+    let mut panels = Vec::new();
+    for (place, amplitude) in threshold.between.into_iter().enumerate() {
+        let rows = history(scene, (&direction.name, amplitude), look, duration, is_over)?;
+        let Some(rows) = rows else { return Ok(None) };
+        let what = words(ends[place], unit_of(scene, &look.of));
+        panels.push(Panel {
+            y_label: format!("{}, {}", look.of, unit_of(scene, &look.of)),
+            series: vec![Series {
+                label: Some(format!("{} from {amplitude} {unit}: {what}", direction.name)),
+                points: thinned(&rows, look.interval),
+                colour: place,
+                ..Series::default()
+            }],
+            zero_line: true,
+            ..Panel::default()
+        });
+    }
+    Ok(Some(Chart {
+        title: format!("{}: just below and just above a threshold", scene.name),
+        x_label: "time, s".to_owned(),
+        panels,
+        logarithmic: false,
+    }))
+}
+
+/// A history as a picture can show it: of each of some hundred stretches its smallest and largest value, in their
+/// order.
+#[allow(clippy::cast_precision_loss)]
+fn thinned(rows: &[f64], interval: f64) -> Vec<[f64; 2]> {
+    const STRETCHES: usize = 700;
+    let point = |row: usize| [row as f64 * interval, rows[row]];
+    let length = rows.len().div_ceil(STRETCHES).max(2);
+    let extremes = (0..rows.len()).step_by(length).flat_map(|first| {
+        let stretch = first..(first + length).min(rows.len());
+        let by_value = |a: &usize, b: &usize| rows[*a].total_cmp(&rows[*b]);
+        let low = stretch.clone().min_by(by_value).unwrap_or(first);
+        let high = stretch.max_by(by_value).unwrap_or(first);
+        [low.min(high), low.max(high)].map(point)
+    });
+    extremes.collect()
+}

@@ -1,0 +1,105 @@
+//! Which endings are the same motion.
+
+use super::ending::{Ending, Kind};
+
+/// Amplitudes of one cycle differ by less than this, relative: ten times what a settled one may still change.
+const SAME_AMPLITUDE: f64 = 2e-2;
+/// Those of an irregular motion by less than this.
+const SAME_IRREGULAR: f64 = 0.25;
+/// Frequencies of one cycle differ by less than this, relative.
+const SAME_FREQUENCY: f64 = 1e-3;
+
+/// Are these endings one motion? All rest is one; cycles are that agree in kind, in amplitude and in frequency.
+/// What has not settled is like nothing.
+#[must_use]
+pub fn is_same(a: &Ending, b: &Ending) -> bool {
+    if a.kind != b.kind || a.kind == Kind::Unsettled {
+        return false;
+    }
+    if a.kind == Kind::Equilibrium {
+        return true;
+    }
+    let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
+    if a.kind == Kind::Irregular {
+        return near(a.amplitude, b.amplitude, SAME_IRREGULAR);
+    }
+    // Of two lines that are equally strong either may be the first.
+    let has = |ending: &Ending, other: &Ending| {
+        other.frequency.is_none_or(|frequency| {
+            ending.lines.iter().any(|[line, _]| near(*line, frequency, SAME_FREQUENCY))
+        })
+    };
+    near(a.amplitude, b.amplitude, SAME_AMPLITUDE) && has(a, b) && has(b, a)
+}
+
+/// The motions that endings are: one ending of each, rest first, then cycles by amplitude; and for each ending the
+/// place of its motion among them, `None` where it has none.
+pub fn attractors<'a>(
+    endings: impl IntoIterator<Item = Option<&'a Ending>>,
+) -> (Vec<Ending>, Vec<Option<usize>>) {
+    let mut found: Vec<&Ending> = Vec::new();
+    let mut place = |ending: &'a Ending| {
+        if ending.kind == Kind::Unsettled {
+            return None;
+        }
+        let known = found.iter().position(|known| is_same(known, ending));
+        Some(known.unwrap_or_else(|| {
+            found.push(ending);
+            found.len() - 1
+        }))
+    };
+    let places: Vec<Option<usize>> =
+        endings.into_iter().map(|ending| ending.and_then(&mut place)).collect();
+    let size = |ending: &Ending| if ending.kind.is_cycle() { ending.amplitude } else { -1.0 };
+    let mut order: Vec<usize> = (0..found.len()).collect();
+    order.sort_by(|&a, &b| size(found[a]).total_cmp(&size(found[b])));
+    let mut rank = vec![0; found.len()];
+    for (place, &old) in order.iter().enumerate() {
+        rank[old] = place;
+    }
+    let ordered = order.iter().map(|&old| found[old].clone()).collect();
+    (ordered, places.into_iter().map(|place| place.map(|place| rank[place])).collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serde_json::json;
+
+    fn ending(kind: Kind, amplitude: f64, lines: &[[f64; 2]]) -> Ending {
+        let ending = json!({
+            "kind": kind,
+            "amplitude": amplitude,
+            "frequency": lines.first().map(|line| line[0]),
+            "lines": lines,
+            "shares": [1.0, 0.0, 0.0, 0.0],
+            "taken": [true, false, false, false],
+            "time": 8.0,
+        });
+        serde_json::from_value(ending).unwrap()
+    }
+
+    #[test]
+    fn motions_are_told_apart_by_kind_size_and_frequency_and_rest_comes_first() {
+        let cycle = ending(Kind::Periodic, 1e-3, &[[100.0, 1e-3]]);
+        let other = |kind, amplitude, frequency| ending(kind, amplitude, &[[frequency, amplitude]]);
+        assert!(is_same(&cycle, &other(Kind::Periodic, 1.001e-3, 100.01)));
+        assert!(!is_same(&cycle, &other(Kind::Periodic, 1.1e-3, 100.0)));
+        assert!(!is_same(&cycle, &other(Kind::Periodic, 1e-3, 101.0)));
+        assert!(!is_same(&cycle, &other(Kind::QuasiPeriodic, 1e-3, 100.0)));
+        let unsettled = other(Kind::Unsettled, 1e-3, 100.0);
+        assert!(!is_same(&unsettled, &unsettled));
+        // Two lines of one strength, in either order.
+        let two = [[100.0, 1e-3], [130.0, 1e-3]];
+        let turned = [two[1], two[0]];
+        let beating = |lines: &[[f64; 2]]| ending(Kind::QuasiPeriodic, 2e-3, lines);
+        assert!(is_same(&beating(&two), &beating(&turned)));
+
+        let rest = |left| ending(Kind::Equilibrium, left, &[]);
+        let small = other(Kind::Periodic, 1e-4, 100.0);
+        let all = [&cycle, &rest(1e-9), &unsettled, &small, &rest(1e-5), &cycle].map(Some);
+        let (found, places) = attractors(all.into_iter().chain([None]));
+        assert_eq!(found, [rest(1e-9), small.clone(), cycle.clone()]);
+        assert_eq!(places, [Some(2), Some(0), None, Some(1), Some(0), Some(2), None]);
+    }
+}

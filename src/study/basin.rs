@@ -1,0 +1,428 @@
+//! Basins: which points of a plane of two initial values end in which attractor.
+//!
+//! First a few points, spread over the plane, are followed until they are settled. What they end in has habits: how
+//! much each displacement and each velocity varies over short windows. A point is decided as soon as it has the
+//! habits of one attractor, or as it slides without a change of contact state and decays where nothing can grow; one
+//! that never does is followed until it is settled. Points move together in the lanes of a [`Batch`], and those that
+//! are decided make room.
+
+use super::attractor::attractors;
+use super::ending::{Ending, Kind, Settling};
+use super::initial::{initial_value, starting_from};
+use super::look::Look;
+use super::{Journal, Watch};
+use crate::Error;
+use crate::contact::ContactState;
+use crate::integrator::{EventDriven, Width};
+use crate::model::LumpedModel;
+use crate::scene::Scene;
+use crate::simulation::{Batch, Simulation, attempt};
+use crate::stability::Spectrum;
+use crate::stability::candidates::resting_state;
+use crate::stability::parallel::collect;
+use serde::{Deserialize, Serialize};
+use std::collections::VecDeque;
+
+/// Points along each axis that are followed until they are settled, first of all.
+const FIRST: usize = 6;
+/// Short windows in a window: with a window of 50 periods of the slowest mode one has ten of them.
+pub const SHORT_WINDOWS: u32 = 5;
+/// Short windows whose habits are an attractor's: those of the four windows in which a motion was found settled.
+const HABITUAL: usize = 4 * SHORT_WINDOWS as usize;
+/// A point has the habits of an attractor if it keeps to them, up to this part of the largest displacement or
+/// velocity, over so many short windows.
+const ALIKE: f64 = 2e-2;
+const KEPT: usize = 2;
+/// Points of a row that are one piece of work.
+const PIECE: usize = 64;
+
+/// An initial value along an axis of the plane.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Axis {
+    /// Its name.
+    pub name: String,
+    /// Its values, ascending; m or m/s.
+    pub values: Vec<f64>,
+}
+
+/// What a point ends in.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Cell {
+    /// Which attractor; `None` if it has not settled, or failed.
+    pub attractor: Option<usize>,
+    /// Was it decided before it had settled?
+    pub early: bool,
+    /// Why it failed.
+    pub failure: Option<String>,
+}
+
+/// Which point ends where.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Basin {
+    /// One ending of each attractor: rest first, then cycles by amplitude.
+    pub attractors: Vec<Ending>,
+    /// A row for each value of y, from the first on; in it a cell for each value of x.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// What is known of a point, as it is noted.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+enum Found {
+    /// It has the habits of this one of the attractors of the first points.
+    Early(usize),
+    /// It was followed until it was settled, or for as long as may be; with its habits.
+    Settled(Box<Ending>, Vec<[f64; 2]>),
+    Failed(String),
+}
+
+/// An attractor of the first points.
+struct Known {
+    ending: Ending,
+    /// The smallest and the largest size of each displacement and velocity.
+    habits: Vec<[f64; 2]>,
+}
+
+/// Finds what each point of the plane ends in. The scene's other initial values stay as they are. With
+/// `early` false all points are followed until they are settled. `None` if the watch ended it: what was finished
+/// is in the journal.
+///
+/// # Errors
+/// No such initial value, one for both axes, a plane without a point that can run, or a journal that cannot be
+/// written.
+pub fn basin(
+    scene: &Scene,
+    [x, y]: [&Axis; 2],
+    look: &Look,
+    early: bool,
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<Basin>, Error> {
+    let names = [initial_value(scene, &x.name)?, initial_value(scene, &y.name)?];
+    if names[0] == names[1] {
+        return Err(Error::argument(format!(
+            "both axes are {}; give another initial value to one of them",
+            names[0]
+        )));
+    }
+    let plane = Plane { scene, names, look, width: Width::available().into_iter().next(), watch };
+    let share = |from: f64, to: f64, done: usize, all: usize| {
+        #[allow(clippy::cast_precision_loss)]
+        (watch.progress)(from + (to - from) * (done as f64 / all as f64));
+    };
+
+    let mut known = Vec::new();
+    let part = if early { 0.1 } else { 0.0 };
+    if early {
+        let (columns, rows) = (spread(x.values.len()), spread(y.values.len()));
+        let points: Vec<[f64; 2]> = rows
+            .iter()
+            .flat_map(|&row| columns.iter().map(move |&column| [column, row]))
+            .map(|[column, row]| [x.values[column], y.values[row]])
+            .collect();
+        let pieces: Vec<&[[f64; 2]]> = points.chunks(8).collect();
+        let work = |i: usize| {
+            journal
+                .piece(&format!("first {:?}", pieces[i]), || plane.endings(pieces[i], &[], &None))
+        };
+        let done = |done| share(0.0, part, done, pieces.len());
+        let found: Option<Vec<_>> = collect(pieces.len(), &work, &done)?.into_iter().collect();
+        let Some(found) = found else { return Ok(None) };
+        known = what_is_known(found.into_iter().flatten());
+    }
+
+    let resting = known
+        .iter()
+        .any(|known| known.ending.kind == Kind::Equilibrium)
+        .then(|| stable_rest(scene))
+        .flatten();
+    let rows = y.values.iter().map(|&y| x.values.iter().map(move |&x| [x, y]).collect());
+    let rows: Vec<Vec<[f64; 2]>> = rows.collect();
+    let pieces: Vec<&[[f64; 2]]> = rows.iter().flat_map(|row| row.chunks(PIECE)).collect();
+    let work = |i: usize| {
+        let [first, .., last] = [pieces[i][0], pieces[i][pieces[i].len() - 1]];
+        let way = if early { "from" } else { "all from" };
+        let key = format!("{way} {first:?} to {last:?}, {}", pieces[i].len());
+        journal.piece(&key, || plane.endings(pieces[i], &known, &resting))
+    };
+    let done = |done| share(part, 1.0, done, pieces.len());
+    let found: Option<Vec<_>> = collect(pieces.len(), &work, &done)?.into_iter().collect();
+    let Some(found) = found else { return Ok(None) };
+    let found: Vec<Found> = found.into_iter().flatten().collect();
+    if let Some(Found::Failed(reason)) =
+        found.first().filter(|_| found.iter().all(|found| matches!(found, Found::Failed(_))))
+    {
+        return Err(Error::scene(format!("no point of the plane can run: {reason}")));
+    }
+    Ok(Some(told(&known, &found, x.values.len())))
+}
+
+/// The plane and how its points are followed.
+struct Plane<'a> {
+    scene: &'a Scene,
+    names: [String; 2],
+    look: &'a Look,
+    width: Option<Width>,
+    watch: Watch<'a>,
+}
+
+/// A point on its way.
+struct Traveller {
+    place: usize,
+    settling: Settling,
+    meter: Meter,
+    changes: u64,
+    /// Sizes over the last short windows, and over how many of them it kept to which habits.
+    sizes: VecDeque<Vec<f64>>,
+    kept: (Option<usize>, usize),
+    /// The size over the last short window, where no contact changed its state and all rested.
+    calm: Option<f64>,
+    found: Option<Found>,
+}
+
+impl Plane<'_> {
+    /// What each of these points ends in; `None` if the watch ended it.
+    fn endings(
+        &self,
+        points: &[[f64; 2]],
+        known: &[Known],
+        resting: &Option<Vec<ContactState>>,
+    ) -> Result<Option<Vec<Found>>, Error> {
+        let mut found: Vec<Option<Found>> = vec![None; points.len()];
+        let mut moving = Vec::new();
+        for (place, &[x, y]) in points.iter().enumerate() {
+            let start = starting_from(self.scene, &[(&self.names[0], x), (&self.names[1], y)])
+                .and_then(|scene| Simulation::new(scene, 0.0))
+                .and_then(|simulation| Ok((Settling::new(&simulation, self.look)?, simulation)));
+            match start {
+                Ok((settling, simulation)) => {
+                    moving.push((simulation, Traveller::new(place, settling)));
+                }
+                Err(error) => found[place] = Some(Found::Failed(error.to_string())),
+            }
+        }
+        let size = moving.first().map_or(1, |(first, _)| Batch::size(first, self.width));
+        #[allow(clippy::cast_possible_truncation)]
+        let rows = self.look.rows() as usize / SHORT_WINDOWS as usize;
+        while !moving.is_empty() {
+            let mut going = Vec::new();
+            let mut left = std::mem::take(&mut moving).into_iter();
+            loop {
+                let (simulations, mut group): (Vec<_>, Vec<_>) = left.by_ref().take(size).unzip();
+                if group.is_empty() {
+                    break;
+                }
+                let mut batch = Batch::new(simulations, self.width);
+                for row in 0..rows {
+                    if row % 256 == 0 && self.watch.is_over() {
+                        return Ok(None);
+                    }
+                    // Those that have settled meanwhile move on with the others.
+                    let Some(time) = next_time(&group) else { break };
+                    batch.advance_to(time);
+                    for (simulation, traveller) in batch.simulations().iter_mut().zip(&mut group) {
+                        attempt(simulation, |simulation| traveller.note(simulation));
+                    }
+                }
+                for (simulation, mut traveller) in batch.into_simulations().into_iter().zip(group) {
+                    match simulation {
+                        Err(error) => {
+                            found[traveller.place] = Some(Found::Failed(error.to_string()));
+                        }
+                        Ok(simulation) => {
+                            if traveller.found.is_none() {
+                                traveller.judge(&simulation, known, resting);
+                            }
+                            match traveller.found.take() {
+                                None => going.push((simulation, traveller)),
+                                decided => found[traveller.place] = decided,
+                            }
+                        }
+                    }
+                }
+            }
+            moving = going;
+        }
+        Ok(found.into_iter().collect())
+    }
+}
+
+/// When the next row is due, s; `None` if all are decided.
+fn next_time(group: &[Traveller]) -> Option<f64> {
+    let going = group.iter().find(|traveller| traveller.found.is_none());
+    going.map(|traveller| traveller.settling.next_time())
+}
+
+impl Traveller {
+    fn new(place: usize, settling: Settling) -> Self {
+        Self {
+            place,
+            settling,
+            meter: Meter::default(),
+            changes: 0,
+            sizes: VecDeque::new(),
+            kept: (None, 0),
+            calm: None,
+            found: None,
+        }
+    }
+
+    /// Takes note of a row.
+    fn note(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
+        if self.found.is_some() {
+            return Ok(());
+        }
+        self.meter.note(simulation.displacement(), simulation.velocity());
+        if let Some(ending) = self.settling.note(simulation)? {
+            let habits = habits(self.sizes.iter());
+            self.found = Some(Found::Settled(Box::new(ending), habits));
+        }
+        Ok(())
+    }
+
+    /// At the end of a short window: is it decided?
+    fn judge(
+        &mut self,
+        simulation: &Simulation,
+        known: &[Known],
+        resting: &Option<Vec<ContactState>>,
+    ) {
+        let sizes = self.meter.take();
+        let changes = simulation.statistics().state_changes();
+        let is_calm = changes == self.changes
+            && resting.as_ref().is_some_and(|states| states == simulation.contact_states());
+        self.changes = changes;
+        let size = sizes.iter().sum::<f64>();
+        let before = std::mem::replace(&mut self.calm, is_calm.then_some(size));
+        let alike = if self.calm.is_some_and(|size| before.is_some_and(|before| size < before)) {
+            self.kept.1 = KEPT;
+            known.iter().position(|known| known.ending.kind == Kind::Equilibrium)
+        } else {
+            let alike = known.iter().position(|known| known.has(&sizes));
+            self.kept.1 = if alike == self.kept.0 { self.kept.1 + 1 } else { 1 };
+            alike
+        };
+        self.kept.0 = alike;
+        if self.kept.1 >= KEPT {
+            self.found = alike.map(Found::Early);
+        }
+        self.sizes.push_back(sizes);
+        if self.sizes.len() > HABITUAL {
+            self.sizes.pop_front();
+        }
+    }
+}
+
+impl Known {
+    /// Are these the sizes of a short window of this attractor?
+    fn has(&self, sizes: &[f64]) -> bool {
+        if !self.ending.kind.is_cycle() {
+            return false;
+        }
+        let half = sizes.len() / 2;
+        let parts = [0..half, half..sizes.len()];
+        parts.into_iter().all(|part| {
+            let habits = &self.habits[part.clone()];
+            let margin = ALIKE * habits.iter().fold(0.0, |most, habit| f64::max(most, habit[1]));
+            let mut pairs = sizes[part].iter().zip(habits);
+            pairs.all(|(size, [low, high])| (low - margin..=high + margin).contains(size))
+        })
+    }
+}
+
+/// How much displacements and velocities vary: sums over a short window.
+#[derive(Default)]
+struct Meter {
+    count: f64,
+    sums: Vec<[f64; 2]>,
+}
+
+impl Meter {
+    fn note(&mut self, displacement: &[f64], velocity: &[f64]) {
+        self.sums.resize(displacement.len() + velocity.len(), [0.0; 2]);
+        self.count += 1.0;
+        for (sum, value) in self.sums.iter_mut().zip(displacement.iter().chain(velocity)) {
+            sum[0] += value;
+            sum[1] += value * value;
+        }
+    }
+
+    /// From the mean, root mean square, of each displacement and then each velocity; begins anew.
+    fn take(&mut self) -> Vec<f64> {
+        let Self { count, sums } = std::mem::take(self);
+        let size = |[sum, squares]: &[f64; 2]| {
+            let mean = sum / count;
+            (squares / count - mean * mean).max(0.0).sqrt()
+        };
+        sums.iter().map(size).collect()
+    }
+}
+
+/// The smallest and the largest of each size.
+fn habits<'a>(windows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<[f64; 2]> {
+    let mut habits: Vec<[f64; 2]> = Vec::new();
+    for sizes in windows {
+        habits.resize(sizes.len(), [f64::INFINITY, 0.0]);
+        for (habit, size) in habits.iter_mut().zip(sizes) {
+            *habit = [habit[0].min(*size), habit[1].max(*size)];
+        }
+    }
+    habits
+}
+
+/// The attractors that points have ended in, with the habits of all that ended in each.
+fn what_is_known(found: impl Iterator<Item = Found>) -> Vec<Known> {
+    let settled: Vec<(Ending, Vec<[f64; 2]>)> = found
+        .filter_map(|found| match found {
+            Found::Settled(ending, habits) => Some((*ending, habits)),
+            _ => None,
+        })
+        .collect();
+    let (endings, places) = attractors(settled.iter().map(|(ending, _)| Some(ending)));
+    let mut known: Vec<Known> =
+        endings.into_iter().map(|ending| Known { ending, habits: Vec::new() }).collect();
+    for ((_, habits), place) in settled.iter().zip(places) {
+        let Some(place) = place else { continue };
+        let own = &mut known[place].habits;
+        own.resize(habits.len(), [f64::INFINITY, 0.0]);
+        for (own, habit) in own.iter_mut().zip(habits) {
+            *own = [own[0].min(habit[0]), own[1].max(habit[1])];
+        }
+    }
+    known
+}
+
+/// The state in which all contacts rest, where nothing grows in it and a motion without a change of state is linear
+/// and free: what decays there goes on to.
+fn stable_rest(scene: &Scene) -> Option<Vec<ContactState>> {
+    let model = LumpedModel::from(scene);
+    if !scene.signals.is_empty() || EventDriven::new(&model).is_err() {
+        return None;
+    }
+    let states = resting_state(&model, scene.slider.velocity);
+    let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).ok()?;
+    (spectrum.growth_rate() < 0.0).then_some(states)
+}
+
+/// Places spread over `count` places, none at an end where it can be helped.
+fn spread(count: usize) -> Vec<usize> {
+    let some = count.min(FIRST);
+    (0..some).map(|i| (2 * i + 1) * count / (2 * some)).collect()
+}
+
+/// All attractors, and the cells in rows.
+fn told(known: &[Known], found: &[Found], columns: usize) -> Basin {
+    let first = known.iter().map(|known| Some(&known.ending));
+    let settled = found.iter().map(|found| match found {
+        Found::Settled(ending, _) => Some(&**ending),
+        _ => None,
+    });
+    let (attractors, places) = attractors(first.chain(settled));
+    let (first, settled) = places.split_at(known.len());
+    let cells = found.iter().zip(settled).map(|(found, &place)| match found {
+        Found::Early(known) => Cell { attractor: first[*known], early: true, failure: None },
+        Found::Settled(..) => Cell { attractor: place, early: false, failure: None },
+        Found::Failed(why) => Cell { attractor: None, early: false, failure: Some(why.clone()) },
+    });
+    let cells: Vec<Cell> = cells.collect();
+    Basin { attractors, rows: cells.chunks(columns).map(<[Cell]>::to_vec).collect() }
+}

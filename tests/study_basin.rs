@@ -1,0 +1,177 @@
+//! Basins: what is decided early is what settling says, and the plane has the symmetry of the scene.
+#![cfg(feature = "tools")]
+
+mod program;
+
+use amontons::scene::{Scene, builtin};
+use amontons::simulation::assign;
+use amontons::study::basin::{Axis, Basin, basin};
+use amontons::study::perturbation::{Direction, perturbation};
+use amontons::study::{Journal, Kind, Look, Watch, Wish};
+use program::{assert_refused, folder, run, text};
+use std::fs;
+use std::path::Path;
+use std::process::{Command, Output, Stdio};
+use std::time::{Duration, Instant};
+
+fn amontons(folder: &Path, arguments: &[&str]) -> Output {
+    run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
+}
+
+const V1: &str = "initial.module[1].v2";
+const V2: &str = "initial.module[2].v2";
+
+fn set2() -> Scene {
+    let mut scene = builtin("set2").unwrap().scene();
+    assign(&mut scene, V1, 0.0).unwrap();
+    scene.step = 2e-5;
+    scene
+}
+
+fn axis(name: &str, last: f64, count: u32) -> Axis {
+    let at = |i| last * (2.0 * f64::from(i) / f64::from(count - 1) - 1.0);
+    Axis { name: name.to_owned(), values: (0..count).map(at).collect() }
+}
+
+fn of(scene: &Scene, axes: [&Axis; 2], early: bool) -> Basin {
+    let look = Look::of(scene, &Wish::default()).unwrap();
+    basin(scene, axes, &look, early, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+}
+
+/// The kind of motion of each cell, in rows.
+fn kinds(basin: &Basin) -> Vec<Vec<Kind>> {
+    let kind =
+        |place: Option<usize>| place.map_or(Kind::Unsettled, |place| basin.attractors[place].kind);
+    basin.rows.iter().map(|row| row.iter().map(|cell| kind(cell.attractor)).collect()).collect()
+}
+
+#[test]
+fn what_is_decided_early_is_what_settling_says() {
+    let scene = set2();
+    let axes = [&axis(V1, 0.3, 12), &axis(V2, 0.25, 11)];
+    let (early, settled) = (of(&scene, axes, true), of(&scene, axes, false));
+    let cells = || early.rows.iter().zip(&settled.rows).flat_map(|(a, b)| a.iter().zip(b));
+    for (a, b) in cells() {
+        assert_eq!((a.attractor, &a.failure), (b.attractor, &b.failure));
+        assert!(!b.early);
+    }
+    assert_eq!(early.attractors.len(), settled.attractors.len());
+    // Else the comparison would say little.
+    let count = |attractor| cells().filter(|(cell, _)| cell.attractor == Some(attractor)).count();
+    assert!(count(0) > 10 && count(1) > 10, "{:?}", [count(0), count(1)]);
+    assert!(cells().filter(|(cell, _)| cell.early).count() > 100);
+}
+
+#[test]
+fn a_row_of_the_plane_ends_as_its_points_do_by_themselves() {
+    let mut scene = set2();
+    let (x, y) = (axis(V1, 0.3, 7), axis(V2, 0.25, 3));
+    let plane = of(&scene, [&x, &y], true);
+    assign(&mut scene, V2, y.values[2]).unwrap();
+    let direction =
+        Direction { name: x.name.clone(), amplitudes: x.values.clone(), resolution: 0.99 };
+    let look = Look::of(&scene, &Wish::default()).unwrap();
+    let journal = Journal::forgotten();
+    let single = perturbation(&scene, &direction, &look, &journal, Watch::IDLE).unwrap().unwrap();
+    for (value, kind) in x.values.iter().zip(&kinds(&plane)[2]) {
+        let run = single.runs.iter().find(|run| run.amplitude == *value).unwrap();
+        assert_eq!(run.ending.as_ref().unwrap().kind, *kind, "{value}");
+    }
+}
+
+/// The modules of Set 2 are equal: to push one instead of the other changes names alone.
+#[test]
+fn exchanging_the_modules_of_set_2_mirrors_the_plane() {
+    let plane = of(&set2(), [&axis(V1, 0.3, 8), &axis(V2, 0.3, 8)], true);
+    let kinds = kinds(&plane);
+    for (row, cells) in kinds.iter().enumerate() {
+        for (column, kind) in cells.iter().enumerate() {
+            assert_eq!(*kind, kinds[column][row], "{column} {row}");
+        }
+    }
+    assert!(kinds.iter().flatten().any(|kind| kind.is_cycle()));
+}
+
+/// What has no other way to move than to rest.
+#[test]
+fn a_plane_without_a_cycle_is_all_rest() {
+    let mut scene = set2();
+    scene.friction_coefficient = 0.5;
+    let plane = of(&scene, [&axis(V1, 0.3, 4), &axis("module[1].x2", 1e-3, 3)], true);
+    assert!(plane.rows.iter().flatten().all(|cell| cell.attractor == Some(0)));
+    assert_eq!((plane.attractors.len(), plane.attractors[0].kind), (1, Kind::Equilibrium));
+}
+
+const PLANE: [&str; 8] = [
+    "study",
+    "basin",
+    "set2",
+    "--step=2e-5",
+    "--x=module[1].v2=-0.3:0.3:24",
+    "--y=module[2].v2=-0.3:0.3:24",
+    "--pictures=png",
+    "-o",
+];
+
+fn all<'a>(folder: &'a str, more: &[&'a str]) -> Vec<&'a str> {
+    [&PLANE[..], &[folder], more].concat()
+}
+
+#[test]
+fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
+    let folder = folder();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_amontons"));
+    command.current_dir(folder.path()).args(all("cut", &[]));
+    let child = command.stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap();
+    let journal = folder.path().join("cut/journal.jsonl");
+    let lines = || fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
+    let begun = Instant::now();
+    while lines() < 8 && begun.elapsed() < Duration::from_secs(60) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_refused(
+        &output,
+        130,
+        &["finished pieces are kept", "journal.jsonl", "goes on from there"],
+    );
+    assert!(!folder.path().join("cut/results.csv").exists());
+    let kept = lines();
+
+    let again = amontons(folder.path(), &all("cut", &[]));
+    assert!(again.status.success(), "{}", text(&again.stderr));
+    let whole = amontons(folder.path(), &all("whole", &[]));
+    for file in ["results.csv", "basin.png"] {
+        let read = |of: &str| fs::read(folder.path().join(of).join(file)).unwrap();
+        assert!(read("cut") == read("whole"), "{file}");
+    }
+    let printed = |output: &Output, of: &str| text(&output.stdout).replace(of, "");
+    assert_eq!(printed(&again, "cut"), printed(&whole, "whole"));
+    // Six pieces of the first points and 24 of rows, after the head.
+    assert!(kept < 31 && lines() == 30, "{kept} {}", lines());
+    let csv = fs::read_to_string(folder.path().join("cut/results.csv")).unwrap();
+    assert_eq!(
+        (csv.lines().next(), csv.lines().count()),
+        (Some("x,y,attractor,kind"), 1 + 24 * 24)
+    );
+}
+
+#[test]
+fn planes_that_make_no_sense_are_refused_with_what_would() {
+    let folder = folder();
+    let refused = |x: &str, y: &str, code, words: &[&str]| {
+        let arguments = ["study", "basin", "set2", "--x", x, "--y", y, "-o", "plane"];
+        assert_refused(&amontons(folder.path(), &arguments), code, words);
+    };
+    let x = "module[1].v2=-0.3:0.3:4";
+    refused(x, "module[2].v9=-1:1:4", 2, &["module[2].v9", "did you mean initial.module[2].v"]);
+    refused(x, "initial.module[1].v2=-1:1:4", 2, &["both axes are initial.module[1].v2"]);
+    refused(x, "slider.velocity=-1:1:4", 2, &["no initial value slider.velocity"]);
+    refused(x, "module[2].v2=-1:1", 2, &["A:B:N"]);
+    refused(x, "module[2].v2", 2, &["NAME=A:B:N"]);
+    fs::write(folder.path().join("file"), "").unwrap();
+    let output = amontons(folder.path(), &all("file", &[]));
+    assert_refused(&output, 1, &["file"]);
+}
