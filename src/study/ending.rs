@@ -572,6 +572,10 @@ mod tests {
         for rate in [2.5e-4, -2.5e-4] {
             assert_eq!(known(true, |t| (rate * t).exp() * sine(200.0, t)), None, "{rate}");
         }
+        assert_eq!(known(false, |t| (2.5e-4 * t).exp() * sine(200.0, t)), None);
+        // Nor where a line beside the main one does, of a motion without events, by 0.2 % a window.
+        let beside = |t: f64| sine(200.0, t) + 0.05 * (-1e-3 * t).exp() * sine(91.3, t);
+        assert_eq!(known(false, beside), None);
         // What comes to its end is.
         let ends = |t: f64| (1.0 - (-t).exp()) * sine(200.0, t);
         let (windows, kind, _) = known(true, ends).unwrap();
