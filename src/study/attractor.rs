@@ -97,7 +97,8 @@ mod tests {
 
         let rest = |left| ending(Kind::Equilibrium, left, &[]);
         let small = other(Kind::Periodic, 1e-4, 100.0);
-        let all = [&cycle, &rest(1e-9), &unsettled, &small, &rest(1e-5), &cycle].map(Some);
+        let [near, far] = [1e-9, 1e-5].map(rest);
+        let all = [&cycle, &near, &unsettled, &small, &far, &cycle].map(Some);
         let (found, places) = attractors(all.into_iter().chain([None]));
         assert_eq!(found, [rest(1e-9), small.clone(), cycle.clone()]);
         assert_eq!(places, [Some(2), Some(0), None, Some(1), Some(0), Some(2), None]);

@@ -559,9 +559,11 @@ mod tests {
         };
         let (_, kind, base) = known(true, noise).unwrap();
         assert_eq!((kind, base), (Kind::Irregular, None));
-        // Also beside a line that has less than IN_LINES of the power.
         let (_, kind, _) = known(true, |t| 0.5 * sine(200.0, t) + noise(t)).unwrap();
         assert_eq!(kind, Kind::Irregular);
+        // Also where one line stands out, but a tenth of the power is in none.
+        assert_eq!(kind_of(&[200.0], 0.9, 2.0), (Kind::Irregular, None));
+        assert_eq!(kind_of(&[200.0], 0.99, 2.0), (Kind::Periodic, Some(200.0)));
     }
 
     #[test]
@@ -570,6 +572,10 @@ mod tests {
         for rate in [2.5e-4, -2.5e-4] {
             assert_eq!(known(true, |t| (rate * t).exp() * sine(200.0, t)), None, "{rate}");
         }
+        assert_eq!(known(false, |t| (2.5e-4 * t).exp() * sine(200.0, t)), None);
+        // Nor where a line beside the main one does, of a motion without events, by 0.2 % a window.
+        let beside = |t: f64| sine(200.0, t) + 0.05 * (-1e-3 * t).exp() * sine(91.3, t);
+        assert_eq!(known(false, beside), None);
         // What comes to its end is.
         let ends = |t: f64| (1.0 - (-t).exp()) * sine(200.0, t);
         let (windows, kind, _) = known(true, ends).unwrap();

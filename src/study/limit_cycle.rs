@@ -173,7 +173,7 @@ pub fn limit_cycles(
         &|place| {
             let i = changing[place];
             let pairs = [i, i + 1].map(|i| (values[i], outcomes[i].clone()));
-            runs.thresholds(pairs, *resolution)
+            runs.thresholds(&pairs, *resolution)
         },
         &progress(first, second, changing.len()),
     )?;
@@ -303,7 +303,7 @@ impl Runs<'_> {
     /// Where each change between two neighbouring values is, by value.
     fn thresholds(
         &self,
-        pairs: [(f64, Outcome); 2],
+        pairs: &[(f64, Outcome); 2],
         resolution: f64,
     ) -> Result<Option<Vec<Threshold>>, Error> {
         let near = resolution * (pairs[1].0 - pairs[0].0);

@@ -167,7 +167,10 @@ impl Told<'_> {
         });
         let amplitude =
             self.curve(any_left.then_some("settled"), 0, |ending| Some(ending.amplitude));
-        let frequency = self.curve(any_left.then_some("settled"), 0, |ending| ending.frequency);
+        let frequency = self.curve(any_left.then_some("settled"), 0, |ending| {
+            // Of a decay no one asks.
+            ending.frequency.filter(|_| !ending.rests())
+        });
         let is_taken = |&state: &usize| {
             self.outcomes().any(
                 |(_, outcome)| matches!(outcome, Outcome::Ending(ending) if ending.taken[state]),
@@ -306,6 +309,7 @@ impl Told<'_> {
                 Outcome::Ending(Ending {
                     kind, amplitude, frequency, shares, taken, time, ..
                 }) => {
+                    let frequency = frequency.filter(|_| *kind != Kind::Equilibrium);
                     let frequency =
                         frequency.map_or_else(|| "-".to_owned(), |hz| format!("{hz:.3}"));
                     write!(
