@@ -19,6 +19,7 @@
 //! | `fmi2` | the C interface of FMI 2.0 for co-simulation |
 //! | [`package`] | the FMU as an archive (feature `tools`) |
 //! | [`picture`] | charts, maps, moving mode shapes and structures as SVG or PNG (feature `tools`) |
+//! | [`report`] | claims, figures and tables as one HTML page (feature `tools`) |
 //!
 //! All quantities are in SI units.
 
@@ -35,6 +36,8 @@ pub mod output;
 pub mod package;
 #[cfg(feature = "tools")]
 pub mod picture;
+#[cfg(feature = "tools")]
+pub mod report;
 pub mod scene;
 pub mod simulation;
 #[cfg(feature = "tools")]

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 14] = [
+const ROOMS: [&str; 16] = [
     "error",
     "output",
     "spectral",
@@ -20,6 +20,7 @@ const ROOMS: [&str; 14] = [
     "fmi2",
     "package",
     "picture",
+    "report",
 ];
 
 /// Rooms that the sources under `path` name with `crate::room`.

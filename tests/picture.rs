@@ -2,8 +2,8 @@
 
 use amontons::Error;
 use amontons::picture::{
-    Chart, Class, Link, LinkKind, Map, Mark, MassMark, ModeShape, ModeShapes, Panel, Series,
-    SliderMark, Structure, Style,
+    Band, Chart, Class, Lane, Link, LinkKind, Map, Mark, MassMark, ModeShape, ModeShapes, Panel,
+    Raster, Series, SliderMark, Stretch, Structure, Style,
 };
 use nalgebra::Complex;
 use quick_xml::Reader;
@@ -80,9 +80,16 @@ fn drawn(write: impl Fn(&Path) -> Result<(), Error>) -> Vec<Element> {
 }
 
 /// Width and height of a PNG, and its pixels, three bytes each.
-fn decoded(path: &Path) -> (u32, u32, Vec<u8>) {
-    let file = std::io::BufReader::new(fs::File::open(path).unwrap());
-    let mut reader = png::Decoder::new(file).read_info().unwrap();
+type Pixels = (u32, u32, Vec<u8>);
+
+fn decoded(path: &Path) -> Pixels {
+    decoded_bytes(&fs::read(path).unwrap())
+}
+
+fn decoded_bytes(bytes: &[u8]) -> Pixels {
+    let mut decoder = png::Decoder::new(std::io::Cursor::new(bytes));
+    decoder.set_transformations(png::Transformations::EXPAND);
+    let mut reader = decoder.read_info().unwrap();
     let mut pixels = vec![0; reader.output_buffer_size().unwrap()];
     let info = reader.next_frame(&mut pixels).unwrap();
     assert_eq!(info.color_type, png::ColorType::Rgb);
@@ -131,6 +138,53 @@ fn chart() -> Chart {
                 ..Panel::default()
             },
         ],
+        ..Chart::default()
+    }
+}
+
+/// Colours of values from 0 to 5 over 4 × 3 cells, one of which has none.
+fn raster() -> Raster {
+    Raster {
+        x: [0.0, 4.0],
+        y: [0.0, 30.0],
+        rows: vec![
+            vec![0.0, 1.0, 2.0, 3.0],
+            vec![1.0, f64::NAN, 3.0, 4.0],
+            vec![2.0, 3.0, 4.0, 9.0],
+        ],
+        range: [0.0, 5.0],
+        label: "Level <dB>".into(),
+    }
+}
+
+fn spectrogram() -> Chart {
+    let panel =
+        Panel { y_label: "Frequency [Hz]".into(), raster: Some(raster()), ..Panel::default() };
+    Chart {
+        title: "Spectrogram".into(),
+        x_label: "t [s]".into(),
+        panels: vec![panel],
+        ..Chart::default()
+    }
+}
+
+/// Two contacts over 8 s: one slips from 0 to 4 and sticks from 4 to 8, of the other nothing is known until 6.
+fn states() -> Chart {
+    let class = |name: &str, colour| Class { name: name.into(), colour };
+    let lane = |name: &str, stretches: &[(f64, f64, usize)]| Lane {
+        name: name.into(),
+        stretches: stretches.iter().map(|&(from, to, class)| Stretch { from, to, class }).collect(),
+    };
+    let panel = Panel {
+        y_label: "Contact state".into(),
+        lanes: vec![lane("left", &[(0.0, 4.0, 0), (4.0, 8.0, 1)]), lane("right", &[(6.0, 8.0, 0)])],
+        classes: vec![class("slip", 1), class("stick", 0)],
+        ..Panel::default()
+    };
+    Chart {
+        title: "States".into(),
+        x_label: "t [s]".into(),
+        panels: vec![panel],
         ..Chart::default()
     }
 }
@@ -380,6 +434,12 @@ fn the_same_data_give_the_same_bytes() {
             map().write(path).unwrap();
         }
         assert_eq!(fs::read(&a).unwrap(), fs::read(&b).unwrap());
+        for chart in [spectrogram(), states()] {
+            for path in [&a, &b] {
+                chart.write(path).unwrap();
+            }
+            assert_eq!(fs::read(&a).unwrap(), fs::read(&b).unwrap());
+        }
         for path in [&a, &b] {
             structure().write(path).unwrap();
         }
@@ -443,4 +503,247 @@ fn pictures_of_nothing_or_of_the_wrong_shape_are_refused() {
     let mut modes = mode_shapes();
     modes.modes[0].shape[3].im = f64::NAN;
     refused(modes.write(&path), "Mode 1");
+}
+
+fn description(elements: &[Element]) -> &str {
+    &elements.iter().find(|e| e.name == "desc").unwrap().text
+}
+
+/// The pixel at a place of a picture, px.
+fn pixel((width, _, pixels): &Pixels, x: u32, y: u32) -> [u8; 3] {
+    let place = 3 * (2 * y * width + 2 * x) as usize;
+    [pixels[place], pixels[place + 1], pixels[place + 2]]
+}
+
+fn written(chart: &Chart) -> Pixels {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("chart.png");
+    chart.write(&path).unwrap();
+    decoded(&path)
+}
+
+#[test]
+fn a_band_is_a_pale_range_of_its_panel_behind_the_curves() {
+    let mut chart = chart();
+    let band = |from, to| Band { from, to, label: Some("two <states>".into()), colour: 2 };
+    chart.panels[0].bands = vec![band(10.0, 20.0), band(40.0, f64::INFINITY)];
+    let elements = drawn(|path| chart.write(path));
+    // A fifth of the colour, four fifths of white; x from 0 to 50 is from 84 to 876 px, in tenths.
+    let pale: Vec<usize> =
+        (0..elements.len()).filter(|&i| elements[i].get("fill") == "#CCECE3").collect();
+    let [legend, first, second] = pale[..] else { panic!("{} pale areas", pale.len()) };
+    let sides = |element: &Element| {
+        let x = element.get("points").split_whitespace().map(|point| place(point)[0]);
+        [x.clone().fold(f64::INFINITY, f64::min), x.fold(0.0, f64::max)]
+    };
+    assert_eq!(sides(&elements[first]), [840.0 + 1584.0, 840.0 + 2.0 * 1584.0]);
+    assert_eq!(sides(&elements[second]), [840.0 + 4.0 * 1584.0, 8760.0]);
+    let curve = elements.iter().position(|e| e.points() == 51).unwrap();
+    assert!(legend < first && second < curve);
+    assert_eq!(texts(&elements).iter().filter(|t| **t == "two &lt;states&gt;").count(), 1);
+    let words = description(&elements);
+    assert!(words.contains("shaded: “two &lt;states&gt;” from 10 to 20"), "{words}");
+    // A panel that ends at 50 shows up to 60 if a range ends there.
+    chart.panels[0].bands = vec![band(10.0, 60.0)];
+    assert!(texts(&drawn(|path| chart.write(path))).contains(&"60"));
+}
+
+#[test]
+fn a_raster_has_the_colours_of_its_scale() {
+    let picture = written(&spectrogram());
+    let (_, height, _) = picture;
+    // The scale is from 576 to 876 px, below the title; the plane as that of a map, but 400 px up.
+    let scale = |value: f64| pixel(&picture, 577 + (value / 5.0 * 298.0) as u32, 38 + 8 + 4 + 6);
+    let cell = |column: u32, row: u32| {
+        pixel(&picture, 84 + 198 * column + 99, height / 2 - 60 - 66 - 133 * row)
+    };
+    let near = |a: [u8; 3], b: [u8; 3]| a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= 4);
+    for (column, row, value) in [(0, 0, 0.0), (3, 0, 3.0), (0, 1, 1.0), (3, 1, 4.0), (2, 2, 4.0)] {
+        let (found, expected) = (cell(column, row), scale(value));
+        assert!(near(found, expected), "{column}, {row}: {found:?} and {expected:?}");
+    }
+    // What is above the scale has its last colour, what is not a number none.
+    assert!(near(cell(3, 2), scale(5.0)));
+    assert_eq!(cell(1, 1), [255; 3]);
+    let sum = |value: f64| scale(value).map(u32::from).iter().sum::<u32>();
+    assert!((0..5).all(|i| sum(f64::from(i)) < sum(f64::from(i + 1))), "dark to light");
+}
+
+/// Bytes of base64.
+fn bytes(text: &str) -> Vec<u8> {
+    let digit = |c: u8| match c {
+        b'A'..=b'Z' => c - b'A',
+        b'a'..=b'z' => c - b'a' + 26,
+        b'0'..=b'9' => c - b'0' + 52,
+        b'+' => 62,
+        _ => 63,
+    };
+    let bits = text.bytes().filter(|c| *c != b'=');
+    let bits: Vec<u8> = bits.flat_map(|c| (0..6).rev().map(move |i| digit(c) >> i & 1)).collect();
+    bits.chunks_exact(8).map(|byte| byte.iter().fold(0, |all, bit| 2 * all + bit)).collect()
+}
+
+/// The images of an SVG, each with its place and its content.
+fn images(elements: &[Element]) -> Vec<([f64; 4], Pixels)> {
+    let found = elements.iter().filter(|e| e.name == "image");
+    let sides = ["x", "y", "width", "height"];
+    found
+        .map(|e| {
+            let data = e.get("href").strip_prefix("data:image/png;base64,").unwrap();
+            (sides.map(|side| e.get(side).parse().unwrap()), decoded_bytes(&bytes(data)))
+        })
+        .collect()
+}
+
+#[test]
+fn a_raster_is_an_image_within_an_svg_and_is_told_in_words() {
+    let elements = drawn(|path| spectrogram().write(path));
+    let images = images(&elements);
+    let [([x, _, width, height], (columns, rows, cells)), ([.., length, _], (colours, 1, scale))] =
+        &images[..]
+    else {
+        panic!("{} images", images.len())
+    };
+    assert_eq!([*x, *width, *height, *length], [840.0, 7920.0, 4000.0, 3000.0]);
+    assert_eq!([*columns, *rows, *colours], [4, 3, 255]);
+    // The highest row is first: 2 is there at the left, beyond the scale at the right; 0 is below.
+    assert_eq!(cells[..3], scale[3 * 102..3 * 103]);
+    assert_eq!(cells[9..12], scale[3 * 254..]);
+    assert_eq!(cells[15..18], [255; 3]);
+    assert_eq!(cells[24..27], scale[..3]);
+    // Behind the axes, on the ground.
+    let first = |name: &str| elements.iter().position(|e| e.name == name).unwrap();
+    assert!(first("rect") < first("image") && first("image") < first("polyline"));
+    let texts = texts(&elements);
+    for label in ["Level &lt;dB&gt;", "Frequency [Hz]", "30", "5"] {
+        assert!(texts.contains(&label), "{label}: {texts:?}");
+    }
+    let words = description(&elements);
+    assert!(words.contains("dark blue for 0 to yellow for 5 of “Level &lt;dB&gt;”"), "{words}");
+}
+
+#[test]
+fn a_raster_of_a_million_values_is_reduced_to_what_is_seen() {
+    let mut chart = spectrogram();
+    let even = |i: u32| if i.is_multiple_of(2) { 1.0 } else { 4.0 };
+    let raster = chart.panels[0].raster.as_mut().unwrap();
+    raster.rows = (0..1584).map(|row| vec![even(row); 1000]).collect();
+    let elements = drawn(|path| chart.write(path));
+    let images = images(&elements);
+    let (width, height, cells) = &images[0].1;
+    assert_eq!([*width, *height], [792, 400]);
+    // The mean of 1 and 4 is in the middle of the scale, here and there a little off it.
+    let scale = &images[1].1.2;
+    assert!(cells.chunks(3).all(|cell| scale[3 * 110..3 * 145].chunks(3).any(|c| c == cell)));
+}
+
+#[test]
+fn lanes_have_the_colours_of_their_classes() {
+    let picture = written(&states());
+    let (_, height, _) = picture;
+    // Two lanes of 26 px above 60 px of the x axis; a second is 99 px.
+    let at = |lane: u32, second: u32| {
+        pixel(&picture, 84 + 99 * second + 50, height / 2 - 99 + 26 * lane)
+    };
+    let (slip, stick) = ([0xD5, 0x5E, 0x00], [0x00, 0x72, 0xB2]);
+    assert_eq!([at(0, 0), at(0, 3), at(0, 4), at(0, 7)], [slip, slip, stick, stick]);
+    assert_eq!([at(1, 0), at(1, 5), at(1, 6), at(1, 7)], [[255; 3], [255; 3], slip, slip]);
+    let elements = drawn(|path| states().write(path));
+    let texts = texts(&elements);
+    for label in ["Contact state", "left", "right", "slip", "stick", "t [s]", "8"] {
+        assert_eq!(texts.iter().filter(|text| **text == label).count(), 1, "{label}: {texts:?}");
+    }
+    let words = description(&elements);
+    assert!(words.contains("lanes “left”, “right”, each in parts “slip”, “stick”"), "{words}");
+}
+
+#[test]
+fn frames_begin_where_the_names_of_lanes_end() {
+    let mut chart = states();
+    let curve = Series { points: vec![[0.0, 1.0], [8.0, 2.0]], ..Series::default() };
+    chart.panels.insert(0, Panel { series: vec![curve], ..Panel::default() });
+    let start = |chart: &Chart| {
+        let elements = drawn(|path| chart.write(path));
+        let curve = elements.iter().find(|e| e.get("stroke") == BLUE).unwrap();
+        place(curve.get("points").split_whitespace().next().unwrap())[0]
+    };
+    assert_eq!(start(&chart), 840.0);
+    chart.panels[1].lanes[0].name = "guide with the left pad".into();
+    let start = start(&chart);
+    assert!((1200.0..2500.0).contains(&start), "{start}");
+}
+
+#[test]
+fn dots_are_not_joined_and_stand_once_at_a_place() {
+    let mut chart = chart();
+    let points = vec![[0.0, 0.0], [50.0, 2500.0], [f64::NAN, 1.0], [50.0, 2500.01], [25.0, 0.0]];
+    let label = Some("peaks".to_owned());
+    chart.panels[0].series =
+        vec![Series { points, label, style: Style::Dots, ..Series::default() }];
+    chart.panels.pop();
+    let elements = drawn(|path| chart.write(path));
+    // And one in the legend.
+    let dots = elements.iter().filter(|e| e.name == "circle" && e.get("fill") == BLUE);
+    assert_eq!(dots.count(), 3 + 1);
+    assert!(!elements.iter().any(|e| e.name == "polyline" && e.get("stroke") == BLUE));
+}
+
+#[test]
+fn a_closed_loop_keeps_off_the_frame() {
+    let angle = |i: i32| std::f64::consts::TAU * f64::from(i) / 200.0;
+    let points = (0..=200).map(|i| [angle(i).cos(), angle(i).sin()]).collect();
+    let panel = Panel { series: vec![Series { points, ..Series::default() }], ..Panel::default() };
+    let elements =
+        drawn(|path| Chart { panels: vec![panel.clone()], ..Chart::default() }.write(path));
+    let lines = curves(&elements, BLUE);
+    let places: Vec<[f64; 2]> = lines[0].get("points").split_whitespace().map(place).collect();
+    assert_eq!((lines.len(), places.len(), places[0]), (1, 201, places[200]));
+    // A twentieth of the range is free at both sides.
+    let x = places.iter().map(|place| place[0]);
+    let ends = [x.clone().fold(f64::INFINITY, f64::min), x.fold(0.0, f64::max)];
+    assert_eq!(ends, [840.0 + 360.0, 8760.0 - 360.0]);
+}
+
+#[test]
+fn rasters_and_lanes_of_the_wrong_shape_are_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("picture.svg");
+    let refused = |mut chart: Chart, change: &dyn Fn(&mut Panel), words: &[&str]| {
+        change(&mut chart.panels[0]);
+        let text = chart.write(&path).unwrap_err().to_string();
+        for word in words.iter().chain(&["picture.svg"]) {
+            assert!(text.contains(word), "{word}: {text}");
+        }
+        assert!(!path.exists());
+    };
+    let raster = |change: &dyn Fn(&mut Raster), words: &[&str]| {
+        refused(spectrogram(), &|panel| change(panel.raster.as_mut().unwrap()), words);
+    };
+    raster(&|r| r.rows.clear(), &["Frequency [Hz]", "no values"]);
+    raster(&|r| r.rows[1].push(1.0), &["5 values in row 1 and 4 in row 0"]);
+    raster(&|r| r.x = [1.0, 1.0], &["from 1 to 1 in x", "ascend"]);
+    raster(&|r| r.y[1] = f64::NAN, &["in y", "ascend"]);
+    raster(&|r| r.range = [5.0, 0.0], &["colours from 5 to 0", "ascend"]);
+    refused(Chart { logarithmic: true, ..spectrogram() }, &|_| {}, &["linear axes"]);
+    let both = |panel: &mut Panel| panel.series = vec![Series::default()];
+    refused(states(), &both, &["Contact state", "neither series nor a raster"]);
+    let class = |panel: &mut Panel| panel.lanes[0].stretches[1].class = 2;
+    refused(states(), &class, &["stretch 1", "left", "class 2 of 2"]);
+    let turned = |panel: &mut Panel| panel.lanes[1].stretches[0].to = 5.0;
+    refused(states(), &turned, &["stretch 0", "right", "from 6 to 5", "ascend"]);
+}
+
+#[test]
+fn charts_and_maps_are_written_as_data_under_the_names_of_their_fields() {
+    let mut chart = spectrogram();
+    chart.panels.extend(states().panels);
+    chart.panels[0].series = vec![Series { style: Style::Dots, ..Series::default() }];
+    chart.panels[0].bands = vec![Band { from: 1.0, ..Band::default() }];
+    let data = serde_json::to_value(&chart).unwrap();
+    assert_eq!(data["panels"][0]["raster"]["rows"][2][3], 9.0);
+    assert_eq!(data["panels"][0]["series"][0]["style"], "dots");
+    assert_eq!(data["panels"][0]["bands"][0]["from"], 1.0);
+    assert_eq!(data["panels"][1]["lanes"][0]["stretches"][1]["class"], 1);
+    assert_eq!(data["panels"][1]["classes"][1]["name"], "stick");
+    assert_eq!(serde_json::to_value(map()).unwrap()["cells"][0][2], 1);
 }

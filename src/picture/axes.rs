@@ -4,7 +4,7 @@ use super::canvas::{Canvas, Failure, Point};
 use super::palette::{GRID, INK};
 use plotters::backend::DrawingBackend;
 use plotters::chart::ChartBuilder;
-use plotters::coord::ranged1d::{DefaultFormatting, KeyPointHint, Ranged};
+use plotters::coord::ranged1d::{BoldPoints, DefaultFormatting, KeyPointHint, Ranged};
 use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
@@ -25,6 +25,7 @@ pub(super) const LARGE: f64 = 20.0;
 /// A frame of a picture and the values that it shows.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Frame<'a> {
+    pub(super) left: f64,
     pub(super) top: f64,
     pub(super) bottom: f64,
     pub(super) x: [f64; 2],
@@ -34,6 +35,8 @@ pub(super) struct Frame<'a> {
     pub(super) x_label: Option<&'a str>,
     /// Lines from the ticks across?
     pub(super) grid: bool,
+    /// Has y a label, ticks and numbers?
+    pub(super) y_axis: bool,
     /// Are the values decimal logarithms of what the axes show?
     pub(super) logarithmic: bool,
 }
@@ -85,7 +88,7 @@ fn powers(range: Range<f64>, most: usize) -> Vec<f64> {
 
 impl Frame<'_> {
     pub(super) fn at_x(&self, value: f64) -> f64 {
-        LEFT + (value - self.x[0]) / (self.x[1] - self.x[0]) * (RIGHT - LEFT)
+        self.left + (value - self.x[0]) / (self.x[1] - self.x[0]) * (RIGHT - self.left)
     }
 
     pub(super) fn at_y(&self, value: f64) -> f64 {
@@ -104,8 +107,8 @@ impl Frame<'_> {
     pub(super) fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure> {
         let below = if self.x_label.is_some() { X_AXIS } else { 0.0 };
         let pixels = |length: f64| canvas.pixels(length);
-        let corner = (pixels(EDGE), pixels(self.top));
-        let size = (pixels(RIGHT - EDGE), pixels(self.bottom + below - self.top));
+        let corner = (pixels(self.left - LEFT + EDGE), pixels(self.top));
+        let size = (pixels(RIGHT) - corner.0, pixels(self.bottom + below - self.top));
         let part = canvas.area.clone().shrink(corner, size);
         let mut chart = ChartBuilder::on(&part)
             .x_label_area_size(pixels(below))
@@ -128,8 +131,12 @@ impl Frame<'_> {
             .x_labels(10)
             .y_labels(rows)
             .x_label_formatter(&number_x)
-            .y_label_formatter(&number_y)
-            .y_desc(self.y_label);
+            .y_label_formatter(&number_y);
+        if self.y_axis {
+            mesh.y_desc(self.y_label);
+        } else {
+            mesh.disable_y_axis().disable_y_mesh();
+        }
         if let Some(label) = self.x_label {
             mesh.x_desc(label);
         }
@@ -138,6 +145,13 @@ impl Frame<'_> {
         }
         Ok(mesh.draw()?)
     }
+}
+
+/// At most so many round values of a range, with their numbers.
+pub(super) fn ticks(range: [f64; 2], most: usize) -> Vec<(f64, String)> {
+    let axis: RangedCoordf64 = (range[0]..range[1]).into();
+    let found = axis.key_points(BoldPoints(most)).into_iter();
+    found.map(|tick| (tick, number(tick, range))).collect()
 }
 
 /// From the smallest to the largest finite value, and what there is to show where they are one.

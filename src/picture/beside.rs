@@ -1,6 +1,6 @@
 //! Texts beside the points of a chart, where nothing else is.
 
-use super::axes::{Frame, LEFT, RIGHT, SMALL};
+use super::axes::{Frame, RIGHT, SMALL};
 use super::canvas::{Align, Point, text_width};
 
 const HEIGHT: f64 = 15.0;
@@ -56,8 +56,10 @@ pub(super) fn texts(
                     Align::Right => width,
                 };
             let area = [left, at[1] - 0.5 * HEIGHT, left + width, at[1] + 0.5 * HEIGHT];
-            let inside =
-                area[0] > LEFT && area[2] < RIGHT && area[1] > frame.top && area[3] < frame.bottom;
+            let inside = area[0] > frame.left
+                && area[2] < RIGHT
+                && area[1] > frame.top
+                && area[3] < frame.bottom;
             (inside && !taken.iter().any(|&other| meet(area, other))).then_some((at, align, area))
         });
         if let Some((at, align, area)) = free {
@@ -87,10 +89,12 @@ fn pieces(line: &[Point]) -> Vec<Area> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::picture::axes::LEFT;
 
     #[test]
     fn texts_keep_off_lines_and_each_other_and_the_rest_is_left_out() {
         let frame = Frame {
+            left: LEFT,
             top: 0.0,
             bottom: 300.0,
             x: [0.0, 1.0],
@@ -98,6 +102,7 @@ mod tests {
             y_label: "",
             x_label: None,
             grid: false,
+            y_axis: true,
             logarithmic: false,
         };
         let line = vec![[200.0, 150.0], [400.0, 150.0]];

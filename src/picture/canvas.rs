@@ -16,6 +16,7 @@ use plotters::style::{
     Color, FontStyle, IntoFont, IntoTextStyle, RGBColor, ShapeStyle, TextStyle, WHITE,
 };
 use quick_xml::escape::escape;
+use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Once;
 
@@ -63,6 +64,11 @@ pub(super) fn write(drawing: &impl Drawing, path: &Path) -> Result<(), Error> {
     save(path, &content.map_err(|failure| cannot_draw(path, &failure))?)
 }
 
+/// For what has no file of its own.
+pub(super) fn cannot_draw_titled(title: &str, Failure(reason): &Failure) -> Error {
+    Error::picture(format!("cannot draw {title:?}: {reason}"))
+}
+
 pub(super) fn cannot_draw(path: &Path, Failure(reason): &Failure) -> Error {
     Error::picture(format!("cannot draw {}: {reason}", path.display()))
 }
@@ -82,9 +88,12 @@ fn svg(drawing: &impl Drawing) -> Result<String, Failure> {
     let size = size(drawing, SVG_UNIT);
     let mut text = String::new();
     let backend = SVGBackend::with_string(&mut text, size);
-    paint(drawing, backend, SVG_UNIT, false)?;
+    let images = paint(drawing, backend, SVG_UNIT, false)?;
     let body = text.split_once('>').map_or("", |(_head, body)| body.trim_start());
-    Ok(svg_head(drawing, &format!("0 0 {} {}", size.0, size.1)) + body)
+    // The first element is the white ground.
+    let (ground, body) = body.split_once('\n').unwrap_or((body, ""));
+    let head = svg_head(drawing, &format!("0 0 {} {}", size.0, size.1));
+    Ok(head + ground + "\n" + &images + body)
 }
 
 fn png(drawing: &impl Drawing) -> Result<Vec<u8>, Failure> {
@@ -92,12 +101,28 @@ fn png(drawing: &impl Drawing) -> Result<Vec<u8>, Failure> {
     let mut pixels = vec![0; 3 * width as usize * height as usize];
     paint(drawing, BitMapBackend::with_buffer(&mut pixels, (width, height)), PNG_UNIT, true)?;
     let reduced = reduce(&pixels, 3 * width as usize);
+    let [width, height] = [width, height].map(|length| (length / PNG_REDUCED) as usize);
+    encoded(width, height, &reduced, None)
+}
+
+/// A PNG of a byte for each pixel's place in a palette, or of three bytes for its colour.
+#[allow(clippy::cast_possible_truncation)]
+pub(super) fn encoded(
+    width: usize,
+    height: usize,
+    pixels: &[u8],
+    palette: Option<Vec<u8>>,
+) -> Result<Vec<u8>, Failure> {
     let mut content = Vec::new();
-    let mut encoder = png::Encoder::new(&mut content, width / PNG_REDUCED, height / PNG_REDUCED);
-    encoder.set_color(png::ColorType::Rgb);
+    let mut encoder = png::Encoder::new(&mut content, width as u32, height as u32);
     encoder.set_depth(png::BitDepth::Eight);
+    encoder.set_color(png::ColorType::Rgb);
+    if let Some(palette) = palette {
+        encoder.set_color(png::ColorType::Indexed);
+        encoder.set_palette(palette);
+    }
     let failed = |error: png::EncodingError| Failure(error.to_string());
-    encoder.write_header().and_then(|mut w| w.write_image_data(&reduced)).map_err(failed)?;
+    encoder.write_header().and_then(|mut w| w.write_image_data(pixels)).map_err(failed)?;
     Ok(content)
 }
 
@@ -125,17 +150,20 @@ fn whole(length: f64) -> u32 {
     length.ceil() as u32
 }
 
+/// Paints, and gives the elements of an SVG that the drawing library has not.
 fn paint<B: DrawingBackend>(
     drawing: &impl Drawing,
     backend: B,
     unit: u32,
     bitmap: bool,
-) -> Result<(), Failure> {
+) -> Result<String, Failure> {
     register_font();
-    let canvas = Canvas { area: backend.into_drawing_area(), unit: f64::from(unit), bitmap };
+    let (area, images) = (backend.into_drawing_area(), RefCell::default());
+    let canvas = Canvas { area, unit: f64::from(unit), bitmap, images };
     canvas.area.fill(&WHITE)?;
     drawing.paint(&canvas)?;
-    Ok(canvas.area.present()?)
+    canvas.area.present()?;
+    Ok(canvas.images.take())
 }
 
 fn register_font() {
@@ -166,7 +194,9 @@ pub(super) enum Align {
 pub(super) struct Canvas<B: DrawingBackend> {
     pub(super) area: DrawingArea<B, Shift>,
     unit: f64,
-    bitmap: bool,
+    pub(super) bitmap: bool,
+    /// Elements of an SVG for its images.
+    pub(super) images: RefCell<String>,
 }
 
 impl<B: DrawingBackend> Canvas<B> {
@@ -241,6 +271,15 @@ impl<B: DrawingBackend> Canvas<B> {
     pub(super) fn fill(&self, corners: &[Point], colour: RGBColor) -> Result<(), Failure> {
         let places: Vec<(i32, i32)> = corners.iter().map(|&corner| self.place(corner)).collect();
         Ok(self.area.draw(&Polygon::new(places, colour.filled()))?)
+    }
+
+    /// A filled rectangle: left, top, right, bottom.
+    pub(super) fn rectangle(
+        &self,
+        [left, top, right, bottom]: [f64; 4],
+        colour: RGBColor,
+    ) -> Result<(), Failure> {
+        self.fill(&[[left, top], [right, top], [right, bottom], [left, bottom]], colour)
     }
 
     /// A filled circle.

@@ -9,11 +9,15 @@ const ROW: f64 = 22.0;
 /// Length of a sample, px.
 const SAMPLE: f64 = 32.0;
 
+/// Radius of points that are not joined, px.
+pub(super) const DOT: f64 = 2.5;
+
 /// What stands for an entry.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Sample {
     Line { colour: RGBColor, dashes: Vec<f64> },
     Patch(RGBColor),
+    Dot(RGBColor),
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -62,9 +66,10 @@ impl Legend {
                     canvas.line(&[[from, middle], [to, middle]], *colour, 2.0, dashes)?;
                 }
                 Sample::Patch(colour) => {
-                    let (up, down) = (middle - 7.0, middle + 7.0);
-                    let corners = [[from, up], [to, up], [to, down], [from, down]];
-                    canvas.fill(&corners, *colour)?;
+                    canvas.rectangle([from, middle - 7.0, to, middle + 7.0], *colour)?;
+                }
+                Sample::Dot(colour) => {
+                    canvas.dot([0.5 * (from + to), middle], DOT, *colour)?;
                 }
             }
             canvas.text(label, [to + 8.0, middle], MEDIUM, Align::Left)?;

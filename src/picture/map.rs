@@ -47,7 +47,7 @@ impl Map {
     /// Another ending, no cells, rows that differ in length, a cell of no class, axes that do not
     /// ascend, or a file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        self.check().map_err(|failure| canvas::cannot_draw(path, &failure))?;
+        self.whole().map_err(|failure| canvas::cannot_draw(path, &failure))?;
         let entries = self.classes.iter().map(|class| Entry {
             label: class.name.clone(),
             sample: Sample::Patch(colour(class.colour)),
@@ -55,7 +55,12 @@ impl Map {
         canvas::write(&Layout { map: self, legend: Legend::new(entries) }, path)
     }
 
-    fn check(&self) -> Result<(), Failure> {
+    /// Refuses what [`write`](Self::write) could not draw.
+    pub(crate) fn check(&self) -> Result<(), Error> {
+        self.whole().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))
+    }
+
+    fn whole(&self) -> Result<(), Failure> {
         let columns = self.cells.first().map_or(0, Vec::len);
         if columns == 0 {
             return Err(Failure("a map needs at least one cell".into()));
@@ -89,6 +94,7 @@ impl Layout<'_> {
     fn frame(&self) -> Frame<'_> {
         let top = TITLE + self.legend.height + 8.0;
         Frame {
+            left: LEFT,
             top,
             bottom: top + HEIGHT,
             x: self.map.x,
@@ -96,6 +102,7 @@ impl Layout<'_> {
             y_label: &self.map.y_label,
             x_label: Some(&self.map.x_label),
             grid: false,
+            y_axis: true,
             logarithmic: false,
         }
     }
@@ -134,9 +141,8 @@ impl Drawing for Layout<'_> {
             for run in classes.chunk_by(|a, b| a == b) {
                 // For the same reason up to the end of the row; the next run covers it.
                 let left = part(start, classes.len(), LEFT, super::axes::RIGHT);
-                let right = super::axes::RIGHT;
-                let corners = [[left, up], [right, up], [right, down], [left, down]];
-                canvas.fill(&corners, colour(self.map.classes[run[0]].colour))?;
+                let corners = [left, up, super::axes::RIGHT, down];
+                canvas.rectangle(corners, colour(self.map.classes[run[0]].colour))?;
                 start += run.len();
             }
         }

@@ -30,6 +30,13 @@ pub(super) fn colour(place: usize) -> RGBColor {
     RGBColor(red, green, blue)
 }
 
+/// The colour at a place of the palette, so pale that text and curves stand out on it.
+pub(super) fn tint(place: usize) -> RGBColor {
+    let pale = |byte: u8| u8::try_from((u16::from(byte) + 4 * 255 + 2) / 5).unwrap_or(u8::MAX);
+    let RGBColor(red, green, blue) = colour(place);
+    RGBColor(pale(red), pale(green), pale(blue))
+}
+
 /// Lengths of dashes and gaps, px, for colours that come again; none is a line without gaps.
 pub(super) fn dashes(place: usize) -> &'static [f64] {
     const DASHES: [&[f64]; 4] = [&[], &[12.0, 4.0], &[2.0, 3.0], &[10.0, 3.0, 2.0, 3.0]];

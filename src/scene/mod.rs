@@ -241,6 +241,23 @@ impl Scene {
         Ok(())
     }
 
+    /// Takes all initial displacements and velocities away: it starts at rest in its equilibrium.
+    #[cfg(feature = "tools")]
+    pub fn rest(&mut self) {
+        match &mut self.structure {
+            Structure::Ring(modules) => {
+                for module in modules {
+                    (module.displacement, module.velocity) = Default::default();
+                }
+            }
+            Structure::Network(network) => {
+                for mass in &mut network.masses {
+                    (mass.displacement, mass.velocity) = Default::default();
+                }
+            }
+        }
+    }
+
     /// The modules of a ring; none in a network.
     #[must_use]
     pub fn modules(&self) -> &[Module] {

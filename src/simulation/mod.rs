@@ -236,6 +236,13 @@ impl Simulation {
         &self.motion.contacts
     }
 
+    /// Adds to the velocity of a degree of freedom, m/s, as a blow would; an energy ledger does not know of it.
+    #[cfg(feature = "tools")]
+    pub fn push(&mut self, dof: usize, velocity: f64) {
+        self.motion.velocity[dof] += velocity;
+        self.stale.contact_forces = true;
+    }
+
     /// What has been counted since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {

@@ -43,6 +43,12 @@ impl Snapshot {
         Self { scene, progress }
     }
 
+    /// The same without the values.
+    #[cfg(feature = "tools")]
+    pub(crate) fn into_progress(self) -> Progress {
+        self.progress
+    }
+
     /// How far the run has come.
     pub(crate) fn progress(&self) -> &Progress {
         &self.progress

@@ -6,7 +6,7 @@
 //! | `window` | the weights that keep one line's power out of the others' |
 //! | `peak` | where a spectrum is largest |
 //! | `lines` | all lines of a spectrum, and what part of the power they have |
-//! | `demodulation` | the amplitude of one line over time |
+//! | `demodulation` | amplitude and phase of one line over time |
 //! | `spectrogram` | spectra of a history piece by piece |
 //!
 //! The loops are our own and sines come from libm: the same doubles on each machine.
@@ -18,7 +18,7 @@ mod spectrogram;
 mod transform;
 mod window;
 
-pub use demodulation::amplitudes;
+pub use demodulation::{Phasor, demodulate};
 pub use lines::{Line, Lines, lines};
 pub use peak::cycles;
 pub use spectrogram::{LEAST_DB, Spectrogram};

@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-/// |Σ x exp(−2πi f j)|² of values x, at `f` cycles a value.
-pub(super) fn power(values: &[f64], f: f64) -> f64 {
+/// Σ x exp(−2πi f j) of values x, at `f` cycles a value: real and imaginary part.
+pub(super) fn at(values: &[f64], f: f64) -> [f64; 2] {
     let (turn_sin, turn_cos) = libm::sincos(-TAU * f);
     let (mut cos, mut sin) = (1.0, 0.0);
     let mut sum = [0.0, 0.0];
@@ -11,7 +11,13 @@ pub(super) fn power(values: &[f64], f: f64) -> f64 {
         sum = [sum[0] + value * cos, sum[1] + value * sin];
         (cos, sin) = (cos * turn_cos - sin * turn_sin, cos * turn_sin + sin * turn_cos);
     }
-    sum[0] * sum[0] + sum[1] * sum[1]
+    sum
+}
+
+/// |Σ x exp(−2πi f j)|².
+pub(super) fn power(values: &[f64], f: f64) -> f64 {
+    let [re, im] = at(values, f);
+    re * re + im * im
 }
 
 /// The squares of the lines of the Fourier transform of values with zeros behind them, up to half of

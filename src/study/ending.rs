@@ -90,6 +90,8 @@ pub struct Ending {
     pub amplitude: f64,
     /// Of the output's strongest line, Hz; `None` where nothing oscillates.
     pub frequency: Option<f64>,
+    /// s after which a periodic motion comes again.
+    pub period: Option<f64>,
     /// The output's strongest lines, the strongest first: frequency, Hz, and amplitude in its unit.
     pub lines: Vec<[f64; 2]>,
     /// How much of the time contacts are in each state, all contacts together, in the order of
@@ -99,6 +101,18 @@ pub struct Ending {
     pub taken: [bool; 4],
     /// s from where the motion was first looked at.
     pub time: f64,
+    /// How fast the motion still grew or, below zero, decayed at the end, 1/s.
+    pub rate: f64,
+}
+
+impl Ending {
+    /// Does it rest, or was it left on its way to rest?
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        let states = self.taken.iter().filter(|taken| **taken).count();
+        self.kind == Kind::Equilibrium
+            || self.kind == Kind::Unsettled && self.rate < 0.0 && states <= 1
+    }
 }
 
 /// A motion that is looked at until it is settled.
@@ -205,17 +219,18 @@ impl Settling {
             }
             return Ok(None);
         }
-        Ok(Some(self.ending(kind.unwrap_or(Kind::Unsettled))))
+        Ok(Some(self.ending(kind.unwrap_or((Kind::Unsettled, None)))))
     }
 
     #[allow(clippy::cast_precision_loss)]
-    fn ending(&self, kind: Kind) -> Ending {
+    fn ending(&self, (kind, base): (Kind, Option<f64>)) -> Ending {
         let found = lines(&self.followed, self.look.interval, TOLD);
         let all = self.states.iter().sum::<u64>().max(1) as f64;
         Ending {
             kind,
             amplitude: half_range(&self.followed),
             frequency: found.lines.first().map(|line| line.frequency),
+            period: base.map(|base| 1.0 / base),
             lines: found
                 .lines
                 .iter()
@@ -225,24 +240,31 @@ impl Settling {
             shares: self.states.map(|count| count as f64 / all),
             taken: self.taken,
             time: (self.row - self.began) as f64 * self.look.interval,
+            rate: match &self.seen[..] {
+                [.., before, last] if before.size > 0.0 && last.size > 0.0 => {
+                    (last.size / before.size).ln() / self.look.window
+                }
+                _ => 0.0,
+            },
         }
     }
 
-    /// The kind of the motion, once it is settled.
-    fn settled(&mut self, simulation: &Simulation) -> Option<Kind> {
+    /// The kind of the motion, once it is settled, and the frequency of which all lines of a periodic one are
+    /// multiples, Hz.
+    fn settled(&mut self, simulation: &Simulation) -> Option<(Kind, Option<f64>)> {
         let last = self.seen.last()?;
         let largest = simulation.displacement().iter().fold(0.0, |most, x| f64::max(most, x.abs()));
         if last.size <= 1e-14 * largest {
-            return Some(Kind::Equilibrium);
+            return Some((Kind::Equilibrium, None));
         }
         if rests(&self.seen) {
-            return Some(Kind::Equilibrium);
+            return Some((Kind::Equilibrium, None));
         }
         let sizes: Vec<f64> = self.seen.iter().map(|seen| seen.size).collect();
         if is_steady(&sizes) && self.has_steady_lines() {
             return Some(self.kind());
         }
-        has_no_trend(&sizes).then_some(Kind::Irregular)
+        has_no_trend(&sizes).then_some((Kind::Irregular, None))
     }
 
     /// Are the lines of the last windows the same, and does none grow?
@@ -254,6 +276,8 @@ impl Settling {
                 seen.lines = Some(lines(&seen.mixture, interval, FAINT));
             }
         }
+        // Then the motion is linear, and a line that changes at all ends elsewhere.
+        let unchanged = self.seen[first..].iter().all(|seen| !seen.changed);
         let windows: Vec<&Lines> =
             self.seen[first..].iter().filter_map(|seen| seen.lines.as_ref()).collect();
         let [oldest, .., last] = windows[..] else { return false };
@@ -268,15 +292,18 @@ impl Settling {
                 windows.iter().map(|window| near(line, window, 1.0).unwrap_or(0.0)).collect();
             let grows =
                 before.windows(2).all(|two| two[1] > two[0]) && before[3] > GROWN * before[0];
+            if unchanged && goes_one_way(&before) {
+                return false;
+            }
             if strong { [oldest, windows[2]].iter().all(stays) } else { !grows }
         })
     }
 
     /// The kind of a motion with steady lines: as the mixture and the output have them, since in a mixture of many
     /// displacements some lines are faint.
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> (Kind, Option<f64>) {
         let Some(Seen { lines: Some(mixture), .. }) = self.seen.last() else {
-            return Kind::Irregular;
+            return (Kind::Irregular, None);
         };
         let followed = lines(&self.followed, self.look.interval, TELLING);
         let telling = [telling(mixture), telling(&followed)].concat();
@@ -355,6 +382,12 @@ fn is_steady(sizes: &[f64]) -> bool {
         && change[2].abs() * slowing / (1.0 - slowing) <= LEFT_TO_GO
 }
 
+/// Do amplitudes only grow, or only decay, by more than rounding?
+fn goes_one_way(amplitudes: &[f64]) -> bool {
+    let ratios = amplitudes.windows(2).map(|two| two[1] / two[0] - 1.0);
+    ratios.clone().all(|ratio| ratio > STANDING) || ratios.clone().all(|ratio| ratio < -STANDING)
+}
+
 /// Has the size, though it varies, no trend over many windows?
 #[allow(clippy::cast_precision_loss)]
 fn has_no_trend(sizes: &[f64]) -> bool {
@@ -381,11 +414,11 @@ fn telling(found: &Lines) -> Vec<f64> {
 }
 
 /// What the lines of a steady motion tell: their frequencies, the strongest first, what part of the power they
-/// have, and how well they are known, all in Hz.
-fn kind_of(telling: &[f64], share: f64, resolution: f64) -> Kind {
-    let Some(&main) = telling.first() else { return Kind::Equilibrium };
+/// have, and how well they are known, all in Hz. With the kind, the frequency of which all are multiples.
+fn kind_of(telling: &[f64], share: f64, resolution: f64) -> (Kind, Option<f64>) {
+    let Some(&main) = telling.first() else { return (Kind::Equilibrium, None) };
     if share < IN_LINES {
-        return Kind::Irregular;
+        return (Kind::Irregular, None);
     }
     let meets = MEETS * resolution;
     let multiple =
@@ -394,11 +427,11 @@ fn kind_of(telling: &[f64], share: f64, resolution: f64) -> Kind {
         let base = main / f64::from(part);
         // Not so many that anything would do.
         if base > 2.0 * resolution && telling.iter().all(|&of| multiple(base, of)) {
-            return Kind::Periodic;
+            return (Kind::Periodic, Some(base));
         }
     }
     let Some(&second) = telling.iter().find(|&&of| !multiple(main, of)) else {
-        return Kind::Irregular;
+        return (Kind::Irregular, None);
     };
     let combines = |of: f64| {
         (-HIGHEST_ORDER..=HIGHEST_ORDER).any(|n| {
@@ -408,7 +441,8 @@ fn kind_of(telling: &[f64], share: f64, resolution: f64) -> Kind {
             order <= f64::from(HIGHEST_ORDER) && (rest - m * second).abs() <= meets * (1.0 + order)
         })
     };
-    if telling.iter().all(|&of| combines(of)) { Kind::QuasiPeriodic } else { Kind::Irregular }
+    let is_of_two = telling.iter().all(|&of| combines(of));
+    (if is_of_two { Kind::QuasiPeriodic } else { Kind::Irregular }, None)
 }
 
 #[cfg(test)]

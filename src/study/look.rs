@@ -12,7 +12,7 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 
 /// Rows in a period of the fastest mode: a turn between them is then known to 1e-5 of the amplitude.
-const ROWS_A_PERIOD: f64 = 20.0;
+pub(super) const ROWS_A_PERIOD: f64 = 20.0;
 /// Periods of the slowest mode in a window: lines a fiftieth of its frequency apart are told from each other.
 const PERIODS: f64 = 50.0;
 /// A window has at most so many rows, whatever lies between the slowest and the fastest mode.
@@ -140,7 +140,7 @@ pub fn unit(output: &Variable) -> &'static str {
 
 /// The frequencies of the slowest and the fastest mode, Hz: of the state that the scene can rest in and, where it
 /// is known, of all states. `None` where nothing oscillates.
-fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
+pub(super) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
     let model = LumpedModel::from(scene);
     let states = resting_state(&model, scene.slider.velocity);
     let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).ok()?;

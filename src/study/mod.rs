@@ -4,6 +4,11 @@
 //! | --- | --- |
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | what a motion ends in: when it is settled, what kind it is |
+//! | `continuation` | what it ends in over µ, upwards and downwards; folds |
+//! | `push` | a small push out of an equilibrium |
+//! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
+//! | `portrait` | phase portraits of a settled motion |
+//! | `transient` | how one run grows and decays, band by band, beside eigenvalues |
 //! | `attractor` | which endings are the same motion |
 //! | `initial` | runs from other initial values |
 //! | `perturbation` | what perturbations end in, and the thresholds between |
@@ -14,17 +19,27 @@
 
 mod attractor;
 pub mod basin;
+mod continuation;
 mod ending;
 mod initial;
 mod journal;
+mod limit_cycle;
 mod look;
 pub mod perturbation;
+mod portrait;
+mod push;
+pub mod transient;
+
+pub use continuation::{Bistable, Continuation, FRICTION, Fold, Plan, Point, Way, continuation};
 
 pub use attractor::{attractors, is_same};
 pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
 pub use journal::Journal;
+pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
 pub use look::{Look, Wish, output, pace, unit};
+pub use portrait::{Orbit, Portrait};
+pub use push::{Push, push};
 
 use std::ops::ControlFlow;
 

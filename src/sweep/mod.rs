@@ -8,10 +8,27 @@ use crate::Error;
 use crate::accuracy::{Cycle, half_range};
 use crate::integrator::Width;
 use crate::scene::{Experiment, Scene};
-use crate::simulation::{Batch, Simulation, assign, attempt};
+use crate::simulation::catalogue::Kind;
+use crate::simulation::{Batch, Simulation, assign, attempt, variables};
 use crate::stability::parallel::collect;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
+
+/// A parameter's name with its unit, for an axis.
+#[must_use]
+pub fn axis(scene: &Scene, name: &str) -> String {
+    if name == FRICTION {
+        return "friction coefficient µ".into();
+    }
+    let known = variables(scene).into_iter().find(|variable| variable.name == name);
+    match known.map(|variable| variable.template.kind) {
+        Some(Kind::Real { unit, .. }) if unit != "1" => format!("{name} [{unit}]"),
+        _ => name.to_owned(),
+    }
+}
+
+/// The name of µ among the parameters.
+pub const FRICTION: &str = "friction.coefficient";
 
 /// What to look at.
 #[derive(Clone, Debug, PartialEq)]

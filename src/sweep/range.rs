@@ -1,4 +1,7 @@
-//! Ranges as people write them: `A:B:N`.
+//! Ranges as people write them: `A:B:N` and `A:B:STEP`.
+
+/// The most values of a range.
+pub const MAX_VALUES: f64 = 1e6;
 
 /// A number.
 ///
@@ -44,4 +47,37 @@ pub fn grid(text: &str) -> Result<Vec<f64>, String> {
     }
     let at = |i: usize| decimal(first + (last - first) * (i as f64 / (count - 1.0)));
     Ok((0..count as usize).map(at).collect())
+}
+
+/// The values of `A:B:STEP`, counted from the first, never accumulated, and the last, on the grid or not.
+///
+/// # Errors
+/// It is no such range, or one of more than a million values.
+#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+pub fn steps(text: &str) -> Result<Vec<f64>, String> {
+    let [first, last, step] = three(text, "write it as A:B:STEP, such as 0:3.5:0.005")?;
+    let count = ((last - first) / step * (1.0 + 1e-12)).floor();
+    if step <= 0.0 || count > MAX_VALUES {
+        return Err(format!("the step must be above zero and give at most {MAX_VALUES:e} values"));
+    }
+    let mut values: Vec<f64> =
+        (0..=count as usize).map(|i| decimal(first + i as f64 * step)).collect();
+    if let Some(end) = values.last_mut().filter(|end| last - **end < 1e-9 * step) {
+        *end = last;
+    } else {
+        values.push(last);
+    }
+    Ok(values)
+}
+
+/// A name and its range: `NAME=…`.
+///
+/// # Errors
+/// There is no name, or what is wrong with the range.
+pub fn named<T>(
+    text: &str,
+    parse: impl Fn(&str) -> Result<T, String>,
+) -> Result<(String, T), String> {
+    let (name, values) = text.split_once('=').ok_or("write it as NAME=A:B:…")?;
+    Ok((name.trim().to_owned(), parse(values)?))
 }

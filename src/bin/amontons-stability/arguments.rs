@@ -1,7 +1,7 @@
 //! What the command line understands.
 
 use amontons::Error;
-use amontons::sweep::range::{decimal, grid, number, three};
+use amontons::sweep::range::{self, number};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -118,7 +118,7 @@ pub struct Bistable {
     #[command(flatten)]
     pub common: Common,
     /// Friction coefficients, first:last
-    #[arg(long, value_name = "A:B", value_parser = range, allow_hyphen_values = true)]
+    #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub friction: [f64; 2],
 }
 
@@ -144,15 +144,12 @@ pub struct Map {
 #[derive(Clone, Debug)]
 pub struct Values(pub Vec<f64>);
 
-/// The most values of a parameter, or points of two.
-pub const MAX_VALUES: f64 = 1e6;
-
 fn assignment(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
     Ok((name.trim().to_owned(), number(value)?))
 }
 
-fn range(text: &str) -> Result<[f64; 2], String> {
+fn ends(text: &str) -> Result<[f64; 2], String> {
     let (first, last) = text.split_once(':').ok_or("write it as A:B, such as 0:2.5")?;
     let (first, last) = (number(first)?, number(last)?);
     if first < last {
@@ -162,33 +159,14 @@ fn range(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
-/// Values counted from the first, never accumulated, and the last, on the grid or not.
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn steps(text: &str) -> Result<Values, String> {
-    let [first, last, step] = three(text, "write it as A:B:STEP, such as 0:3.5:0.005")?;
-    let count = ((last - first) / step * (1.0 + 1e-12)).floor();
-    if step <= 0.0 || count > MAX_VALUES {
-        return Err(format!("the step must be above zero and give at most {MAX_VALUES:e} values"));
-    }
-    let mut values: Vec<f64> =
-        (0..=count as usize).map(|i| decimal(first + i as f64 * step)).collect();
-    if let Some(end) = values.last_mut().filter(|end| last - **end < 1e-9 * step) {
-        *end = last;
-    } else {
-        values.push(last);
-    }
-    Ok(Values(values))
-}
-
-fn named<T>(text: &str, parse: impl Fn(&str) -> Result<T, String>) -> Result<(String, T), String> {
-    let (name, values) = text.split_once('=').ok_or("write it as NAME=A:B:…")?;
-    Ok((name.trim().to_owned(), parse(values)?))
+    range::steps(text).map(Values)
 }
 
 fn named_steps(text: &str) -> Result<(String, Values), String> {
-    named(text, steps)
+    range::named(text, steps)
 }
 
 fn named_grid(text: &str) -> Result<(String, Values), String> {
-    named(text, |values| grid(values).map(Values))
+    range::named(text, |values| range::grid(values).map(Values))
 }

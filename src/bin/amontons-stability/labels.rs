@@ -1,12 +1,6 @@
 //! Numbers and names as a person reads them.
 
-use amontons::scene::Scene;
-use amontons::simulation::catalogue::Kind;
-use amontons::simulation::variables;
 use amontons::stability::locus::Crossing;
-
-/// The name of µ among the parameters.
-pub const FRICTION: &str = "friction.coefficient";
 
 /// Digits to which parameters are located and printed.
 pub const LOCATED: usize = 10;
@@ -25,21 +19,6 @@ pub fn significant(value: f64, digits: usize) -> String {
         }
         _ => scientific,
     }
-}
-
-/// A parameter's name with its unit, for an axis.
-pub fn axis(scene: &Scene, name: &str) -> String {
-    if name == FRICTION {
-        return "friction coefficient µ".into();
-    }
-    let unit =
-        variables(scene).iter().find(|variable| variable.name == name).and_then(|variable| {
-            match variable.template.kind {
-                Kind::Real { unit, .. } if unit != "1" => Some(unit),
-                _ => None,
-            }
-        });
-    unit.map_or_else(|| name.to_owned(), |unit| format!("{name} [{unit}]"))
 }
 
 /// What a mode does at a frequency (Hz), zero being a real eigenvalue.

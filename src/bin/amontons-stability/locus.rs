@@ -1,7 +1,7 @@
 //! `amontons-stability locus`.
 
-use crate::arguments::{Locus as Arguments, MAX_VALUES, Values};
-use crate::labels::{FRICTION, LOCATED, at_frequency, axis, significant, turn};
+use crate::arguments::{Locus as Arguments, Values};
+use crate::labels::{LOCATED, at_frequency, significant, turn};
 use crate::{Failure, check_effect, configured, progress, require_constant_friction, state, with};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
@@ -10,6 +10,8 @@ use amontons::picture::{self, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::stability::candidates::equilibrium_ranges;
 use amontons::stability::locus::{Locus, Root, locus};
+use amontons::sweep::range::MAX_VALUES;
+use amontons::sweep::{FRICTION, axis};
 use indicatif::ProgressBar;
 use std::borrow::Cow;
 use std::f64::consts::TAU;

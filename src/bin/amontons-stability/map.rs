@@ -1,13 +1,14 @@
 //! `amontons-stability map`.
 
-use crate::arguments::{MAX_VALUES, Map as Arguments, Values};
-use crate::labels::axis;
+use crate::arguments::{Map as Arguments, Values};
 use crate::{Failure, check_effect, configured, linearised, progress, with};
 use amontons::model::LumpedModel;
 use amontons::picture::{self, Class, Map};
 use amontons::simulation::assign;
 use amontons::stability::MAX_CONTACTS;
 use amontons::stability::map::{Verdict, map};
+use amontons::sweep::axis;
+use amontons::sweep::range::MAX_VALUES;
 use std::io::Write;
 
 /// Places in the palette that belong to the verdicts, in their order.

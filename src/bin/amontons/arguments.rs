@@ -35,6 +35,8 @@ pub enum Command {
         #[command(subcommand)]
         command: Study,
     },
+    /// Compute the paper's figures and tables, its claims beside what comes out, as one HTML page
+    Paper(crate::paper::Paper),
     /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files
     Scenes {
         #[command(subcommand)]

@@ -6,6 +6,7 @@ mod draw;
 mod effects;
 mod export;
 mod interrupt;
+mod paper;
 mod scenes;
 mod simulate;
 mod study;
@@ -44,6 +45,7 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Effects(arguments) => effects::run(arguments),
+        Command::Paper(arguments) => paper::run(arguments),
         Command::Study { command } => study::run(command),
         Command::Scenes { command } => scenes::run(command.as_ref()),
     }

@@ -1,13 +1,26 @@
 //! What `amontons study` understands.
 
 use super::basin::Basin;
+use super::limit_cycle::LimitCycle;
 use super::perturbation::Perturbation;
-use crate::arguments::{Integrator, assignment, positive};
+use crate::arguments::{Integrator, Values, assignment, positive};
+use amontons::sweep::range;
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
 #[derive(Subcommand)]
 pub enum Study {
+    /// Follow what a scene ends in over the friction coefficient, upwards and downwards: branches, folds, ranges with
+    /// two motions
+    Continuation(super::continuation::Arguments),
+    /// Amplitude, frequency and contact states of limit cycles over a parameter, and where they change (Fig. 3)
+    LimitCycle(LimitCycle),
+    /// One run: growth and decay of its motion, band by band, beside eigenvalues; spectrogram and contact states
+    ///
+    /// It writes history.csv (the output and the contacts' states), results.csv (each growth and decay) and study.json.
+    /// Ctrl-C ends the run, and what it has done is looked at and written (exit code 130). A run takes a second or
+    /// so, so the same command runs it anew.
+    Transient(super::transient::Arguments),
     /// What perturbations of one initial value end in, and the thresholds between
     Perturbation(Perturbation),
     /// Which points of a plane of two initial values end in which attractor
@@ -68,4 +81,9 @@ pub struct Looking {
     /// How long a motion may take to settle, s [default: 60 windows]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub longest: Option<f64>,
+}
+
+/// A parameter and its values.
+pub fn named_steps(text: &str) -> Result<(String, Values), String> {
+    range::named(text, |values| range::steps(values).map(Values))
 }

@@ -30,7 +30,7 @@ pub struct Basin {
 
 pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
     let Basin { common, looking, x, y } = arguments;
-    let (scene, source, look) = prepared_with(common, looking, &|_, _| {})?;
+    let (scene, source, look) = prepared_with(common, looking, |_, _| {})?;
     let axis = |(name, values): &(String, Values)| {
         Ok::<_, amontons::Error>(Axis {
             name: initial_value(&scene, name)?,

@@ -72,7 +72,20 @@ impl Folder {
         head: &[&str],
         rows: impl IntoIterator<Item = R>,
     ) -> Result<(), Box<dyn Error>> {
-        let path = self.path.join("results.csv");
+        self.write_table("results", head, rows)
+    }
+
+    /// Writes `NAME.csv`: a head and its rows.
+    ///
+    /// # Errors
+    /// It cannot be written; what was there before still is.
+    pub fn write_table<R: AsRef<[String]>>(
+        &self,
+        name: &str,
+        head: &[&str],
+        rows: impl IntoIterator<Item = R>,
+    ) -> Result<(), Box<dyn Error>> {
+        let path = self.path.join(format!("{name}.csv"));
         let failed = |error: &std::io::Error| amontons::Error::file(&path, error);
         let mut file = Pending::create(&path)?;
         writeln!(file, "{}", head.join(",")).map_err(|error| failed(&error))?;
@@ -111,6 +124,11 @@ impl Folder {
     pub fn draw(&self, name: &str, chart: &Chart) -> Result<(), amontons::Error> {
         chart.write(&self.picture(name))
     }
+}
+
+/// A text as a field of a CSV file.
+pub fn quoted(text: &str) -> String {
+    format!("\"{}\"", text.replace('"', "\"\""))
 }
 
 const JOURNAL: &str = "journal.jsonl";

@@ -3,8 +3,11 @@
 pub mod arguments;
 mod attractor;
 mod basin;
+pub mod continuation;
 mod folder;
-mod perturbation;
+pub mod limit_cycle;
+pub mod perturbation;
+pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
 use amontons::integrator::select;
@@ -18,47 +21,66 @@ use std::error::Error;
 pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
     interrupt::listen();
     match command {
+        Study::Continuation(arguments) => continuation::run(arguments),
+        Study::LimitCycle(arguments) => limit_cycle::run(arguments),
+        Study::Transient(arguments) => transient::run(arguments),
         Study::Basin(arguments) => basin::run(arguments),
         Study::Perturbation(arguments) => perturbation::run(arguments),
     }
 }
 
-/// The scene with the values of the command line and the method and step of the study, its files, and how it is
-/// looked at.
+/// The scene with the values of the command line, and its files.
+fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
+    let (mut scene, source) = scene::find(&common.scene)?;
+    for (name, value) in &common.set {
+        assign(&mut scene, name, *value)?;
+    }
+    scene.check()?;
+    Ok((scene, source))
+}
+
+/// The same with the method and step of the study, and how it is looked at.
 fn prepared(common: &Common, looking: &Looking) -> Result<(Scene, Source, Look), amontons::Error> {
-    prepared_with(common, looking, &|scene, look| pace(scene, look))
+    prepared_with(common, looking, pace)
 }
 
 /// The same with another method and step for a scene whose command line gives none.
 fn prepared_with(
     common: &Common,
     looking: &Looking,
-    default: &dyn Fn(&mut Scene, &Look),
+    default: fn(&mut Scene, &Look),
 ) -> Result<(Scene, Source, Look), amontons::Error> {
-    let (mut scene, source) = scene::find(&common.scene)?;
-    for (name, value) in &common.set {
-        assign(&mut scene, name, *value)?;
-    }
-    scene.check()?;
+    let (mut scene, source) = found(common)?;
     let Looking { of, window, interval, longest } = looking;
     let wish = Wish { of: of.as_deref(), interval: *interval, window: *window, longest: *longest };
     let look = Look::of(&scene, &wish)?;
+    set_pace(&mut scene, common, &look, default)?;
+    Ok((scene, source, look))
+}
+
+/// Gives a scene the method and step of a study.
+fn set_pace(
+    scene: &mut Scene,
+    common: &Common,
+    look: &Look,
+    default: fn(&mut Scene, &Look),
+) -> Result<(), amontons::Error> {
     let given = &common.integrator;
     match (given.integrator, given.step, given.preset) {
-        (None, None, None) => default(&mut scene, &look),
+        (None, None, None) => default(scene, look),
         (Some(Method::EventDriven), None, None) => {
             scene.set_integrator(given.integrator, Some(look.interval))?;
         }
-        _ => given.apply(&mut scene)?,
+        _ => given.apply(scene)?,
     }
     // A tolerance chooses once, for the scene as it is given: so all runs have the same step.
     if let Some(tolerance) = scene.selection.tolerance() {
-        let selected = select(&scene, tolerance);
+        let selected = select(scene, tolerance);
         eprintln!("{}: {selected}", scene.name);
         (scene.method, scene.step, scene.selection) =
             (selected.method, selected.step, Selection::Given);
     }
-    Ok((scene, source, look))
+    Ok(())
 }
 
 /// Method and step, and how motions are looked at, as the heading of a table says it.

@@ -114,7 +114,7 @@ fn class(run: &Run) -> String {
 }
 
 /// Final amplitude over the perturbation.
-fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) -> Chart {
+pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) -> Chart {
     let unit = unit_of(scene, &look.of);
     let points = |attractor: Option<usize>| {
         let runs = found.runs.iter().filter(|run| run.attractor == attractor);
@@ -164,7 +164,7 @@ fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbati
 }
 
 /// The runs on both sides of a threshold over time; `None` if they were ended.
-fn histories(
+pub fn histories(
     scene: &Scene,
     direction: &Direction,
     look: &Look,

@@ -1,0 +1,173 @@
+//! Section 5: Figs. 6 and 7.
+
+use super::claims::{claim, is_about};
+use super::scene;
+use crate::study::continuation::{chart, describe};
+use amontons::Error;
+use amontons::report::{Claim, Content, Figure, Section, Table};
+use amontons::scene::{Method, Scene};
+use amontons::stability::candidates::{Bistability, bistability};
+use amontons::study::{Continuation, Fold, Journal, Look, Plan, Push, Watch, continuation};
+
+/// µ of both figures: 1.5 to 2.5 in steps of 0.01.
+const FRICTION: [i32; 2] = [150, 250];
+/// Bounds of a fold, in µ.
+const RESOLUTION: f64 = 1e-5;
+/// The step of the paper's scheme with which folds are found again, s.
+const STEP: f64 = 2e-5;
+/// What `amontons accuracy` says of that step: how far frequency and amplitude of a cycle are off.
+const SCHEME_ERROR: f64 = 2e-3;
+
+pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
+    let mut section = Section {
+        text: vec![
+            "The paper's pseudo-continuation: each value of µ starts from the state in which the value before has \
+             ended, with a small push; upwards and downwards. Where the motion jumps, the value is bisected. Falling \
+             values are pushed too, which the paper does not do: else a cycle that has lost its stability is followed \
+             for as long as rounding takes to grow."
+                .to_owned(),
+        ],
+        ..Section::default()
+    };
+    for (place, (name, figure)) in [("set2", 6), ("set1", 7)].into_iter().enumerate() {
+        let part = |part: f64| (watch.progress)(0.5 * (place as f64 + part));
+        let watch = Watch { go_on: watch.go_on, progress: &part };
+        let (scene, look) = scene(name, &[])?;
+        let values: Vec<f64> = (FRICTION[0]..=FRICTION[1]).map(|i| f64::from(i) / 100.0).collect();
+        let Some(found) = follow(&scene, &look, &values, watch)? else { return Ok(None) };
+        let known = bistability(&scene, [values[0], values[values.len() - 1]], &|_| {})?;
+        section.figures.push(Figure {
+            caption: format!("Fig. {figure}: what {name} ends in over rising and falling µ"),
+            command: Some(format!(
+                "amontons study continuation {name} --friction 1.5:2.5:0.01 --resolution 1e-5"
+            )),
+            content: Content::Chart(chart(&scene, &look, &found, Some(&known))),
+        });
+        let claims =
+            if name == "set2" { subcritical(&found, &known) } else { two_branches(&found) };
+        section.claims.extend(claims);
+        let Some((claim, table)) = both_integrators(name, &scene, &look, &found, watch)? else {
+            return Ok(None);
+        };
+        section.claims.push(claim);
+        section.tables.push(table);
+    }
+    Ok(Some(section))
+}
+
+fn follow(
+    scene: &Scene,
+    look: &Look,
+    values: &[f64],
+    watch: Watch<'_>,
+) -> Result<Option<Continuation>, Error> {
+    let push = Push::of(scene)?;
+    let plan = Plan { scene, look, values, resolution: RESOLUTION, push };
+    continuation(&plan, &Journal::forgotten(), watch)
+}
+
+/// Fig. 6.
+fn subcritical(found: &Continuation, known: &Bistability) -> Vec<Claim> {
+    let rest = found.bistable.iter().find(|range| range.rests && range.bounded == [true; 2]);
+    let onset = known.uniform.iter().find(|crossing| crossing.becomes_unstable);
+    let onset = onset.map_or(f64::NAN, |crossing| crossing.value);
+    let high = rest.map_or(f64::NAN, |range| range.range[1]);
+    vec![
+        claim(
+            "Set 2 has a range of µ in which rest and a limit cycle exist side by side.",
+            rest.map_or("none was found".to_owned(), |range| {
+                format!("rest and a cycle from µ = {:.5} to {:.5}", range.range[0], range.range[1])
+            }),
+            rest.is_some(),
+            None,
+        ),
+        claim(
+            "At µ = 1.96 Set 2 is bistable.",
+            "1.96 lies in that range if this holds".to_owned(),
+            rest.is_some_and(|range| range.range[0] < 1.96 && 1.96 < range.range[1]),
+            None,
+        ),
+        claim(
+            "Upwards rest ends where uniform sliding becomes unstable.",
+            format!(
+                "rest ends at {high:.5}, a mode of uniform sliding begins to grow at {onset:.5}"
+            ),
+            (high - onset).abs() <= 2.0 * RESOLUTION,
+            None,
+        ),
+    ]
+}
+
+/// Fig. 7.
+fn two_branches(found: &Continuation) -> Vec<Claim> {
+    let cycles: Vec<[f64; 2]> =
+        found.bistable.iter().filter(|range| !range.rests).map(|range| range.range).collect();
+    let told: Vec<String> =
+        cycles.iter().map(|[from, to]| format!("{from:.5} to {to:.5}")).collect();
+    let near_two = cycles.iter().find(|[from, to]| is_about(0.5 * (from + to), 2.0));
+    vec![
+        claim(
+            "Set 1 changes between two unstable branches at µ of about 2, at another value upwards than downwards.",
+            format!("ranges with two cycles: {} (about: within 5 %)", told.join(", ")),
+            near_two.is_some(),
+            None,
+        ),
+        claim(
+            "The text speaks of one such transition.",
+            format!(
+                "{} were found; which of them the figure shows the text does not say",
+                cycles.len()
+            ),
+            cycles.len() == 1,
+            None,
+        ),
+    ]
+}
+
+/// Folds by both integrators.
+fn both_integrators(
+    name: &str,
+    scene: &Scene,
+    look: &Look,
+    exact: &Continuation,
+    watch: Watch<'_>,
+) -> Result<Option<(Claim, Table)>, Error> {
+    let scheme = Scene { method: Method::ForwardIncrement, step: STEP, ..scene.clone() };
+    // From a little before the first fold to a little beyond the last.
+    let at = || exact.folds.iter().map(Fold::at);
+    let hundredth = |value: f64| (100.0 * value).round() as i32;
+    let first = hundredth(at().fold(f64::INFINITY, f64::min)) - 2;
+    let last = hundredth(at().fold(0.0, f64::max)) + 2;
+    let values: Vec<f64> = (first..=last).map(|i| f64::from(i) / 100.0).collect();
+    let Some(found) = follow(&scheme, look, &values, watch)? else { return Ok(None) };
+    let mut worst: f64 = if found.folds.len() == exact.folds.len() { 0.0 } else { f64::INFINITY };
+    let rows = exact.folds.iter().enumerate().map(|(place, fold)| {
+        let other = found.folds.get(place).filter(|other| other.way == fold.way);
+        let apart = other.map_or(f64::INFINITY, |other| (other.at() / fold.at() - 1.0).abs());
+        worst = worst.max(apart);
+        vec![
+            fold.way.name().into(),
+            format!("{} becomes {}", describe(&fold.endings[0]), describe(&fold.endings[1])).into(),
+            format!("{:.5}", fold.at()).into(),
+            other.map_or("–".to_owned(), |other| format!("{:.5}", other.at())).into(),
+            format!("{apart:.1e}").into(),
+        ]
+    });
+    let rows: Vec<_> = rows.collect();
+    let claim = claim(
+        &format!(
+            "(Not in the paper) Folds of {name} do not depend on the method: the paper's scheme has those of exact motion."
+        ),
+        format!(
+            "with a step of {STEP} s the worst of {} is off by {worst:.1e} of itself (holds up to {SCHEME_ERROR:e}, which \
+             amontons accuracy gives as that step's error of a cycle's amplitude)",
+            exact.folds.len()
+        ),
+        worst <= SCHEME_ERROR,
+        None,
+    );
+    let head = ["µ", "what changes", "exact motion", "paper's scheme", "apart"].map(str::to_owned);
+    let caption =
+        format!("Folds of {name}: exact motion, and the paper's scheme with a step of {STEP} s");
+    Ok(Some((claim, Table { caption, head: head.to_vec(), rows })))
+}

@@ -1,0 +1,357 @@
+//! `amontons study limit-cycle`.
+
+use super::arguments::{Common, Looking, named_steps};
+use super::folder::{Folder, quoted};
+use super::{heading, interrupted, prepared, watched};
+use crate::arguments::Values;
+use amontons::contact::ContactState;
+use amontons::picture::{Chart, Mark, Panel, Series, Style};
+use amontons::scene::Scene;
+use amontons::simulation::assign;
+use amontons::study::{
+    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Question, Threshold, limit_cycles, output,
+    push, unit,
+};
+use amontons::sweep::axis;
+use amontons::sweep::range::number;
+use clap::Args;
+use serde_json::json;
+use std::error::Error;
+use std::io::{Write, stdout};
+
+#[derive(Args)]
+pub struct LimitCycle {
+    #[command(flatten)]
+    pub common: Common,
+    /// The parameter or input, and its values: first, last, step
+    #[arg(long, value_name = "NAME=A:B:STEP", value_parser = named_steps)]
+    pub parameter: (String, Values),
+    #[command(flatten)]
+    pub looking: Looking,
+    /// Find where the motion changes to this part of the distance between two values
+    #[arg(long, value_name = "PART", default_value = "1e-3", value_parser = part, allow_hyphen_values = true)]
+    pub resolution: f64,
+    /// Draw the phase portraits of the motion with this value; may be given again [default: of one value in the
+    /// middle of each regime]
+    #[arg(long, value_name = "VALUE", value_parser = number, allow_hyphen_values = true)]
+    pub portrait: Vec<f64>,
+    /// How many contacts portraits show, the first ones
+    #[arg(long, value_name = "N", default_value = "2")]
+    pub contacts: usize,
+}
+
+fn part(text: &str) -> Result<f64, String> {
+    match number(text)? {
+        part if part > 0.0 && part <= 1.0 => Ok(part),
+        _ => Err("must be above 0 and at most 1, such as 1e-3".to_owned()),
+    }
+}
+
+pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
+    let LimitCycle { common, parameter: (name, Values(values)), looking, .. } = arguments;
+    let (scene, source, look) = prepared(common, looking)?;
+    let mut first = scene.clone();
+    assign(&mut first, name, values[0])?;
+    if common.set.iter().any(|(set, _)| set == name) {
+        eprintln!("note: {name} takes the values of --parameter, not that of --set");
+    }
+    if let Some(push) = push(&mut first)? {
+        eprintln!(
+            "note: the scene starts at rest in its equilibrium, so it is pushed: with {name} = {:?} {push}",
+            values[0]
+        );
+    }
+    let mut drawn = arguments.portrait.clone();
+    drawn.sort_by(f64::total_cmp);
+    drawn.dedup();
+    let question = Question {
+        name: name.clone(),
+        values: values.clone(),
+        resolution: arguments.resolution,
+        portraits: (!drawn.is_empty()).then_some(drawn),
+        contacts: arguments.contacts,
+    };
+    let folder = Folder::open(common, "limit-cycle", (&scene, &source), &look)?;
+    let found = watched(|watch| limit_cycles(&scene, &look, &question, folder.journal(), watch))?;
+    let Some(found) = found else { return Err(interrupted(&folder)) };
+    let told = Told { scene: &scene, look: &look, question: &question, found: &found };
+    folder.write_csv(&told.head(), told.rows())?;
+    folder.write_json(json!({ "question": question, "found": found }))?;
+    folder.draw("limit-cycle", &told.chart())?;
+    for portrait in &found.portraits {
+        for direction in ["tangential", "normal"] {
+            let name = format!("portrait-{:?}-{direction}", portrait.value);
+            folder.draw(&name, &told.portrait(portrait, direction))?;
+        }
+    }
+    told.print(&mut stdout().lock())?;
+    println!("{} has results.csv, study.json and pictures", folder.path().display());
+    Ok(())
+}
+
+/// What is told of a study.
+pub struct Told<'a> {
+    pub scene: &'a Scene,
+    pub look: &'a Look,
+    pub question: &'a Question,
+    pub found: &'a LimitCycles,
+}
+
+impl Told<'_> {
+    fn outcomes(&self) -> impl Iterator<Item = (f64, &Outcome)> {
+        self.question.values.iter().copied().zip(&self.found.outcomes)
+    }
+
+    fn head(&self) -> [&str; 11] {
+        [
+            &self.question.name,
+            "kind",
+            "amplitude",
+            "frequency",
+            "share.slide",
+            "share.reverse_slide",
+            "share.stick",
+            "share.detached",
+            "taken",
+            "time",
+            "failure",
+        ]
+    }
+
+    fn rows(&self) -> impl Iterator<Item = Vec<String>> {
+        self.outcomes().map(|(value, outcome)| {
+            let mut row = vec![format!("{value:?}")];
+            match outcome {
+                Outcome::Ending(ending) => {
+                    row.extend([ending.kind.name().to_owned(), format!("{:?}", ending.amplitude)]);
+                    row.push(ending.frequency.map_or_else(String::new, |hz| format!("{hz:?}")));
+                    row.extend(ending.shares.map(|share| format!("{share:?}")));
+                    row.extend([taken(&ending.taken), format!("{:?}", ending.time), String::new()]);
+                }
+                Outcome::Failure(failure) => {
+                    row.push("failed".to_owned());
+                    row.extend(vec![String::new(); 8]);
+                    row.push(quoted(failure));
+                }
+            }
+            row
+        })
+    }
+
+    /// The unit of the output that is looked at, in brackets.
+    fn unit(&self) -> String {
+        let unit = output(self.scene, &self.look.of).map_or("1", |output| unit(&output));
+        if unit == "1" { String::new() } else { format!(" [{unit}]") }
+    }
+
+    /// Amplitude, frequency and shares of the states over the parameter.
+    pub fn chart(&self) -> Chart {
+        let marks: Vec<Mark> = self.found.thresholds.iter().map(mark).collect();
+        let plain: Vec<Mark> =
+            marks.iter().map(|mark| Mark { label: None, ..mark.clone() }).collect();
+        let panel = |y_label: String, series, marks: &[Mark]| Panel {
+            y_label,
+            series,
+            marks: marks.to_vec(),
+            zero_line: true,
+            ..Panel::default()
+        };
+        let any_left = self.outcomes().any(|(_, outcome)| {
+            matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled)
+        });
+        let amplitude =
+            self.curve(any_left.then_some("settled"), 0, |ending| Some(ending.amplitude));
+        let frequency = self.curve(any_left.then_some("settled"), 0, |ending| ending.frequency);
+        let is_taken = |&state: &usize| {
+            self.outcomes().any(
+                |(_, outcome)| matches!(outcome, Outcome::Ending(ending) if ending.taken[state]),
+            )
+        };
+        let states = (0..4).filter(is_taken).map(|state| {
+            let name = ContactState::ALL[state].to_string();
+            self.curve(Some(&name), state + 2, |ending| Some(ending.shares[state]))
+        });
+        let mut panels = vec![
+            panel(format!("amplitude{}", self.unit()), amplitude, &marks),
+            panel("frequency [Hz]".to_owned(), frequency, &plain),
+            panel("share of time".to_owned(), states.flatten().collect(), &plain),
+        ];
+        panels.retain(|panel| {
+            panel.series.iter().flat_map(|series| &series.points).any(|point| point[1].is_finite())
+        });
+        Chart {
+            title: format!("{}: what {} ends in", self.scene.name, self.look.of),
+            x_label: axis(self.scene, &self.question.name),
+            panels,
+            logarithmic: false,
+        }
+    }
+
+    /// A quantity over the parameter: a curve of the values that have settled, broken where the motion comes to
+    /// rest, and dots for those that have not.
+    fn curve(
+        &self,
+        label: Option<&str>,
+        colour: usize,
+        quantity: impl Fn(&Ending) -> Option<f64>,
+    ) -> Vec<Series> {
+        let (mut settled, mut left) = (Vec::new(), Vec::new());
+        let mut moved = None;
+        for (value, outcome) in self.outcomes() {
+            let moves = outcome.settled().map(|ending| ending.kind.is_cycle());
+            if moves.is_none() || moves != moved {
+                settled.push([value, f64::NAN]);
+            }
+            moved = moves;
+            let Outcome::Ending(ending) = outcome else { continue };
+            let point = [value, quantity(ending).unwrap_or(f64::NAN)];
+            if moves.is_some() { settled.push(point) } else { left.push(point) }
+        }
+        let dots = Series {
+            label: Some("not settled".to_owned()),
+            points: left,
+            colour: 1,
+            style: Style::Dots,
+            ..Series::default()
+        };
+        let label = label.map(str::to_owned);
+        let mut series = vec![Series { label, points: settled, colour, ..Series::default() }];
+        if !dots.points.is_empty() {
+            series.push(dots);
+        }
+        series
+    }
+
+    /// The orbits of the contacts in one plane.
+    pub fn portrait(&self, portrait: &Portrait, direction: &str) -> Chart {
+        let is_tangential = direction == "tangential";
+        let mut series: Vec<Series> = Vec::new();
+        for (colour, contact) in portrait.orbits.iter().enumerate() {
+            let points = if is_tangential { &contact.tangential } else { &contact.normal }.clone();
+            let label = Some(contact.name.clone());
+            series.push(Series { label, points, colour, ..Series::default() });
+        }
+        if is_tangential {
+            let across = || portrait.orbits.iter().flat_map(|contact| &contact.tangential);
+            let first = across().map(|point| point[0]).fold(f64::INFINITY, f64::min);
+            let last = across().map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
+            let mut velocities: Vec<f64> =
+                portrait.orbits.iter().map(|contact| contact.slider_velocity).collect();
+            velocities.dedup();
+            series.extend(velocities.into_iter().map(|velocity| Series {
+                label: Some("slider".to_owned()),
+                points: vec![[first, velocity], [last, velocity]],
+                colour: 7,
+                style: Style::Dashed,
+                ..Series::default()
+            }));
+        }
+        Chart {
+            title: format!(
+                "{}, {} = {:?}: {}",
+                self.scene.name,
+                self.question.name,
+                portrait.value,
+                portrait.ending.kind.name()
+            ),
+            x_label: format!("{direction} displacement [m]"),
+            panels: vec![Panel {
+                y_label: format!("{direction} velocity [m/s]"),
+                series,
+                ..Panel::default()
+            }],
+            logarithmic: false,
+        }
+    }
+
+    fn print(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        let Self { scene, look, question, found } = self;
+        writeln!(out, "{}: limit cycles over {}", scene.name, question.name)?;
+        writeln!(out, "{}", heading(scene, look))?;
+        writeln!(out)?;
+        let width = question.name.chars().count();
+        let amplitude = format!("amplitude{}", self.unit());
+        writeln!(
+            out,
+            "{:>width$}  {:14}  {amplitude:>13}  {:>14}  {:>6}  {:>6}  {:>6}  {:>6}  {:>11}",
+            question.name, "kind", "frequency [Hz]", "Sl", "R-Sl", "St", "Dt", "settled [s]"
+        )?;
+        for (value, outcome) in self.outcomes() {
+            let value = format!("{value:?}");
+            match outcome {
+                Outcome::Ending(Ending {
+                    kind, amplitude, frequency, shares, taken, time, ..
+                }) => {
+                    let frequency =
+                        frequency.map_or_else(|| "-".to_owned(), |hz| format!("{hz:.3}"));
+                    write!(
+                        out,
+                        "{value:>width$}  {:14}  {amplitude:>13.4e}  {frequency:>14}",
+                        kind.name()
+                    )?;
+                    for (share, taken) in shares.iter().zip(taken) {
+                        let share = if *taken { format!("{share:.4}") } else { "-".to_owned() };
+                        write!(out, "  {share:>6}")?;
+                    }
+                    let time = match kind {
+                        Kind::Unsettled => "not".to_owned(),
+                        _ => format!("{time:.3}"),
+                    };
+                    writeln!(out, "  {time:>11}")?;
+                }
+                Outcome::Failure(failure) => writeln!(out, "{value:>width$}  failed: {failure}")?,
+            }
+        }
+        writeln!(out)?;
+        if found.thresholds.is_empty() {
+            writeln!(out, "no thresholds between values that have settled")?;
+        } else {
+            writeln!(out, "as {} rises:", question.name)?;
+        }
+        for threshold in &found.thresholds {
+            let [low, high] = bounds(threshold);
+            write!(out, "  between {low} and {high}: {}", changes(threshold))?;
+            match threshold.unknown {
+                Some(value) => writeln!(out, " ({value:?} does not settle, so no nearer)")?,
+                None => writeln!(out)?,
+            }
+        }
+        let left: Vec<String> = self
+            .outcomes()
+            .filter(|(_, outcome)| {
+                matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled)
+            })
+            .map(|(value, _)| format!("{value:?}"))
+            .collect();
+        if !left.is_empty() {
+            writeln!(out, "not settled within {} s: {}", look.longest, left.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+/// The states that were taken, as a table has them.
+fn taken(taken: &[bool; 4]) -> String {
+    let states = ContactState::ALL.iter().zip(taken).filter(|(_, taken)| **taken);
+    states.map(|(state, _)| state.to_string()).collect::<Vec<_>>().join(" ")
+}
+
+fn changes(threshold: &Threshold) -> String {
+    threshold.changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
+}
+
+/// Both bounds with the digits in which they differ, and one more.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn bounds(threshold: &Threshold) -> [String; 2] {
+    let [low, high] = threshold.between;
+    let decimals = (1.0 - (high - low).log10().floor()).clamp(0.0, 15.0) as usize;
+    [low, high].map(|bound| format!("{bound:.decimals$}"))
+}
+
+fn mark(threshold: &Threshold) -> Mark {
+    let [low, high] = threshold.between;
+    let decimals = (-(high - low).log10().floor()).clamp(0.0, 15.0);
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let place = format!("{:.*}", decimals as usize, f64::midpoint(low, high));
+    Mark { x: f64::midpoint(low, high), label: Some(format!("{} at {place}", changes(threshold))) }
+}

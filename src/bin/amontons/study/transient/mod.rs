@@ -1,0 +1,211 @@
+//! `amontons study transient`: growth and decay in one run.
+
+pub mod chart;
+
+use super::arguments::Common;
+use super::folder::Folder;
+use super::{found, set_pace, watched};
+use crate::arguments::positive;
+use crate::interrupt::Interrupted;
+use amontons::scene::{Experiment, Scene};
+use amontons::study::transient::{Eigenvalue, Finding, Taken, Transient, interval, transient};
+use amontons::study::{Look, output, pace};
+use clap::Args;
+use serde_json::json;
+use std::error::Error;
+use std::io::{ErrorKind, Write, stdout};
+
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    common: Common,
+    /// The output that is looked at, such as a displacement or a velocity [default: the displacement that moves most]
+    #[arg(long, value_name = "NAME")]
+    of: Option<String>,
+    /// End of the run, s [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    stop_time: Option<f64>,
+    /// Time between two values, s; a whole part of it where the fastest mode's period would have less than 20
+    /// [default: the scene's]
+    #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
+    output_interval: Option<f64>,
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let (mut scene, source) = found(&arguments.common)?;
+    if let Some(name) = &arguments.of {
+        output(&scene, name)?;
+    }
+    let Experiment { stop_time, output_interval } = scene.experiment;
+    let stop_time = arguments.stop_time.unwrap_or(stop_time);
+    let output_interval = arguments.output_interval.unwrap_or(output_interval);
+    let experiment = Experiment { stop_time, output_interval };
+    Scene { experiment, ..scene.clone() }.check()?;
+    let look = Look {
+        of: arguments.of.clone().unwrap_or_default(),
+        interval: interval(&scene, output_interval),
+        window: stop_time,
+        longest: stop_time,
+    };
+    set_pace(&mut scene, &arguments.common, &look, pace)?;
+    let settings = json!({
+        "of": arguments.of,
+        "stop_time": stop_time,
+        "output_interval": output_interval,
+    });
+    let folder = Folder::open(&arguments.common, "transient", (&scene, &source), settings)?;
+    let of = arguments.of.as_deref();
+    let found = watched(|watch| transient(&scene, experiment, of, watch))?;
+    write(&folder, &scene, &found)?;
+    match print(&scene, &found, &mut stdout().lock()) {
+        // Whoever reads has read enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
+        result => result?,
+    }
+    if found.complete {
+        return Ok(());
+    }
+    eprintln!(
+        "note: the run ended at {} of {stop_time} s; {} has what was found so far, and the same command runs it anew",
+        found.end,
+        folder.path().display()
+    );
+    Err(found.failure.map_or_else(|| Interrupted.into(), Into::into))
+}
+
+fn write(folder: &Folder, scene: &Scene, found: &Transient) -> Result<(), Box<dyn Error>> {
+    let states = found.courses.iter().map(|course| format!("{}.state", course.contact));
+    let head: Vec<String> =
+        ["time".to_owned(), found.output.clone()].into_iter().chain(states).collect();
+    let head: Vec<&str> = head.iter().map(String::as_str).collect();
+    let rows = found.history.iter().enumerate().map(|(row, value)| {
+        let states = found.states.iter().map(|states| (states[row] as u8).to_string());
+        let time = row as f64 * found.interval;
+        [format!("{time:?}"), format!("{value:?}")].into_iter().chain(states).collect::<Vec<_>>()
+    });
+    folder.write_table("history", &head, rows)?;
+    folder.write_csv(&COLUMNS, found.findings.iter().map(cells))?;
+    folder.write_json(found)?;
+    // A run that ended at once has nothing to draw.
+    if found.history.len() > 1 {
+        folder.draw("transient", &chart::chart(scene, found))?;
+    }
+    Ok(())
+}
+
+const COLUMNS: [&str; 13] = [
+    "from",
+    "to",
+    "frequency",
+    "frequency_error",
+    "rate",
+    "rate_error",
+    "amplitude_from",
+    "amplitude_to",
+    "combination",
+    "resting_frequency",
+    "resting_rate",
+    "states",
+    "eigenvalues",
+];
+
+/// A finding as a row; of states a list with shares, and one with the eigenvalues as rate and frequency.
+fn cells(finding: &Finding) -> Vec<String> {
+    let phase = &finding.phase;
+    let numbers = [
+        phase.span[0],
+        phase.span[1],
+        phase.frequency,
+        phase.frequency_error,
+        phase.rate,
+        phase.rate_error,
+        phase.amplitude[0],
+        phase.amplitude[1],
+    ];
+    let mut cells: Vec<String> = numbers.iter().map(|number| format!("{number:?}")).collect();
+    cells.push(combination(finding).unwrap_or_default());
+    let resting = finding.resting.map(|Eigenvalue { rate, frequency }| [frequency, rate]);
+    cells.extend(match resting {
+        Some(pair) => pair.map(|number| format!("{number:?}")),
+        None => [String::new(), String::new()],
+    });
+    let listed = |cell: &dyn Fn(&Taken) -> String| {
+        finding.taken.iter().map(cell).collect::<Vec<_>>().join("; ")
+    };
+    cells.push(listed(&|taken| format!("{} {:?}", taken.states, taken.share)));
+    cells.push(listed(&|taken| match taken.eigenvalue {
+        Some(Eigenvalue { rate, frequency }) => format!("{} {rate:?} {frequency:?}", taken.states),
+        None => taken.states.clone(),
+    }));
+    cells
+}
+
+/// As `218.58 − 169.37`, Hz.
+fn combination(finding: &Finding) -> Option<String> {
+    let combination = finding.phase.combination?;
+    let mut text = String::new();
+    for (factor, frequency) in combination.factors.into_iter().zip(combination.frequencies) {
+        let sign = match (text.is_empty(), factor < 0) {
+            _ if factor == 0 => continue,
+            (true, false) => "",
+            (true, true) => "−",
+            (false, false) => " + ",
+            (false, true) => " − ",
+        };
+        let times = if factor.abs() == 1 { String::new() } else { format!("{}·", factor.abs()) };
+        text += &format!("{sign}{times}{frequency:.2}");
+    }
+    Some(text)
+}
+
+fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Result<()> {
+    let Transient { output, unit, interval, end, growth, findings, .. } = found;
+    writeln!(out, "{}: {output} over {end} s, each {interval} s", scene.name)?;
+    match growth.dominant {
+        Some(dominant) => writeln!(out, "strongest line: {dominant:.2} Hz")?,
+        None => writeln!(out, "it does not oscillate")?,
+    }
+    match growth.window {
+        window if window > 0.0 => writeln!(out, "bands seen through windows of {window:.3} s")?,
+        _ if growth.dominant.is_some() => {
+            writeln!(out, "less than 80 periods of it: the motion is looked at as a whole")?;
+        }
+        _ => {}
+    }
+    if findings.is_empty() {
+        return writeln!(out, "nothing grows or decays tenfold along an exponential");
+    }
+    for finding in findings {
+        let phase = &finding.phase;
+        writeln!(out)?;
+        writeln!(
+            out,
+            "{} from {:.2} to {:.2} s: {:+.4} ± {:.1e} 1/s at {:.3} ± {:.1e} Hz, {:.2e} to {:.2e} {unit}",
+            if phase.rate > 0.0 { "grows" } else { "decays" },
+            phase.span[0],
+            phase.span[1],
+            phase.rate,
+            phase.rate_error,
+            phase.frequency,
+            phase.frequency_error,
+            phase.amplitude[0],
+            phase.amplitude[1],
+        )?;
+        if let Some(combination) = combination(finding) {
+            writeln!(out, "  a combination of stronger lines: {combination} Hz")?;
+        }
+        let eigenvalue = |eigenvalue: Option<Eigenvalue>| match eigenvalue {
+            Some(Eigenvalue { rate, frequency }) => {
+                format!("{rate:+10.4} 1/s at {frequency:8.3} Hz")
+            }
+            None => "none".to_owned(),
+        };
+        writeln!(out, "  nearest eigenvalue  at rest        {}", eigenvalue(finding.resting))?;
+        for taken in &finding.taken {
+            let Taken { states, share, .. } = taken;
+            let states = format!("{states} ({:.0} %)", 100.0 * share);
+            writeln!(out, "                      {states:<15}{}", eigenvalue(taken.eigenvalue))?;
+        }
+    }
+    Ok(())
+}

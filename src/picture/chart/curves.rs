@@ -1,0 +1,107 @@
+//! Curves and points, and the texts beside them.
+
+use super::{Chart, Panel, Series, Style};
+use crate::picture::axes::Frame;
+use crate::picture::beside::{self, Beside};
+use crate::picture::canvas::{Canvas, Failure, Point};
+use crate::picture::legend::{DOT, Entry, Sample};
+use crate::picture::palette::{colour, dashes};
+use plotters::backend::DrawingBackend;
+use plotters::style::{RGBColor, WHITE};
+use std::collections::HashSet;
+
+impl Series {
+    fn pen(&self) -> (RGBColor, f64, &'static [f64]) {
+        let (colour, gaps) = (colour(self.colour), dashes(self.colour));
+        match self.style {
+            Style::Line => (colour, 1.8, gaps),
+            Style::Dashed => (colour, 1.8, &[6.0, 4.0]),
+            Style::Dots => (colour, 2.0 * DOT, &[]),
+        }
+    }
+
+    pub(super) fn entry(&self) -> Option<Entry> {
+        let (colour, _, dashes) = self.pen();
+        let sample = match self.style {
+            Style::Line | Style::Dashed => Sample::Line { colour, dashes: dashes.to_vec() },
+            Style::Dots => Sample::Dot(colour),
+        };
+        self.label.clone().map(|label| Entry { label, sample })
+    }
+
+    /// Does a curve turn back in x, as loops do?
+    pub(super) fn turns(&self) -> bool {
+        let finite = self.points.iter().filter(|[x, y]| x.is_finite() && y.is_finite());
+        let x: Vec<f64> = finite.map(|[x, _]| *x).collect();
+        !(x.is_sorted() || x.iter().rev().is_sorted())
+    }
+}
+
+/// The points' own labels, where there is room.
+pub(super) fn beside_points(chart: &Chart, frame: &Frame<'_>, panel: &Panel) -> Vec<Beside> {
+    let place = |series| chart.shown(series).map(|point| frame.at(point));
+    let lines = panel.series.iter().flat_map(|series| -> Vec<Vec<Point>> {
+        match series.style {
+            Style::Line | Style::Dashed => vec![place(series).collect()],
+            Style::Dots => place(series).map(|point| vec![point; 2]).collect(),
+        }
+    });
+    let lines: Vec<Vec<Point>> = lines.collect();
+    let labelled = panel.series.iter().flat_map(|series| {
+        let points = chart.scaled_points(series).zip(&series.labels);
+        let shown = points.filter(|([x, y], _)| x.is_finite() && y.is_finite());
+        shown.map(|(point, label)| (frame.at(point), &**label))
+    });
+    beside::texts(frame, &labelled.collect::<Vec<_>>(), &lines)
+}
+
+/// A curve or points, with a white edge where they lie on the colours of a raster.
+pub(super) fn paint_series<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    chart: &Chart,
+    frame: &Frame<'_>,
+    series: &Series,
+    edged: bool,
+) -> Result<(), Failure> {
+    let (colour, width, dashes) = series.pen();
+    if edged {
+        paint_strokes(canvas, chart, frame, series, (WHITE, width + 2.0, &[]))?;
+    }
+    paint_strokes(canvas, chart, frame, series, (colour, width, dashes))
+}
+
+fn paint_strokes<B: DrawingBackend>(
+    canvas: &Canvas<B>,
+    chart: &Chart,
+    frame: &Frame<'_>,
+    series: &Series,
+    (colour, width, dashes): (RGBColor, f64, &[f64]),
+) -> Result<(), Failure> {
+    if series.style == Style::Dots {
+        return dots(chart.shown(series).map(|point| frame.at(point)))
+            .try_for_each(|place| canvas.dot(place, 0.5 * width, colour));
+    }
+    let broken = |[x, y]: &Point| !(x.is_finite() && y.is_finite());
+    let points: Vec<Point> = chart.scaled_points(series).collect();
+    if !series.labels.is_empty() {
+        for point in chart.shown(series) {
+            canvas.dot(frame.at(point), 0.5 * width + 2.6, colour)?;
+        }
+    }
+    for run in points.split(broken) {
+        let places: Vec<Point> = run.iter().map(|&point| frame.at(point)).collect();
+        match places[..] {
+            [] => {}
+            [alone] => canvas.dot(alone, 0.8 * width + 0.5, colour)?,
+            _ => canvas.line(&places, colour, width, dashes)?,
+        }
+    }
+    Ok(())
+}
+
+/// Places, px, without those that the eye cannot tell from an earlier one: there may be very many.
+fn dots(places: impl Iterator<Item = Point>) -> impl Iterator<Item = Point> {
+    let mut taken = HashSet::new();
+    #[allow(clippy::cast_possible_truncation)]
+    places.filter(move |place| taken.insert(place.map(|px| px.round() as i64)))
+}

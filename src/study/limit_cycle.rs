@@ -1,0 +1,326 @@
+//! What a scene ends in over the values of a parameter (the paper's Fig. 3): amplitude, frequency and contact states
+//! of each limit cycle, and from which value on contacts take a state or no longer do.
+
+use super::ending::{Ending, Kind, settle};
+use super::portrait::{Portrait, portrait};
+use super::push::push;
+use super::{Journal, Look, Watch};
+use crate::Error;
+use crate::contact::ContactState;
+use crate::scene::Scene;
+use crate::simulation::{Simulation, assign};
+use crate::stability::parallel::collect;
+use crate::sweep::range::decimal;
+use serde::{Deserialize, Serialize};
+use std::fmt;
+
+/// What is asked of a scene.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Question {
+    /// The parameter or input, by its name in the FMU.
+    pub name: String,
+    /// Its values, ascending.
+    pub values: Vec<f64>,
+    /// Thresholds are known to this part of the distance between the values beside them.
+    pub resolution: f64,
+    /// Values whose cycles are drawn; `None` for one in the middle of each regime.
+    pub portraits: Option<Vec<f64>>,
+    /// How many contacts a portrait has, the first ones.
+    pub contacts: usize,
+}
+
+/// What the motion with one value ends in, or why there is none.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Outcome {
+    /// What it ends in, settled or not.
+    Ending(Ending),
+    /// It has no equilibrium, the step is above its critical one, or a step fails: what is wrong.
+    Failure(String),
+}
+
+impl Outcome {
+    /// What the motion ends in, if it has settled.
+    #[must_use]
+    pub fn settled(&self) -> Option<&Ending> {
+        match self {
+            Self::Ending(ending) if ending.kind != Kind::Unsettled => Some(ending),
+            _ => None,
+        }
+    }
+
+    /// Rests or goes on, and which states contacts take.
+    fn regime(&self) -> Option<(bool, [bool; 4])> {
+        self.settled().map(|ending| (ending.kind.is_cycle(), ending.taken))
+    }
+}
+
+/// What is new beyond a threshold, as the parameter rises.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Change {
+    /// Below it the motion comes to rest, above it it does not.
+    CycleBegins,
+    /// The other way round.
+    CycleEnds,
+    /// Contacts take this state above it and not below.
+    Appears(ContactState),
+    /// The other way round.
+    Vanishes(ContactState),
+}
+
+impl fmt::Display for Change {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::CycleBegins => f.write_str("cycle begins"),
+            Self::CycleEnds => f.write_str("cycle ends"),
+            Self::Appears(state) => write!(f, "{state} appears"),
+            Self::Vanishes(state) => write!(f, "{state} vanishes"),
+        }
+    }
+}
+
+/// Two values between which the motion changes.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Threshold {
+    /// The last value below the change, and the first above.
+    pub between: [f64; 2],
+    /// What changes.
+    pub changes: Vec<Change>,
+    /// A value between them that does not settle, or has no motion, which ended the search.
+    pub unknown: Option<f64>,
+}
+
+/// Neighbouring values whose motions are alike.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Regime {
+    /// The places of its first and last value.
+    pub places: [usize; 2],
+    /// Does the motion go on for ever?
+    pub is_cycle: bool,
+    /// The states that contacts take, in the order of [`ContactState::ALL`].
+    pub taken: [bool; 4],
+}
+
+/// What a study of limit cycles finds.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct LimitCycles {
+    /// One a value.
+    pub outcomes: Vec<Outcome>,
+    /// Runs of values with settled motions that are alike.
+    pub regimes: Vec<Regime>,
+    /// Between neighbouring values that both have settled, by value.
+    pub thresholds: Vec<Threshold>,
+    /// By value; motions that rest have none.
+    pub portraits: Vec<Portrait>,
+}
+
+/// The motion with each value from the scene's own start until it is settled, or from a [`push`] where the scene
+/// rests at its start; then the thresholds by bisection and the portraits, on all cores. `None` where the watch ended
+/// it.
+///
+/// # Errors
+/// No such parameter or a value that it cannot have, no value with which the scene can start, a journal that cannot be
+/// written.
+pub fn limit_cycles(
+    scene: &Scene,
+    look: &Look,
+    question: &Question,
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Result<Option<LimitCycles>, Error> {
+    let Question { name, values, resolution, portraits, contacts } = question;
+    let runs = Runs { scene, look, name, journal, watch };
+    runs.check(values)?;
+    for value in portraits.iter().flatten() {
+        runs.with(*value)?;
+    }
+    let [first, second] = parts(question);
+    let progress = |from: f64, to: f64, of: usize| {
+        #[allow(clippy::cast_precision_loss)]
+        move |done: usize| (watch.progress)(from + (to - from) * done as f64 / of as f64)
+    };
+    let outcomes =
+        collect(values.len(), &|i| runs.outcome(values[i]), &progress(0.0, first, values.len()))?;
+    let Some(outcomes) = whole(outcomes) else { return Ok(None) };
+    let is_change = |i: &usize| !changes(&outcomes[*i], &outcomes[i + 1]).is_empty();
+    let changing: Vec<usize> = (0..values.len().saturating_sub(1)).filter(is_change).collect();
+    let thresholds = collect(
+        changing.len(),
+        &|place| {
+            let i = changing[place];
+            let pairs = [i, i + 1].map(|i| (values[i], outcomes[i].clone()));
+            runs.thresholds(pairs, *resolution)
+        },
+        &progress(first, second, changing.len()),
+    )?;
+    let Some(thresholds) = whole(thresholds) else { return Ok(None) };
+    let regimes = regimes(&outcomes);
+    let drawn = portraits.clone().unwrap_or_else(|| {
+        let cycles = regimes.iter().filter(|regime| regime.is_cycle);
+        cycles.map(|regime| values[usize::midpoint(regime.places[0], regime.places[1])]).collect()
+    });
+    let portraits = collect(
+        drawn.len(),
+        &|i| runs.portrait(drawn[i], *contacts),
+        &progress(second, 1.0, drawn.len()),
+    )?;
+    let Some(portraits) = whole(portraits) else { return Ok(None) };
+    let thresholds = thresholds.into_iter().flatten().collect();
+    let portraits = portraits.into_iter().flatten().collect();
+    Ok(Some(LimitCycles { outcomes, regimes, thresholds, portraits }))
+}
+
+/// Everything, if nothing was ended.
+fn whole<T>(pieces: Vec<Option<T>>) -> Option<Vec<T>> {
+    pieces.into_iter().collect()
+}
+
+/// What part of the work is done after the values and after the thresholds, of which there may be two.
+#[allow(clippy::cast_precision_loss)]
+fn parts(question: &Question) -> [f64; 2] {
+    let values = question.values.len() as f64;
+    let thresholds = 2.0 * (-question.resolution.log2()).ceil().max(0.0);
+    let portraits = question.portraits.as_ref().map_or(3, Vec::len) as f64;
+    let all = values + thresholds + portraits;
+    [values / all, (values + thresholds) / all]
+}
+
+/// What changes from one motion to the next; nothing where one of them is not known.
+fn changes(before: &Outcome, after: &Outcome) -> Vec<Change> {
+    let (Some((moves, took)), Some((goes_on, takes))) = (before.regime(), after.regime()) else {
+        return Vec::new();
+    };
+    let cycle = match (moves, goes_on) {
+        (false, true) => Some(Change::CycleBegins),
+        (true, false) => Some(Change::CycleEnds),
+        _ => None,
+    };
+    let state = |(place, state): (usize, ContactState)| match (took[place], takes[place]) {
+        (false, true) => Some(Change::Appears(state)),
+        (true, false) => Some(Change::Vanishes(state)),
+        _ => None,
+    };
+    cycle.into_iter().chain(ContactState::ALL.into_iter().enumerate().filter_map(state)).collect()
+}
+
+/// Runs of settled motions that are alike.
+fn regimes(outcomes: &[Outcome]) -> Vec<Regime> {
+    let mut regimes: Vec<Regime> = Vec::new();
+    for (place, outcome) in outcomes.iter().enumerate() {
+        let Some((is_cycle, taken)) = outcome.regime() else { continue };
+        match regimes.last_mut() {
+            Some(last)
+                if last.places[1] + 1 == place
+                    && (last.is_cycle, last.taken) == (is_cycle, taken) =>
+            {
+                last.places[1] = place;
+            }
+            _ => regimes.push(Regime { places: [place; 2], is_cycle, taken }),
+        }
+    }
+    regimes
+}
+
+/// What all runs share.
+struct Runs<'a> {
+    scene: &'a Scene,
+    look: &'a Look,
+    name: &'a str,
+    journal: &'a Journal,
+    watch: Watch<'a>,
+}
+
+impl Runs<'_> {
+    /// The scene with a value, pushed where it would rest.
+    fn with(&self, value: f64) -> Result<Scene, Error> {
+        let mut scene = self.scene.clone();
+        assign(&mut scene, self.name, value)?;
+        push(&mut scene)?;
+        Ok(scene)
+    }
+
+    /// Refuses values that the parameter cannot have, and a scene that can start with none of them.
+    fn check(&self, values: &[f64]) -> Result<(), Error> {
+        let scenes: Vec<Scene> =
+            values.iter().map(|value| self.with(*value)).collect::<Result<_, Error>>()?;
+        let mut refused = None;
+        for scene in scenes {
+            match Simulation::new(scene, 0.0) {
+                Ok(_) => return Ok(()),
+                Err(error) => refused = refused.or(Some(error)),
+            }
+        }
+        refused.map_or(Ok(()), Err)
+    }
+
+    fn key(&self, value: f64) -> String {
+        format!("{} = {value:?}", self.name)
+    }
+
+    /// What the motion with a value ends in.
+    fn outcome(&self, value: f64) -> Result<Option<Outcome>, Error> {
+        let scene = self.with(value)?;
+        let run = || {
+            let mut simulation = Simulation::new(scene, 0.0)?;
+            settle(&mut simulation, self.look, &|| self.watch.is_over())
+        };
+        self.journal.piece(&self.key(value), || {
+            Ok(match run() {
+                Ok(ending) => ending.map(Outcome::Ending),
+                Err(error) => Some(Outcome::Failure(error.to_string())),
+            })
+        })
+    }
+
+    /// Where each change between two neighbouring values is, by value.
+    fn thresholds(
+        &self,
+        pairs: [(f64, Outcome); 2],
+        resolution: f64,
+    ) -> Result<Option<Vec<Threshold>>, Error> {
+        let near = resolution * (pairs[1].0 - pairs[0].0);
+        let mut found: Vec<Threshold> = Vec::new();
+        for change in changes(&pairs[0].1, &pairs[1].1) {
+            let [mut low, mut high] = pairs.clone();
+            let mut unknown = None;
+            // Rounding may leave a little more than was asked for.
+            while high.0 - low.0 > near * (1.0 + 1e-9) {
+                let middle = decimal(f64::midpoint(low.0, high.0));
+                if !(low.0 < middle && middle < high.0) {
+                    break;
+                }
+                let Some(outcome) = self.outcome(middle)? else { return Ok(None) };
+                if outcome.settled().is_none() {
+                    unknown = Some(middle);
+                    break;
+                }
+                let is_above = changes(&low.1, &outcome).contains(&change);
+                *(if is_above { &mut high } else { &mut low }) = (middle, outcome);
+            }
+            let between = [low.0, high.0];
+            match found.iter_mut().find(|known| known.between == between) {
+                Some(known) => known.changes.push(change),
+                None => found.push(Threshold { between, changes: vec![change], unknown }),
+            }
+        }
+        found.sort_by(|a, b| a.between[0].total_cmp(&b.between[0]));
+        Ok(Some(found))
+    }
+
+    /// The portrait of what the motion with a value ends in; none inside where there is no cycle.
+    fn portrait(&self, value: f64, contacts: usize) -> Result<Option<Option<Portrait>>, Error> {
+        let Some(outcome) = self.outcome(value)? else { return Ok(None) };
+        if !matches!(&outcome, Outcome::Ending(ending) if ending.kind != Kind::Equilibrium) {
+            return Ok(Some(None));
+        }
+        let key = format!("{}, portrait of {contacts}", self.key(value));
+        let draw = || {
+            let mut simulation = Simulation::new(self.with(value)?, 0.0)?;
+            let ending = settle(&mut simulation, self.look, &|| self.watch.is_over())?;
+            let Some(ending) = ending else { return Ok(None) };
+            portrait(&mut simulation, value, &ending, contacts).map(Some)
+        };
+        Ok(self.journal.piece(&key, draw)?.map(Some))
+    }
+}

@@ -1,0 +1,341 @@
+//! One run of a scene: how one of its outputs grows and decays, at which frequencies, in which contact states.
+//!
+//! | file | what it finds |
+//! | --- | --- |
+//! | `growth` | growth and decay in a history, band by band |
+//! | `straight` | where a curve is straight |
+//! | `stretches` | which states each contact takes over time |
+
+mod growth;
+mod straight;
+mod stretches;
+
+pub use growth::{Band, Combination, Growth, Phase, growth};
+pub use stretches::{Course, Stretch};
+
+use super::look::{ROWS_A_PERIOD, frequencies, output};
+use super::{Watch, unit};
+use crate::Error;
+use crate::contact::{ContactState, Joined};
+use crate::model::LumpedModel;
+use crate::scene::{Experiment, Scene};
+use crate::simulation::catalogue::Quantity;
+use crate::simulation::{Simulation, Variable, variables};
+use crate::spectral::Spectrogram;
+use crate::stability::Spectrum;
+use crate::stability::candidates::resting_state;
+use serde::Serialize;
+use std::collections::HashMap;
+use std::f64::consts::TAU;
+
+/// The most values that are kept of a run.
+const MOST_KEPT: f64 = 2e7;
+/// Contact states of less than this part of the time are not listed, nor more than so many.
+const LEAST_SHARE: f64 = 1e-2;
+const MOST_STATES: usize = 6;
+/// A spectrogram goes up to so many times the highest natural frequency, in so many windows or fewer, each so many
+/// times as long as those of the bands.
+const ABOVE_HIGHEST: f64 = 1.5;
+const SPECTRA: usize = 400;
+const LONGER: f64 = 2.0;
+/// Rows between two questions whether to go on.
+const ROWS_AT_ONCE: usize = 64;
+
+/// An eigenvalue of a contact state.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Eigenvalue {
+    /// Growth rate, 1/s.
+    pub rate: f64,
+    /// Hz.
+    pub frequency: f64,
+}
+
+/// The states that all contacts have together for a part of a stretch of time.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Taken {
+    /// As `Sl-St`, contact by contact.
+    pub states: String,
+    /// What part of the time, from 0 to 1.
+    pub share: f64,
+    /// That of the states' eigenvalues which is nearest in the complex plane to what was found; `None` if they have
+    /// none that oscillates.
+    pub eigenvalue: Option<Eigenvalue>,
+}
+
+/// A growth or decay beside the eigenvalues that may explain it.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Finding {
+    /// What was found.
+    #[serde(flatten)]
+    pub phase: Phase,
+    /// Nearest to it in the state in which the scene is at rest, which is uniform sliding where the slider moves.
+    pub resting: Option<Eigenvalue>,
+    /// The states in which the contacts were, longest first.
+    pub taken: Vec<Taken>,
+}
+
+/// What a run is like.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Transient {
+    /// The output's name.
+    pub output: String,
+    /// And its unit.
+    pub unit: &'static str,
+    /// Time between two values, s.
+    pub interval: f64,
+    /// Until when the run went, s.
+    pub end: f64,
+    /// Did it go to its end?
+    pub complete: bool,
+    /// Why it did not, unless the watch ended it.
+    #[serde(skip)]
+    pub failure: Option<Error>,
+    /// The output's values, one each `interval`, from 0 s on.
+    #[serde(skip)]
+    pub history: Vec<f64>,
+    /// The contacts' states at the same times: contact by contact.
+    #[serde(skip)]
+    pub states: Vec<Vec<ContactState>>,
+    /// Lines, bands and envelope.
+    #[serde(flatten)]
+    pub growth: Growth,
+    /// Each of `growth.phases` beside eigenvalues.
+    pub findings: Vec<Finding>,
+    /// The states that each contact takes over time.
+    pub courses: Vec<Course>,
+    /// Of the output.
+    #[serde(skip)]
+    pub spectrogram: Spectrogram,
+}
+
+/// Runs a scene once, as long as `experiment` says, and looks at its output of that name, or else at the displacement
+/// that moves most, as often as the output interval and [`interval()`] say. A run that fails or is ended by the
+/// watch is looked at as far as it went.
+///
+/// # Errors
+/// What is wrong with the scene; there is no such output; a run too long to keep.
+pub fn transient(
+    scene: &Scene,
+    experiment: Experiment,
+    of: Option<&str>,
+    watch: Watch<'_>,
+) -> Result<Transient, Error> {
+    let outputs = outputs(scene, of)?;
+    let mut simulation = Simulation::new(scene.clone(), 0.0)?;
+    let linear = Linear::of(&simulation);
+    let interval = interval(scene, experiment.output_interval);
+    let experiment = Experiment { output_interval: interval, ..experiment };
+    let kept = experiment.stop_time / interval * (outputs.len() + scene.contact_count()) as f64;
+    if kept > MOST_KEPT {
+        return Err(Error::argument(format!(
+            "{} s with a row each {interval} s are {kept:.1e} values, more than {MOST_KEPT:e}; choose a shorter \
+             --stop-time, or a single output with --of",
+            experiment.stop_time
+        )));
+    }
+    let mut record = Record::of(outputs, scene.contact_count());
+    let ended = record.run(&mut simulation, experiment, watch);
+    let (output, history) = record.most_moving();
+    let states = record.states;
+    let growth = growth(&history, interval);
+    let mut shares = Shares::of(&linear, &states, interval);
+    let findings = growth.phases.iter().map(|phase| shares.beside(phase)).collect();
+    Ok(Transient {
+        unit: unit(&output),
+        output: output.name,
+        interval,
+        end: interval * history.len().saturating_sub(1) as f64,
+        complete: matches!(ended, Ok(true)),
+        failure: ended.err(),
+        findings,
+        courses: stretches::courses(&contact_names(scene), &states, interval),
+        spectrogram: spectrogram(&history, interval, growth.window, highest(scene)),
+        growth,
+        history,
+        states,
+    })
+}
+
+/// The output of that name, or all displacements.
+fn outputs(scene: &Scene, of: Option<&str>) -> Result<Vec<Variable>, Error> {
+    let Some(name) = of else {
+        let is_displacement =
+            |variable: &Variable| variable.template.quantity == Quantity::Displacement;
+        return Ok(variables(scene).into_iter().filter(is_displacement).collect());
+    };
+    Ok(vec![output(scene, name)?])
+}
+
+/// Time between two values of a run, s: the longest whole part (1/1, 1/2, 1/3, …) of an output interval of which
+/// the period of the scene's fastest mode has 20.
+#[must_use]
+pub fn interval(scene: &Scene, output_interval: f64) -> f64 {
+    let longest = highest(scene).map_or(f64::INFINITY, |highest| 1.0 / (ROWS_A_PERIOD * highest));
+    // A whole number but for rounding is that number.
+    output_interval / (output_interval / longest * (1.0 - 1e-9)).ceil().max(1.0)
+}
+
+/// The frequency of the fastest mode, Hz.
+fn highest(scene: &Scene) -> Option<f64> {
+    frequencies(scene).map(|[_, fastest]| fastest)
+}
+
+/// The contacts as the FMU names them.
+fn contact_names(scene: &Scene) -> Vec<String> {
+    let states = variables(scene)
+        .into_iter()
+        .filter(|variable| variable.template.quantity == Quantity::ContactState);
+    states.map(|variable| variable.name.trim_end_matches(".state").to_owned()).collect()
+}
+
+/// A scene linearised about its equilibrium, with the values at the start.
+struct Linear {
+    model: LumpedModel,
+    friction: f64,
+    resting: Vec<ContactState>,
+}
+
+impl Linear {
+    fn of(simulation: &Simulation) -> Self {
+        let acting = simulation.acting();
+        let mut model = LumpedModel::from(acting);
+        model.linearise(simulation.reference());
+        let resting = resting_state(&model, acting.slider.velocity);
+        Self { model, friction: acting.friction_coefficient, resting }
+    }
+}
+
+/// What is kept of a run.
+struct Record {
+    outputs: Vec<Variable>,
+    histories: Vec<Vec<f64>>,
+    states: Vec<Vec<ContactState>>,
+}
+
+impl Record {
+    fn of(outputs: Vec<Variable>, contacts: usize) -> Self {
+        let histories = vec![Vec::new(); outputs.len()];
+        Self { outputs, histories, states: vec![Vec::new(); contacts] }
+    }
+
+    /// All rows until the end, or a failure, or the watch's word: whether it is the end.
+    fn run(
+        &mut self,
+        simulation: &mut Simulation,
+        experiment: Experiment,
+        watch: Watch<'_>,
+    ) -> Result<bool, Error> {
+        self.note(simulation)?;
+        for (row, (time, is_whole)) in experiment.row_times().enumerate() {
+            if row.is_multiple_of(ROWS_AT_ONCE) {
+                (watch.progress)(time / experiment.stop_time);
+                if watch.is_over() {
+                    return Ok(false);
+                }
+            }
+            simulation.advance_to(time)?;
+            // A last row that closes no whole interval would be out of step with the others.
+            if is_whole {
+                self.note(simulation)?;
+            }
+        }
+        Ok(true)
+    }
+
+    fn note(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
+        // Before anything is kept, so that a failure leaves whole rows.
+        let states: Vec<ContactState> =
+            simulation.contact_forces()?.iter().map(|force| force.state).collect();
+        for (history, output) in self.histories.iter_mut().zip(&self.outputs) {
+            history.push(simulation.read(output)?);
+        }
+        for (course, state) in self.states.iter_mut().zip(states) {
+            course.push(state);
+        }
+        Ok(())
+    }
+
+    /// The output with the largest variance, of equal ones the first, and its history.
+    fn most_moving(&mut self) -> (Variable, Vec<f64>) {
+        let variance = |history: &Vec<f64>| {
+            let count = history.len().max(1) as f64;
+            let mean = history.iter().sum::<f64>() / count;
+            history.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count
+        };
+        let variances: Vec<f64> = self.histories.iter().map(variance).collect();
+        let most = (0..variances.len())
+            .rev()
+            .max_by(|&a, &b| variances[a].total_cmp(&variances[b]))
+            .expect("a scene has something that moves");
+        (self.outputs.swap_remove(most), self.histories.swap_remove(most))
+    }
+}
+
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn spectrogram(history: &[f64], interval: f64, window: f64, highest: Option<f64>) -> Spectrogram {
+    let count = (LONGER * window / interval).round() as usize;
+    if count == 0 || count > history.len() {
+        return Spectrogram::default();
+    }
+    let hop = ((history.len() - count) / SPECTRA + 1).max(count / 16);
+    let highest = highest.map_or(f64::INFINITY, |highest| ABOVE_HIGHEST * highest);
+    Spectrogram::of(history, interval, count, hop, highest)
+}
+
+/// The eigenvalues of the states that a run has taken, each found once.
+struct Shares<'a> {
+    linear: &'a Linear,
+    states: &'a [Vec<ContactState>],
+    interval: f64,
+    known: HashMap<Vec<ContactState>, Spectrum>,
+}
+
+impl<'a> Shares<'a> {
+    fn of(linear: &'a Linear, states: &'a [Vec<ContactState>], interval: f64) -> Self {
+        Self { linear, states, interval, known: HashMap::new() }
+    }
+
+    fn beside(&mut self, phase: &Phase) -> Finding {
+        let resting = self.nearest(&self.linear.resting, phase);
+        let taken = self.taken(phase.span).into_iter().map(|(states, share)| Taken {
+            eigenvalue: self.nearest(&states, phase),
+            states: Joined(&states).to_string(),
+            share,
+        });
+        Finding { taken: taken.collect(), resting, phase: phase.clone() }
+    }
+
+    /// The states over a span of time (s) with their shares, longest first.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    fn taken(&self, span: [f64; 2]) -> Vec<(Vec<ContactState>, f64)> {
+        let rows = self.states.first().map_or(0, Vec::len);
+        let [from, to] = span.map(|time| (time / self.interval).round() as usize);
+        let rows = from.min(rows)..(to + 1).min(rows);
+        let mut counts: HashMap<Vec<ContactState>, usize> = HashMap::new();
+        for row in rows.clone() {
+            *counts.entry(self.states.iter().map(|course| course[row]).collect()).or_default() += 1;
+        }
+        let mut found: Vec<_> = counts.into_iter().collect();
+        let order =
+            |states: &[ContactState]| states.iter().map(|state| *state as u8).collect::<Vec<_>>();
+        found.sort_by(|(a, first), (b, second)| {
+            second.cmp(first).then_with(|| order(a).cmp(&order(b)))
+        });
+        let share = |(states, count)| (states, count as f64 / rows.len() as f64);
+        let shares = found.into_iter().map(share);
+        shares.take_while(|(_, share)| *share >= LEAST_SHARE).take(MOST_STATES).collect()
+    }
+
+    /// The eigenvalue of these states that is nearest to what was found.
+    fn nearest(&mut self, states: &[ContactState], phase: &Phase) -> Option<Eigenvalue> {
+        let Linear { model, friction, .. } = self.linear;
+        let spectrum = self.known.entry(states.to_vec()).or_insert_with(|| {
+            // A state that contradicts itself has no eigenvalues.
+            Spectrum::of(model, states, *friction).unwrap_or_default()
+        });
+        let apart = |rate: f64, im: f64| libm::hypot(rate - phase.rate, im - TAU * phase.frequency);
+        let all = spectrum.oscillating.iter();
+        all.min_by(|a, b| apart(a.re, a.im).total_cmp(&apart(b.re, b.im)))
+            .map(|nearest| Eigenvalue { rate: nearest.re, frequency: nearest.im / TAU })
+    }
+}
