@@ -177,45 +177,57 @@ pub fn histories(
         run.and_then(|run| run.ending.as_ref()).map_or(look.window, |ending| ending.time)
     };
     let duration = threshold.between.iter().map(settled).fold(0.0, f64::max);
-    let unit = unit_of(scene, &direction.name);
-    let mut panels = Vec::new();
-    for (place, amplitude) in threshold.between.into_iter().enumerate() {
+    let mut curves = Vec::new();
+    for amplitude in threshold.between {
         let rows = history(scene, (&direction.name, amplitude), look, duration, is_over)?;
         let Some(rows) = rows else { return Ok(None) };
-        let what = words(ends[place], unit_of(scene, &look.of));
-        panels.push(Panel {
-            y_label: format!("{}, {}", look.of, unit_of(scene, &look.of)),
+        curves.push(thinned(&rows, look.interval));
+    }
+    // A motion is followed long after one sees where it goes.
+    let shown = 1.5 * curves.iter().map(|curve| seen_to_settle(curve)).fold(0.0, f64::max);
+    let unit = unit_of(scene, &look.of);
+    let panel = |(place, curve): (usize, Vec<[f64; 2]>)| {
+        let what = words(ends[place], unit);
+        let start = four_digits(threshold.between[place], unit_of(scene, &direction.name));
+        Panel {
+            y_label: format!("{}, {unit}", look.of),
             series: vec![Series {
-                label: Some(format!("{} from {amplitude} {unit}: {what}", direction.name)),
-                points: thinned(&rows, look.interval),
-                colour: place,
+                label: Some(format!("just {} {start}: {what}", ["below", "above"][place])),
+                points: curve.into_iter().filter(|[time, _]| *time <= shown).collect(),
+                colour: threshold.attractors[place],
                 ..Series::default()
             }],
             zero_line: true,
             ..Panel::default()
-        });
-    }
+        }
+    };
     Ok(Some(Chart {
-        title: format!("{}: just below and just above a threshold", scene.name),
+        title: format!("{}: on both sides of a threshold of {}", scene.name, direction.name),
         x_label: "time, s".to_owned(),
-        panels,
+        panels: curves.into_iter().enumerate().map(panel).collect(),
         logarithmic: false,
     }))
 }
 
-/// A history as a picture can show it: of each of some hundred stretches its smallest and largest value, in their
-/// order.
+/// A history as a picture can show it: of each of some thousand stretches its smallest value and then its largest.
 #[allow(clippy::cast_precision_loss)]
 fn thinned(rows: &[f64], interval: f64) -> Vec<[f64; 2]> {
-    const STRETCHES: usize = 700;
-    let point = |row: usize| [row as f64 * interval, rows[row]];
-    let length = rows.len().div_ceil(STRETCHES).max(2);
-    let extremes = (0..rows.len()).step_by(length).flat_map(|first| {
-        let stretch = first..(first + length).min(rows.len());
-        let by_value = |a: &usize, b: &usize| rows[*a].total_cmp(&rows[*b]);
-        let low = stretch.clone().min_by(by_value).unwrap_or(first);
-        let high = stretch.max_by(by_value).unwrap_or(first);
-        [low.min(high), low.max(high)].map(point)
+    const STRETCHES: usize = 2000;
+    let length = rows.len().div_ceil(STRETCHES);
+    let stretches = rows.chunks_exact(length).enumerate().flat_map(|(place, stretch)| {
+        let low = stretch.iter().fold(f64::INFINITY, |low, value| low.min(*value));
+        let high = stretch.iter().fold(f64::NEG_INFINITY, |high, value| high.max(*value));
+        let time = |part: f64| ((place as f64 + part) * length as f64) * interval;
+        [[time(0.0), low], [time(0.5), high]]
     });
-    extremes.collect()
+    stretches.collect()
+}
+
+/// The last time, s, at which a thinned history is farther from its end than a twentieth of its largest value.
+fn seen_to_settle(curve: &[[f64; 2]]) -> f64 {
+    let [.., low, high] = curve else { return 0.0 };
+    let near = 0.05 * curve.iter().fold(0.0, |most, [_, value]| f64::max(most, value.abs()));
+    let differs =
+        |two: &&[[f64; 2]]| (two[0][1] - low[1]).abs() > near || (two[1][1] - high[1]).abs() > near;
+    curve.chunks(2).rfind(differs).map_or(0.0, |two| two[0][0])
 }
