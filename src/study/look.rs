@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::integrator::EventDriven;
-use crate::model::LumpedModel;
+use crate::model::{LumpedModel, equilibrium};
 use crate::scene::{Method, Scene, Selection, nearest};
 use crate::simulation::catalogue::{Causality, Kind};
 use crate::simulation::{Variable, variables};
@@ -141,7 +141,10 @@ pub fn unit(output: &Variable) -> &'static str {
 /// The frequencies of the slowest and the fastest mode, Hz: of the state that the scene can rest in and, where it
 /// is known, of all states. `None` where nothing oscillates.
 pub(super) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
-    let model = LumpedModel::from(scene);
+    let mut model = LumpedModel::from(scene);
+    if let Ok(equilibrium) = equilibrium(scene, &model) {
+        model.linearise(&equilibrium);
+    }
     let states = resting_state(&model, scene.slider.velocity);
     let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).ok()?;
     let slowest = spectrum.oscillating.first()?.im / TAU;

@@ -75,7 +75,7 @@ fn parameters() -> Result<Table, Error> {
         let values = scenes.iter().map(|scene| value(scene).into());
         std::iter::once(name.into()).chain(values).collect()
     };
-    let module = |scene: &Scene| scene.modules()[0].clone();
+    let module = |scene: &Scene| scene.modules()[0];
     let mut rows = vec![row("m1, m2 [kg]", &|scene| {
         format!("{}, {}", module(scene).mass[0], module(scene).mass[1])
     })];
