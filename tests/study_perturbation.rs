@@ -126,13 +126,13 @@ fn first_sticks() -> f64 {
 #[test]
 fn a_small_push_of_set_2_decays_and_a_large_one_makes_it_squeal() {
     let sticks = first_sticks();
-    let found = found(&set2(), PUSHED, &[1e-4, 0.999 * sticks, 0.3], 1e-3);
+    let found = found(&set2(), PUSHED, &[1e-4, 0.99 * sticks, 0.3], 1e-3);
     assert_eq!(KINDS(&found)[0], Kind::Equilibrium);
     assert!(found.attractors[1..].iter().all(|ending| ending.kind.is_cycle()));
     let threshold = found.thresholds[0];
     let [below, above] = threshold.between;
     assert!(threshold.attractors[0] == 0 && threshold.attractors[1] > 0, "{threshold:?}");
-    assert!(below >= 0.999 * sticks && above - below <= 1e-3 * above, "{threshold:?} {sticks}");
+    assert!(below >= 0.99 * sticks && above - below <= 1e-3 * above, "{threshold:?} {sticks}");
 
     // Fig. 5: what is just below is soon smaller than it was, what is just above larger.
     let mut scene = set2();

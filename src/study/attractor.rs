@@ -75,6 +75,7 @@ mod tests {
             "shares": [1.0, 0.0, 0.0, 0.0],
             "taken": [true, false, false, false],
             "time": 8.0,
+            "rate": 0.0,
         });
         serde_json::from_value(ending).unwrap()
     }

@@ -30,9 +30,8 @@ mod portrait;
 mod push;
 pub mod transient;
 
-pub use continuation::{Bistable, Continuation, FRICTION, Fold, Plan, Point, Way, continuation};
-
 pub use attractor::{attractors, is_same};
+pub use continuation::{Bistable, Continuation, FRICTION, Fold, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
 pub use journal::Journal;
