@@ -166,7 +166,12 @@ fn planes_that_make_no_sense_are_refused_with_what_would() {
         assert_refused(&amontons(folder.path(), &arguments), code, words);
     };
     let x = "module[1].v2=-0.3:0.3:4";
-    refused(x, "module[2].v9=-1:1:4", 2, &["module[2].v9", "did you mean initial.module[2].v"]);
+    refused(
+        x,
+        "module[2].v9=-1:1:4",
+        2,
+        &["module[2].v9", "initial.module[2].v1", "initial.module[2].v4"],
+    );
     refused(x, "initial.module[1].v2=-1:1:4", 2, &["both axes are initial.module[1].v2"]);
     refused(x, "slider.velocity=-1:1:4", 2, &["no initial value slider.velocity"]);
     refused(x, "module[2].v2=-1:1", 2, &["A:B:N"]);

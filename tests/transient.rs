@@ -196,8 +196,8 @@ fn what_is_not_there_or_cannot_be_written_is_said() {
             ["study", "transient", "set1"].iter().chain(more).copied().collect();
         amontons(folder.path(), &arguments)
     };
-    let words = ["set1 has no output module[1].x9", "did you mean module[1]."];
-    assert_refused(&study(&["--of", "module[1].x9"]), 2, &words);
+    let words = ["set1 has no output module[1].xx1", "did you mean module[1].x1?"];
+    assert_refused(&study(&["--of", "module[1].xx1"]), 2, &words);
     assert!(!folder.path().join("set1-transient").exists());
     fs::write(folder.path().join("file"), "").unwrap();
     assert_refused(&study(&["-o", "file/out"]), 1, &["cannot use file/out"]);

@@ -70,7 +70,7 @@ impl Statistics {
     /// Changes of state, summed over the contacts.
     #[must_use]
     pub fn state_changes(&self) -> u64 {
-        self.entered.iter().fold(0, |sum, count| sum + count)
+        self.entered.iter().sum()
     }
 
     /// Counts a contact that goes from one state into another.

@@ -14,11 +14,10 @@ use crate::Error;
 use crate::scene::Scene;
 use crate::simulation::{Progress, Simulation, Snapshot, assign};
 use crate::stability::parallel::collect;
+use crate::sweep::FRICTION;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// The parameter that is followed.
-pub const FRICTION: &str = "friction.coefficient";
 /// Amplitudes that differ by more than this part, from one value to the next or between the branches, may be of
 /// different motions.
 const OTHER_AMPLITUDE: f64 = 0.05;

@@ -3,7 +3,7 @@
 
 use super::ending::{Ending, Kind, settle};
 use super::portrait::{Portrait, portrait};
-use super::push::push;
+use super::push::Push;
 use super::{Journal, Look, Watch};
 use crate::Error;
 use crate::contact::ContactState;
@@ -49,9 +49,32 @@ impl Outcome {
         }
     }
 
+    /// Does it go on moving? One that was left on its way out of the equilibrium will. `None` where that is not known.
+    fn moves(&self) -> Option<bool> {
+        match self {
+            Self::Ending(ending) if ending.rests() => Some(false),
+            Self::Ending(ending) => {
+                let states = ending.taken.iter().filter(|taken| **taken).count();
+                let leaves = ending.kind == Kind::Unsettled && ending.rate > 0.0 && states <= 1;
+                (ending.kind.is_cycle() || leaves).then_some(true)
+            }
+            Self::Failure(_) => None,
+        }
+    }
+
+    /// The states that contacts take in the end, where they are known.
+    fn taken(&self) -> Option<[bool; 4]> {
+        match self {
+            Self::Ending(ending) if ending.kind != Kind::Unsettled || ending.rests() => {
+                Some(ending.taken)
+            }
+            _ => None,
+        }
+    }
+
     /// Rests or goes on, and which states contacts take.
     fn regime(&self) -> Option<(bool, [bool; 4])> {
-        self.settled().map(|ending| (ending.kind.is_cycle(), ending.taken))
+        self.moves().zip(self.taken())
     }
 }
 
@@ -87,7 +110,7 @@ pub struct Threshold {
     pub between: [f64; 2],
     /// What changes.
     pub changes: Vec<Change>,
-    /// A value between them that does not settle, or has no motion, which ended the search.
+    /// A value between them that does not settle, or has no motion, where the search ended.
     pub unknown: Option<f64>,
 }
 
@@ -115,8 +138,8 @@ pub struct LimitCycles {
     pub portraits: Vec<Portrait>,
 }
 
-/// The motion with each value from the scene's own start until it is settled, or from a [`push`] where the scene
-/// rests at its start; then the thresholds by bisection and the portraits, on all cores. `None` where the watch ended
+/// The motion with each value until it is settled: from the scene's own start, with a push where that is at rest
+/// ([`Push::of_resting`]); then the thresholds by bisection and the portraits, on all cores. `None` where the watch ended
 /// it.
 ///
 /// # Errors
@@ -150,7 +173,7 @@ pub fn limit_cycles(
         &|place| {
             let i = changing[place];
             let pairs = [i, i + 1].map(|i| (values[i], outcomes[i].clone()));
-            runs.thresholds(pairs, *resolution)
+            runs.thresholds(&pairs, *resolution)
         },
         &progress(first, second, changing.len()),
     )?;
@@ -186,16 +209,14 @@ fn parts(question: &Question) -> [f64; 2] {
     [values / all, (values + thresholds) / all]
 }
 
-/// What changes from one motion to the next; nothing where one of them is not known.
+/// What changes from one motion to the next, as far as both are known.
 fn changes(before: &Outcome, after: &Outcome) -> Vec<Change> {
-    let (Some((moves, took)), Some((goes_on, takes))) = (before.regime(), after.regime()) else {
-        return Vec::new();
-    };
-    let cycle = match (moves, goes_on) {
-        (false, true) => Some(Change::CycleBegins),
-        (true, false) => Some(Change::CycleEnds),
+    let cycle = match (before.moves(), after.moves()) {
+        (Some(false), Some(true)) => Some(Change::CycleBegins),
+        (Some(true), Some(false)) => Some(Change::CycleEnds),
         _ => None,
     };
+    let (took, takes) = before.taken().zip(after.taken()).unwrap_or_default();
     let state = |(place, state): (usize, ContactState)| match (took[place], takes[place]) {
         (false, true) => Some(Change::Appears(state)),
         (true, false) => Some(Change::Vanishes(state)),
@@ -232,12 +253,22 @@ struct Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// The scene with a value, pushed where it would rest.
+    /// The scene with a value.
     fn with(&self, value: f64) -> Result<Scene, Error> {
         let mut scene = self.scene.clone();
         assign(&mut scene, self.name, value)?;
-        push(&mut scene)?;
         Ok(scene)
+    }
+
+    /// A motion that has settled, and what it has ended in.
+    fn settled(&self, scene: Scene) -> Result<Option<(Simulation, Ending)>, Error> {
+        let push = Push::of_resting(&scene);
+        let mut simulation = Simulation::new(scene, 0.0)?;
+        if let Some(push) = push {
+            push.give(&mut simulation);
+        }
+        let ending = settle(&mut simulation, self.look, &|| self.watch.is_over())?;
+        Ok(ending.map(|ending| (simulation, ending)))
     }
 
     /// Refuses values that the parameter cannot have, and a scene that can start with none of them.
@@ -261,13 +292,9 @@ impl Runs<'_> {
     /// What the motion with a value ends in.
     fn outcome(&self, value: f64) -> Result<Option<Outcome>, Error> {
         let scene = self.with(value)?;
-        let run = || {
-            let mut simulation = Simulation::new(scene, 0.0)?;
-            settle(&mut simulation, self.look, &|| self.watch.is_over())
-        };
         self.journal.piece(&self.key(value), || {
-            Ok(match run() {
-                Ok(ending) => ending.map(Outcome::Ending),
+            Ok(match self.settled(scene) {
+                Ok(found) => found.map(|(_, ending)| Outcome::Ending(ending)),
                 Err(error) => Some(Outcome::Failure(error.to_string())),
             })
         })
@@ -276,7 +303,7 @@ impl Runs<'_> {
     /// Where each change between two neighbouring values is, by value.
     fn thresholds(
         &self,
-        pairs: [(f64, Outcome); 2],
+        pairs: &[(f64, Outcome); 2],
         resolution: f64,
     ) -> Result<Option<Vec<Threshold>>, Error> {
         let near = resolution * (pairs[1].0 - pairs[0].0);
@@ -291,7 +318,11 @@ impl Runs<'_> {
                     break;
                 }
                 let Some(outcome) = self.outcome(middle)? else { return Ok(None) };
-                if outcome.settled().is_none() {
+                let is_known = match change {
+                    Change::CycleBegins | Change::CycleEnds => outcome.moves().is_some(),
+                    Change::Appears(_) | Change::Vanishes(_) => outcome.taken().is_some(),
+                };
+                if !is_known {
                     unknown = Some(middle);
                     break;
                 }
@@ -311,14 +342,14 @@ impl Runs<'_> {
     /// The portrait of what the motion with a value ends in; none inside where there is no cycle.
     fn portrait(&self, value: f64, contacts: usize) -> Result<Option<Option<Portrait>>, Error> {
         let Some(outcome) = self.outcome(value)? else { return Ok(None) };
-        if !matches!(&outcome, Outcome::Ending(ending) if ending.kind != Kind::Equilibrium) {
+        if !matches!(&outcome, Outcome::Ending(ending) if !ending.rests()) {
             return Ok(Some(None));
         }
         let key = format!("{}, portrait of {contacts}", self.key(value));
         let draw = || {
-            let mut simulation = Simulation::new(self.with(value)?, 0.0)?;
-            let ending = settle(&mut simulation, self.look, &|| self.watch.is_over())?;
-            let Some(ending) = ending else { return Ok(None) };
+            let Some((mut simulation, ending)) = self.settled(self.with(value)?)? else {
+                return Ok(None);
+            };
             portrait(&mut simulation, value, &ending, contacts).map(Some)
         };
         Ok(self.journal.piece(&key, draw)?.map(Some))

@@ -185,7 +185,7 @@ mod tests {
         assert_eq!((look.interval, look.window, look.longest), (2e-4, 2.0, 120.0));
         assert_eq!((look.rows(), look.windows(), &*look.of), (10_000, 60, "module[1].x1"));
         let wrong =
-            Look::of(&scene, &Wish { of: Some("module[1].x9"), ..Wish::default() }).unwrap_err();
+            Look::of(&scene, &Wish { of: Some("modul[1].x1"), ..Wish::default() }).unwrap_err();
         assert!(wrong.is_argument() && wrong.to_string().contains("did you mean"), "{wrong}");
         let short = Look::of(&scene, &Wish { window: Some(1e-3), ..Wish::default() }).unwrap_err();
         assert!(short.is_argument(), "{short}");

@@ -31,14 +31,14 @@ mod push;
 pub mod transient;
 
 pub use attractor::{attractors, is_same};
-pub use continuation::{Bistable, Continuation, FRICTION, Fold, Plan, Point, Way, continuation};
+pub use continuation::{Bistable, Continuation, Fold, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
 pub use journal::Journal;
 pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
 pub use look::{Look, Wish, output, pace, unit};
 pub use portrait::{Orbit, Portrait};
-pub use push::{Push, push};
+pub use push::Push;
 
 use std::ops::ControlFlow;
 

@@ -61,7 +61,7 @@ fn follow(
     values: &[f64],
     watch: Watch<'_>,
 ) -> Result<Option<Continuation>, Error> {
-    let push = Push::of(scene)?;
+    let push = Push::of(scene);
     let plan = Plan { scene, look, values, resolution: RESOLUTION, push };
     continuation(&plan, &Journal::forgotten(), watch)
 }

@@ -8,10 +8,9 @@ use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::stability::candidates::{Bistability, Candidate, bistability};
 use amontons::study::{
-    Bistable, Continuation, Ending, FRICTION, Fold, Kind, Look, Plan, Point, Push, Way,
-    continuation,
+    Bistable, Continuation, Ending, Fold, Kind, Look, Plan, Point, Push, Way, continuation,
 };
-use amontons::sweep::range;
+use amontons::sweep::{FRICTION, range};
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -48,8 +47,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Arguments { common, looking, friction: Values(values), resolution } = arguments;
     let (scene, source, look) = prepared(common, looking)?;
     let resolution = resolution.unwrap_or(0.01 * (values[1] - values[0]));
-    let push = Push::of(&scene)?;
-    let settings = json!({ "look": look, "push": push.to_string() });
+    let push = Push::of(&scene);
+    let settings = json!({ "look": look, "push": push });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
     let plan = Plan { scene: &scene, look: &look, values, resolution, push };
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {

@@ -9,8 +9,8 @@ use amontons::picture::{Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::simulation::assign;
 use amontons::study::{
-    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Question, Threshold, limit_cycles, output,
-    push, unit,
+    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold, limit_cycles,
+    output, unit,
 };
 use amontons::sweep::axis;
 use amontons::sweep::range::number;
@@ -51,13 +51,19 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     let LimitCycle { common, parameter: (name, Values(values)), looking, .. } = arguments;
     let (scene, source, look) = prepared(common, looking)?;
     let mut first = scene.clone();
-    assign(&mut first, name, values[0])?;
+    // Before there is a folder; the first one last.
+    for value in values.iter().rev() {
+        assign(&mut first, name, *value)?;
+    }
     if common.set.iter().any(|(set, _)| set == name) {
         eprintln!("note: {name} takes the values of --parameter, not that of --set");
     }
-    if let Some(push) = push(&mut first)? {
+    if let Some(push) = Push::of_resting(&first) {
         eprintln!(
-            "note: the scene starts at rest in its equilibrium, so it is pushed: with {name} = {:?} {push}",
+            "note: {} starts at rest in its equilibrium; {} is pushed, with {:?} m/s where {name} = {:?}",
+            scene.name,
+            scene.dof_names()[push.dof],
+            push.velocity,
             values[0]
         );
     }
@@ -161,7 +167,10 @@ impl Told<'_> {
         });
         let amplitude =
             self.curve(any_left.then_some("settled"), 0, |ending| Some(ending.amplitude));
-        let frequency = self.curve(any_left.then_some("settled"), 0, |ending| ending.frequency);
+        let frequency = self.curve(any_left.then_some("settled"), 0, |ending| {
+            // Of a decay no one asks.
+            ending.frequency.filter(|_| !ending.rests())
+        });
         let is_taken = |&state: &usize| {
             self.outcomes().any(
                 |(_, outcome)| matches!(outcome, Outcome::Ending(ending) if ending.taken[state]),
@@ -173,7 +182,7 @@ impl Told<'_> {
         });
         let mut panels = vec![
             panel(format!("amplitude{}", self.unit()), amplitude, &marks),
-            panel("frequency [Hz]".to_owned(), frequency, &plain),
+            Panel { zero_line: false, ..panel("frequency [Hz]".to_owned(), frequency, &plain) },
             panel("share of time".to_owned(), states.flatten().collect(), &plain),
         ];
         panels.retain(|panel| {
@@ -225,34 +234,52 @@ impl Told<'_> {
     /// The orbits of the contacts in one plane.
     pub fn portrait(&self, portrait: &Portrait, direction: &str) -> Chart {
         let is_tangential = direction == "tangential";
+        let orbits: Vec<&Vec<[f64; 2]>> = portrait
+            .orbits
+            .iter()
+            .map(|orbit| if is_tangential { &orbit.tangential } else { &orbit.normal })
+            .collect();
+        let is_point = orbits.iter().all(|points| points.windows(2).all(|two| two[0] == two[1]));
+        let style = |colour| match (is_point, colour) {
+            (true, _) => Style::Dots,
+            (false, 0) => Style::Line,
+            // Modules may move alike.
+            (false, _) => Style::Dashed,
+        };
         let mut series: Vec<Series> = Vec::new();
-        for (colour, contact) in portrait.orbits.iter().enumerate() {
-            let points = if is_tangential { &contact.tangential } else { &contact.normal }.clone();
-            let label = Some(contact.name.clone());
-            series.push(Series { label, points, colour, ..Series::default() });
+        for (colour, (contact, points)) in portrait.orbits.iter().zip(&orbits).enumerate() {
+            series.push(Series {
+                label: Some(contact.name.clone()),
+                points: (*points).clone(),
+                colour,
+                style: style(colour),
+                ..Series::default()
+            });
         }
         if is_tangential {
-            let across = || portrait.orbits.iter().flat_map(|contact| &contact.tangential);
-            let first = across().map(|point| point[0]).fold(f64::INFINITY, f64::min);
-            let last = across().map(|point| point[0]).fold(f64::NEG_INFINITY, f64::max);
+            let across = || orbits.iter().flat_map(|points| points.iter().map(|point| point[0]));
+            let ends = [
+                across().fold(f64::INFINITY, f64::min),
+                across().fold(f64::NEG_INFINITY, f64::max),
+            ];
             let mut velocities: Vec<f64> =
                 portrait.orbits.iter().map(|contact| contact.slider_velocity).collect();
             velocities.dedup();
-            series.extend(velocities.into_iter().map(|velocity| Series {
+            let slider = velocities.into_iter().map(|velocity| Series {
                 label: Some("slider".to_owned()),
-                points: vec![[first, velocity], [last, velocity]],
-                colour: 7,
-                style: Style::Dashed,
+                points: ends.map(|x| [x, velocity]).to_vec(),
+                colour: 2,
                 ..Series::default()
-            }));
+            });
+            // Below the orbits, which stick to it.
+            series = slider.chain(series).collect();
         }
+        let kind = portrait.ending.kind.name();
+        let what = if is_point { format!("{kind}, contacts stay closed") } else { kind.to_owned() };
         Chart {
             title: format!(
-                "{}, {} = {:?}: {}",
-                self.scene.name,
-                self.question.name,
-                portrait.value,
-                portrait.ending.kind.name()
+                "{}, {} = {:?}: {what}",
+                self.scene.name, self.question.name, portrait.value
             ),
             x_label: format!("{direction} displacement [m]"),
             panels: vec![Panel {
@@ -282,6 +309,7 @@ impl Told<'_> {
                 Outcome::Ending(Ending {
                     kind, amplitude, frequency, shares, taken, time, ..
                 }) => {
+                    let frequency = frequency.filter(|_| *kind != Kind::Equilibrium);
                     let frequency =
                         frequency.map_or_else(|| "-".to_owned(), |hz| format!("{hz:.3}"));
                     write!(
@@ -312,7 +340,7 @@ impl Told<'_> {
             let [low, high] = bounds(threshold);
             write!(out, "  between {low} and {high}: {}", changes(threshold))?;
             match threshold.unknown {
-                Some(value) => writeln!(out, " ({value:?} does not settle, so no nearer)")?,
+                Some(value) => writeln!(out, " (no nearer: {value:?} has not settled)")?,
                 None => writeln!(out)?,
             }
         }

@@ -1,0 +1,174 @@
+//! What scenes end in over µ, followed both ways: the paper's Figs. 6 and 7.
+#![cfg(feature = "tools")]
+
+use amontons::accuracy::Study;
+use amontons::model::LumpedModel;
+use amontons::scene::{Method, Scene, builtin};
+use amontons::simulation::assign;
+use amontons::stability::candidates::bistability;
+use amontons::study::{
+    Continuation, Fold, Journal, Kind, Look, Plan, Push, Watch, Way, Wish, continuation, pace,
+};
+use std::ops::ControlFlow::{Break, Continue};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+/// A built-in scene as studies move it, or by the paper's scheme with a step, s.
+fn moved(name: &str, step: Option<f64>) -> (Scene, Look) {
+    let mut scene = builtin(name).unwrap().scene();
+    let look = Look::of(&scene, &Wish::default()).unwrap();
+    match step {
+        Some(step) => (scene.method, scene.step) = (Method::ForwardIncrement, step),
+        None => pace(&mut scene, &look),
+    }
+    (scene, look)
+}
+
+fn hundredths(range: std::ops::RangeInclusive<i32>) -> Vec<f64> {
+    range.map(|i| f64::from(i) / 100.0).collect()
+}
+
+fn followed(
+    (scene, look): &(Scene, Look),
+    values: &[f64],
+    resolution: f64,
+    journal: &Journal,
+    watch: Watch<'_>,
+) -> Option<Continuation> {
+    let plan = Plan { scene, look, values, resolution, push: Push::of(scene) };
+    continuation(&plan, journal, watch).unwrap()
+}
+
+fn whole(moved: &(Scene, Look), values: &[f64], resolution: f64) -> Continuation {
+    followed(moved, values, resolution, &Journal::forgotten(), Watch::IDLE).unwrap()
+}
+
+fn only(folds: &[Fold], way: Way) -> &Fold {
+    let mut of_way = folds.iter().filter(|fold| fold.way == way);
+    let (Some(fold), None) = (of_way.next(), of_way.next()) else { panic!("{folds:?}") };
+    fold
+}
+
+#[test]
+fn set_2_has_rest_and_a_cycle_side_by_side_up_to_where_its_eigenvalues_say() {
+    let set2 = moved("set2", None);
+    let found = whole(&set2, &hundredths(190..=207), 1e-4);
+    let [rest, ..] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
+    assert!(rest.rests && rest.bounded == [true; 2]);
+    // The paper's Fig. 5 has both at 1.96.
+    assert!(rest.range[0] < 1.96 && 1.96 < rest.range[1]);
+    // Rest ends where a mode of uniform sliding begins to grow: known from eigenvalues alone.
+    let known = bistability(&set2.0, [1.9, 2.07], &|_| {}).unwrap();
+    let [onset] = &known.uniform[..] else { panic!("{:?}", known.uniform) };
+    assert!((rest.range[1] - onset.value).abs() <= 1e-4, "{} {}", rest.range[1], onset.value);
+    // The cycle ends in rest.
+    let fold = only(&found.folds, Way::Falling);
+    assert!(fold.endings[0].kind == Kind::Periodic && fold.endings[1].rests());
+    assert_eq!(rest.range[0], fold.at());
+    // Where it squeals a contact sticks, as the candidates' states do; the paper's reason for it.
+    let at = found.falling.iter().find(|point| point.friction == 1.96).unwrap();
+    assert!(at.ending.as_ref().unwrap().taken[2]);
+}
+
+#[test]
+fn set_1_has_two_branches_near_2_with_hysteresis() {
+    // The paper's Fig. 7: another motion upwards than downwards.
+    let found = whole(&moved("set1", None), &hundredths(202..=206), 1e-4);
+    let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
+    assert!(!range.rests && range.bounded == [true; 2]);
+    let (up, down) = (only(&found.folds, Way::Rising), only(&found.folds, Way::Falling));
+    assert!(down.at() < up.at());
+    assert_eq!(range.range, [down.at(), up.at()]);
+    assert_eq!(
+        up.endings.each_ref().map(|ending| ending.kind),
+        [Kind::QuasiPeriodic, Kind::Periodic]
+    );
+    assert_eq!(
+        down.endings.each_ref().map(|ending| ending.kind),
+        [Kind::Periodic, Kind::QuasiPeriodic]
+    );
+}
+
+/// What `amontons accuracy` says of the amplitude with the paper's scheme at a step, s, relative.
+fn said_error(scene: &Scene, step: f64) -> f64 {
+    let mut scene = scene.clone();
+    scene.experiment.stop_time = 1.0;
+    let mut on = |_| Continue(());
+    let study = Study::new(&scene, None, &mut on).unwrap().unwrap();
+    let is_it = |rung: &amontons::accuracy::Rung| {
+        rung.method == Method::ForwardIncrement && (rung.step / step - 1.0).abs() < 1e-9
+    };
+    let rung = study.ladder().into_iter().find(is_it).expect("the ladder has it");
+    study.row(rung, &mut on).unwrap().unwrap().errors.amplitude.unwrap()
+}
+
+#[test]
+fn both_integrators_have_the_fold_of_set_2_but_for_the_error_of_the_step() {
+    let values = hundredths(191..=196);
+    let fold = |step: Option<f64>| {
+        only(&whole(&moved("set2", step), &values, 1e-6).folds, Way::Falling).at()
+    };
+    let exact = fold(None);
+    let [coarse, fine] = [4e-5, 2e-5].map(|step| fold(Some(step)) - exact);
+    let said = said_error(&builtin("set2").unwrap().scene(), 2e-5);
+    assert!(fine.abs() <= said * exact, "{fine} {said}");
+    // Of first order: half the step, half the distance.
+    assert!((1.6..2.5).contains(&(coarse / fine)), "{coarse} {fine}");
+}
+
+#[test]
+fn what_only_rests_has_an_answer_without_folds() {
+    let found = whole(&moved("set2", None), &hundredths(100..=103), 1e-4);
+    assert!(found.folds.is_empty() && found.bistable.is_empty());
+    for point in found.rising.iter().chain(&found.falling) {
+        assert_eq!(point.ending.as_ref().unwrap().kind, Kind::Equilibrium);
+    }
+}
+
+#[test]
+fn where_sliding_jams_a_way_ends_with_the_reason() {
+    // On a slider that slopes the other way friction draws the masses into it.
+    let (mut scene, look) = moved("set2", None);
+    assign(&mut scene, "slider.angle", -0.5).unwrap();
+    let model = LumpedModel::from(&scene);
+    let jams = |mu: f64| {
+        let scene = Scene { friction_coefficient: mu, ..scene.clone() };
+        amontons::model::equilibrium(&scene, &model).is_err()
+    };
+    assert!(!jams(1.0) && jams(4.0));
+    let found = whole(&(scene, look), &[1.0, 4.0], 1e-3);
+    // Downwards it cannot even start.
+    let [first] = &found.falling[..] else { panic!("{:?}", found.falling) };
+    assert!(first.friction == 4.0 && first.ending.is_err());
+    assert!(found.rising[0].ending.is_ok());
+}
+
+#[test]
+fn a_continuation_that_was_ended_goes_on_to_the_same_results() {
+    let set2 = moved("set2", None);
+    let values = hundredths(192..=195);
+    let expected = whole(&set2, &values, 1e-3);
+    let folder = tempfile::tempdir().unwrap();
+    let open = || {
+        Journal::open(&folder.path().join("journal.jsonl"), &serde_json::json!("set2"), false)
+            .unwrap()
+    };
+    let mut ended = 0;
+    let found = loop {
+        let journal = open();
+        let kept = journal.len();
+        let asked = AtomicUsize::new(0);
+        // Each time after some more questions: in the midst of a run.
+        let go_on = || {
+            let is_over = asked.fetch_add(1, Ordering::Relaxed) > 700;
+            if is_over { Break(()) } else { Continue(()) }
+        };
+        let watch = Watch { go_on: &go_on, progress: &|_| {} };
+        if let Some(found) = followed(&set2, &values, 1e-3, &journal, watch) {
+            break found;
+        }
+        assert!(journal.len() > kept, "it must come on");
+        ended += 1;
+    };
+    assert!(ended > 1, "{ended}");
+    assert_eq!(found, expected);
+}
