@@ -89,7 +89,10 @@ fn exchanging_the_modules_of_set_2_mirrors_the_plane() {
             assert_eq!(*kind, kinds[column][row], "{column} {row}");
         }
     }
-    assert!(kinds.iter().flatten().any(|kind| kind.is_cycle()));
+    for is_cycle in [true, false] {
+        let alike = kinds.iter().flatten().filter(|kind| kind.is_cycle() == is_cycle);
+        assert!(alike.count() > 8);
+    }
 }
 
 /// What has no other way to move than to rest.
@@ -126,7 +129,7 @@ fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
     let journal = folder.path().join("cut/journal.jsonl");
     let lines = || fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
     let begun = Instant::now();
-    while lines() < 8 && begun.elapsed() < Duration::from_secs(60) {
+    while lines() < 2 && begun.elapsed() < Duration::from_secs(60) {
         std::thread::sleep(Duration::from_millis(2));
     }
     let id = child.id().to_string();
