@@ -89,7 +89,10 @@ fn exchanging_the_modules_of_set_2_mirrors_the_plane() {
             assert_eq!(*kind, kinds[column][row], "{column} {row}");
         }
     }
-    assert!(kinds.iter().flatten().any(|kind| kind.is_cycle()));
+    for is_cycle in [true, false] {
+        let alike = kinds.iter().flatten().filter(|kind| kind.is_cycle() == is_cycle);
+        assert!(alike.count() > 8);
+    }
 }
 
 /// What has no other way to move than to rest.
@@ -126,7 +129,7 @@ fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
     let journal = folder.path().join("cut/journal.jsonl");
     let lines = || fs::read_to_string(&journal).map_or(0, |text| text.lines().count());
     let begun = Instant::now();
-    while lines() < 8 && begun.elapsed() < Duration::from_secs(60) {
+    while lines() < 2 && begun.elapsed() < Duration::from_secs(60) {
         std::thread::sleep(Duration::from_millis(2));
     }
     let id = child.id().to_string();
@@ -166,7 +169,12 @@ fn planes_that_make_no_sense_are_refused_with_what_would() {
         assert_refused(&amontons(folder.path(), &arguments), code, words);
     };
     let x = "module[1].v2=-0.3:0.3:4";
-    refused(x, "module[2].v9=-1:1:4", 2, &["module[2].v9", "did you mean initial.module[2].v"]);
+    refused(
+        x,
+        "module[2].v9=-1:1:4",
+        2,
+        &["module[2].v9", "initial.module[2].v1", "initial.module[2].v4"],
+    );
     refused(x, "initial.module[1].v2=-1:1:4", 2, &["both axes are initial.module[1].v2"]);
     refused(x, "slider.velocity=-1:1:4", 2, &["no initial value slider.velocity"]);
     refused(x, "module[2].v2=-1:1", 2, &["A:B:N"]);

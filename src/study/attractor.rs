@@ -9,27 +9,27 @@ const SAME_IRREGULAR: f64 = 0.25;
 /// Frequencies of one cycle differ by less than this, relative.
 const SAME_FREQUENCY: f64 = 1e-3;
 
-/// Are these endings one motion? All rest is one; cycles are that agree in kind, in amplitude and in frequency.
-/// What has not settled is like nothing.
+/// Are these endings one motion? All rest is one; cycles are that agree in amplitude and in their strongest
+/// frequencies, and irregular motions of about one amplitude. What has not settled is like nothing.
 #[must_use]
 pub fn is_same(a: &Ending, b: &Ending) -> bool {
-    if a.kind != b.kind || a.kind == Kind::Unsettled {
-        return false;
-    }
-    if a.kind == Kind::Equilibrium {
-        return true;
-    }
     let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
-    if a.kind == Kind::Irregular {
-        return near(a.amplitude, b.amplitude, SAME_IRREGULAR);
-    }
     // Of two lines that are equally strong either may be the first.
     let has = |ending: &Ending, other: &Ending| {
         other.frequency.is_none_or(|frequency| {
             ending.lines.iter().any(|[line, _]| near(*line, frequency, SAME_FREQUENCY))
         })
     };
-    near(a.amplitude, b.amplitude, SAME_AMPLITUDE) && has(a, b) && has(b, a)
+    let amplitudes = |part| near(a.amplitude, b.amplitude, part);
+    match [a.kind, b.kind] {
+        [Kind::Equilibrium, Kind::Equilibrium] => true,
+        [Kind::Irregular, Kind::Irregular] => amplitudes(SAME_IRREGULAR),
+        // A cycle whose weakest telling line is at the limit may be called one kind or the other.
+        [a_kind, b_kind] if a_kind.is_cycle() && b_kind.is_cycle() => {
+            amplitudes(SAME_AMPLITUDE) && has(a, b) && has(b, a)
+        }
+        _ => false,
+    }
 }
 
 /// The motions that endings are: one ending of each, rest first, then cycles by amplitude; and for each ending the
@@ -75,18 +75,23 @@ mod tests {
             "shares": [1.0, 0.0, 0.0, 0.0],
             "taken": [true, false, false, false],
             "time": 8.0,
+            "rate": 0.0,
         });
         serde_json::from_value(ending).unwrap()
     }
 
     #[test]
-    fn motions_are_told_apart_by_kind_size_and_frequency_and_rest_comes_first() {
+    fn motions_are_told_apart_by_size_and_frequency_and_rest_comes_first() {
         let cycle = ending(Kind::Periodic, 1e-3, &[[100.0, 1e-3]]);
         let other = |kind, amplitude, frequency| ending(kind, amplitude, &[[frequency, amplitude]]);
         assert!(is_same(&cycle, &other(Kind::Periodic, 1.001e-3, 100.01)));
         assert!(!is_same(&cycle, &other(Kind::Periodic, 1.1e-3, 100.0)));
         assert!(!is_same(&cycle, &other(Kind::Periodic, 1e-3, 101.0)));
-        assert!(!is_same(&cycle, &other(Kind::QuasiPeriodic, 1e-3, 100.0)));
+        assert!(is_same(&cycle, &other(Kind::QuasiPeriodic, 1e-3, 100.0)));
+        assert!(!is_same(&cycle, &other(Kind::Equilibrium, 1e-3, 100.0)));
+        let irregular = |amplitude| other(Kind::Irregular, amplitude, 100.0 * amplitude);
+        assert!(is_same(&irregular(1e-3), &irregular(1.2e-3)));
+        assert!(!is_same(&irregular(1e-3), &irregular(1.5e-3)));
         let unsettled = other(Kind::Unsettled, 1e-3, 100.0);
         assert!(!is_same(&unsettled, &unsettled));
         // Two lines of one strength, in either order.

@@ -21,14 +21,24 @@ pub fn initial_value(scene: &Scene, name: &str) -> Result<String, Error> {
     if names.iter().any(|known| known == short) {
         return Ok(format!("{PREFIX}{short}"));
     }
+    if names.is_empty() {
+        return Err(Error::argument(format!("{} has no initial values to vary", scene.name)));
+    }
     let help = match nearest(short, names.iter().map(String::as_str)) {
         Some(near) => format!("did you mean {PREFIX}{near}?"),
-        None => match names.split_first() {
-            Some((first, _)) => {
-                format!("there are {} of them, such as {PREFIX}{first}", names.len())
-            }
-            None => "it has none".to_owned(),
-        },
+        None => {
+            // Of one module or mass, where that is known: it stands for all.
+            let group = |name: &str| name.rsplit_once('.').map(|(group, _)| group.to_owned());
+            let wanted =
+                Some(group(short)).filter(|of| names.iter().any(|name| group(name) == *of));
+            let of = wanted.unwrap_or_else(|| group(&names[0]));
+            let like: Vec<String> = names
+                .iter()
+                .filter(|name| group(name) == of)
+                .map(|name| format!("{PREFIX}{name}"))
+                .collect();
+            format!("there are, for example, {}", like.join(", "))
+        }
     };
     Err(Error::argument(format!("{} has no initial value {name}; {help}", scene.name)))
 }
@@ -82,8 +92,9 @@ mod tests {
             assert_eq!(initial_value(&scene, name), Ok("initial.module[1].v2".to_owned()));
         }
         for (name, word) in [
-            ("module[1].v9", "did you mean initial.module[1].v"),
-            ("slider.velocity", "such as initial."),
+            ("modul[1].v2", "did you mean initial.module[1].v2?"),
+            ("module[2].v9", "for example, initial.module[2].x1, initial.module[2].x2"),
+            ("slider.velocity", "for example, initial.module[1].x1"),
         ] {
             let error = initial_value(&scene, name).unwrap_err();
             assert!(error.is_argument() && error.to_string().contains(word), "{error}");

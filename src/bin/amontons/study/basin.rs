@@ -56,7 +56,8 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
             [format!("{x:?}"), format!("{y:?}"), number(cell.attractor), kind.to_owned()]
         }),
     )?;
-    folder.write_json(json!({ "found": found }))?;
+    // Where each point ends is in the table.
+    folder.write_json(json!({ "attractors": found.attractors }))?;
     print(&scene, [&x, &y], &look, &found);
     let map = map(&scene, [&x, &y], &look, &found);
     map.write(&folder.picture("basin"))?;

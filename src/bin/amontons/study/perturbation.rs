@@ -95,7 +95,7 @@ fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbation
     if let Some(failure) = found.runs.iter().find_map(|run| run.failure.as_ref()) {
         eprintln!("note: the first that failed: {failure}");
     }
-    println!("\nthresholds, to {} of themselves", direction.resolution);
+    println!("\nthresholds, to {:e} of themselves", direction.resolution);
     for Threshold { between: [below, above], attractors: [from, to] } in &found.thresholds {
         println!("  between {below} and {above} {unit}: below {}, above {}", from + 1, to + 1);
     }
