@@ -1,6 +1,7 @@
 //! The report of the paper's experiments, as its reader gets it.
 #![cfg(feature = "tools")]
 
+#[allow(dead_code)]
 mod browser;
 mod program;
 
