@@ -239,7 +239,7 @@ impl Plan<'_> {
                 Simulation::new(scene, 0.0)?
             }
         };
-        simulation.push(self.push.dof, self.push.velocity);
+        self.push.give(&mut simulation);
         let ending = settle(&mut simulation, self.look, &|| watch.is_over())?;
         Ok(ending.map(|ending| (ending, simulation.save().into_progress())))
     }

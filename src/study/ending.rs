@@ -25,8 +25,10 @@ const SAME_PLACE: f64 = 0.1;
 const SAME_LINE: f64 = 1e-2;
 /// Lines of more than this part of the strongest one must not grow.
 const FAINT: f64 = 1e-4;
-/// Growth: through three windows each time, and by this factor in all.
-const GROWN: f64 = 1.3;
+/// Growth: through the last three windows each time, and in all by more than this part and what the strongest line's side
+/// lobes, in parts of it, can feign.
+const GROWN: f64 = 0.01;
+const SIDE_LOBES: f64 = 3e-5;
 /// A motion decays to rest if it, going on as it does, ends below this part of what is left of it.
 const REST: f64 = 0.2;
 /// A motion whose lines never stay has settled as irregular when over so many windows its size has no trend.
@@ -287,8 +289,11 @@ impl Settling {
             };
             let before: Vec<f64> =
                 windows.iter().map(|window| near(line, window, 1.0).unwrap_or(0.0)).collect();
-            let grows =
-                before.windows(2).all(|two| two[1] > two[0]) && before[3] > GROWN * before[0];
+            let feigned = SIDE_LOBES * strongest.amplitude;
+            // Not through all windows: at first what a push has brought besides may decay faster.
+            let last = &before[1..];
+            let grows = last.windows(2).all(|two| two[1] > two[0])
+                && last[2] > (1.0 + GROWN) * last[0] + feigned;
             if unchanged && goes_one_way(&before) {
                 return false;
             }

@@ -5,7 +5,7 @@ use crate::scene::Scene;
 use crate::simulation::Simulation;
 use serde::Serialize;
 
-/// In parts of the fastest surface's velocity: far below what makes a contact stick, far above rounding.
+/// In parts of the fastest surface's velocity, and of a motion's own: far below what makes a contact stick, far above rounding.
 const SMALL: f64 = 1e-3;
 /// Where all surfaces stand still, m/s.
 const STANDING: f64 = 1e-6;
@@ -48,9 +48,11 @@ impl Push {
         rests.then(|| Self::of(scene))
     }
 
-    /// Gives it.
+    /// Gives it; to a faster motion the same part of its largest velocity, so that what grows beside a large cycle
+    /// is seen at once.
     pub(crate) fn give(&self, simulation: &mut Simulation) {
-        simulation.push(self.dof, self.velocity);
+        let fastest = simulation.velocity().iter().fold(0.0, |most, v| f64::max(most, v.abs()));
+        simulation.push(self.dof, self.velocity.max(SMALL * fastest));
     }
 }
 
