@@ -1,7 +1,8 @@
 //! What a scene ends in over the friction coefficient, followed upwards and downwards: the paper's
 //! "pseudo-continuation" (Figs. 6 and 7).
 //!
-//! Each value starts from the state in which the one before has ended, and a small push. The paper pushes where µ
+//! The first value upwards starts at rest, the first downwards as the scene says; each other one from the state in
+//! which the one before has ended. All with a small push. The paper pushes where µ
 //! rises, out of an equilibrium that has become unstable. Here falling values are pushed too: a cycle that has lost
 //! its stability would else be followed for as long as rounding takes to grow.
 
@@ -124,6 +125,15 @@ struct Piece {
     progress: Option<Progress>,
 }
 
+/// Where a value starts.
+#[derive(Clone, Copy)]
+enum Start<'a> {
+    /// In the state that the value before has ended in.
+    State(&'a Progress),
+    /// The first of a way: upwards at rest, downwards as the scene says, which may be in a cycle.
+    Scene(Way),
+}
+
 /// A value of a way with the state that it has ended in.
 #[derive(Clone)]
 struct Reached {
@@ -187,7 +197,8 @@ impl Plan<'_> {
         for value in values {
             let before = reached.last().and_then(|last| last.progress.as_ref());
             let key = format!("{} {value:?}", way.name());
-            let Some(next) = self.reach(&key, value, before, journal, watch)? else {
+            let start = before.map_or(Start::Scene(way), Start::State);
+            let Some(next) = self.reach(&key, value, start, journal, watch)? else {
                 return Ok(None);
             };
             let has_failed = next.progress.is_none();
@@ -200,16 +211,16 @@ impl Plan<'_> {
         Ok(Some(reached))
     }
 
-    /// One value, from the state before it, or from the scene's own start.
+    /// One value, from where it starts.
     fn reach(
         &self,
         key: &str,
         friction: f64,
-        before: Option<&Progress>,
+        start: Start<'_>,
         journal: &Journal,
         watch: Watch<'_>,
     ) -> Result<Option<Reached>, Error> {
-        let work = || match self.run(friction, before, watch) {
+        let work = || match self.run(friction, start, watch) {
             Ok(None) => Ok(None),
             Ok(Some((ending, progress))) => {
                 Ok(Some(Piece { ending: Ok(ending), progress: Some(progress) }))
@@ -227,14 +238,15 @@ impl Plan<'_> {
     fn run(
         &self,
         friction: f64,
-        before: Option<&Progress>,
+        start: Start<'_>,
         watch: Watch<'_>,
     ) -> Result<Option<(Ending, Progress)>, Error> {
         let mut scene = self.scene.clone();
         assign(&mut scene, FRICTION, friction)?;
-        let mut simulation = match before {
-            Some(progress) => Simulation::resume(Snapshot::new(scene, progress.clone()))?,
-            None => {
+        let mut simulation = match start {
+            Start::State(progress) => Simulation::resume(Snapshot::new(scene, progress.clone()))?,
+            Start::Scene(Way::Falling) => Simulation::new(scene, 0.0)?,
+            Start::Scene(Way::Rising) => {
                 scene.rest();
                 Simulation::new(scene, 0.0)?
             }
@@ -257,19 +269,22 @@ impl Plan<'_> {
         let (Ok(first_ending), Ok(last_ending)) = (&first.point.ending, &last.point.ending) else {
             return Ok(Some(None));
         };
-        let mut state = first.progress.clone();
+        let Some(mut state) = first.progress.clone() else { return Ok(Some(None)) };
         let mut between = [first.point.friction, last.point.friction];
         let mut endings = [first_ending.clone(), last_ending.clone()];
         let whole = distance(first_ending, last_ending);
         while (between[1] - between[0]).abs() > self.resolution {
             let middle = 0.5 * (between[0] + between[1]);
             let key = format!("{} fold {middle:?}", way.name());
-            let Some(reached) = self.reach(&key, middle, state.as_ref(), journal, watch)? else {
+            let Some(reached) = self.reach(&key, middle, Start::State(&state), journal, watch)?
+            else {
                 return Ok(None);
             };
-            let Ok(ending) = reached.point.ending else { return Ok(Some(None)) };
+            let (Ok(ending), Some(progress)) = (reached.point.ending, reached.progress) else {
+                return Ok(Some(None));
+            };
             if distance(&endings[0], &ending) <= distance(&ending, &endings[1]) {
-                (between[0], endings[0], state) = (middle, ending, reached.progress);
+                (between[0], endings[0], state) = (middle, ending, progress);
             } else {
                 (between[1], endings[1]) = (middle, ending);
             }

@@ -58,6 +58,13 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let known = bistability(&scene, [values[0], values[values.len() - 1]], &|_| {}).ok();
     write(&folder, &scene, &look, &found, known.as_ref())?;
     print(&scene, &look, &found, known.as_ref());
+    let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
+    if found.falling.last().is_some_and(rests) {
+        eprintln!(
+            "note: downwards it starts at rest too, so a cycle beside rest is not found: end --friction where sliding is \
+             unstable, or give a start that leads to the cycle with --set"
+        );
+    }
     println!("\n{}", folder.path().display());
     Ok(())
 }
