@@ -1,6 +1,8 @@
 //! What scenes end in over µ, followed both ways: the paper's Figs. 6 and 7.
 #![cfg(feature = "tools")]
 
+mod program;
+
 use amontons::accuracy::Study;
 use amontons::model::LumpedModel;
 use amontons::scene::{Method, Scene, builtin};
@@ -113,6 +115,53 @@ fn both_integrators_have_the_fold_of_set_2_but_for_the_error_of_the_step() {
     assert!(fine.abs() <= said * exact, "{fine} {said}");
     // Of first order: half the step, half the distance.
     assert!((1.6..2.5).contains(&(coarse / fine)), "{coarse} {fine}");
+}
+
+#[test]
+fn rest_stays_rest_when_only_rounding_is_left_of_it() {
+    // Windows of 8 s: at each value the motion falls far below 1e-16 m.
+    let mut set2 = moved("set2", None);
+    let wish = Wish { window: Some(8.0), ..Wish::default() };
+    set2.1 = Look::of(&set2.0, &wish).unwrap();
+    let found = whole(&set2, &[1.6, 1.7, 1.8], 1e-3);
+    for point in &found.rising {
+        assert_eq!(point.ending.as_ref().unwrap().kind, Kind::Equilibrium, "{point:?}");
+    }
+    assert_eq!(found.folds.iter().filter(|fold| fold.way == Way::Rising).count(), 0);
+}
+
+#[test]
+fn folds_do_not_depend_on_the_output_that_is_looked_at() {
+    let values = hundredths(192..=195);
+    let mut set2 = moved("set2", None);
+    let expected = only(&whole(&set2, &values, 1e-3).folds, Way::Falling).between;
+    // The gap of a contact that never opens is zero throughout.
+    let wish = Wish { of: Some("module[1].x4"), ..Wish::default() };
+    set2.1 = Look::of(&set2.0, &wish).unwrap();
+    assert_eq!(only(&whole(&set2, &values, 1e-3).folds, Way::Falling).between, expected);
+}
+
+#[test]
+fn a_fold_is_bisected_no_further_than_doubles_go() {
+    let found = whole(&moved("set2", None), &[1.92, 1.95], 1e-300);
+    let [a, b] = only(&found.folds, Way::Falling).between;
+    assert!((a - b).abs() <= f64::EPSILON * 2.0, "{a} {b}");
+}
+
+#[test]
+fn a_wider_range_is_not_mixed_with_what_another_one_has_left() {
+    let folder = program::folder();
+    let follow = |range: &str| {
+        let arguments = ["study", "continuation", "set2", "--friction", range, "-o", "same"];
+        program::run(env!("CARGO_BIN_EXE_amontons"), folder.path(), &arguments)
+    };
+    assert!(follow("1.5:1.52:0.01").status.success());
+    // Each value starts where the one before has ended.
+    program::assert_refused(
+        &follow("1.5:1.53:0.01"),
+        1,
+        &["journal.jsonl", "another study", "--anew"],
+    );
 }
 
 #[test]

@@ -236,6 +236,14 @@ impl Simulation {
         &self.motion.contacts
     }
 
+    /// Do signals still change something, now or later?
+    #[cfg(feature = "tools")]
+    #[must_use]
+    pub fn is_driven_on(&self) -> bool {
+        let driven = self.driven.as_ref();
+        driven.is_some_and(|driven| driven.constant_until(self.time()) < f64::INFINITY)
+    }
+
     /// Adds to the velocity of a degree of freedom, m/s, as a blow would; an energy ledger does not know of it.
     #[cfg(feature = "tools")]
     pub fn push(&mut self, dof: usize, velocity: f64) {

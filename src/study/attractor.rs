@@ -39,7 +39,8 @@ pub fn attractors<'a>(
 ) -> (Vec<Ending>, Vec<Option<usize>>) {
     let mut found: Vec<&Ending> = Vec::new();
     let mut place = |ending: &'a Ending| {
-        if ending.kind == Kind::Unsettled {
+        // Of a linear motion that nothing damps every size is one.
+        if ending.kind == Kind::Unsettled || !ending.is_known() {
             return None;
         }
         let known = found.iter().position(|known| is_same(known, ending));
@@ -73,7 +74,7 @@ mod tests {
             "frequency": lines.first().map(|line| line[0]),
             "lines": lines,
             "shares": [1.0, 0.0, 0.0, 0.0],
-            "taken": [true, false, false, false],
+            "taken": [true, false, true, false],
             "time": 8.0,
             "rate": 0.0,
         });

@@ -275,6 +275,13 @@ impl Plan<'_> {
         let whole = distance(first_ending, last_ending);
         while (between[1] - between[0]).abs() > self.resolution {
             let middle = 0.5 * (between[0] + between[1]);
+            // No double lies between them.
+            if between.contains(&middle) {
+                break;
+            }
+            if watch.is_over() {
+                return Ok(None);
+            }
             let key = format!("{} fold {middle:?}", way.name());
             let Some(reached) = self.reach(&key, middle, Start::State(&state), journal, watch)?
             else {
@@ -301,9 +308,9 @@ fn distance(a: &Ending, b: &Ending) -> f64 {
         (true, true) => 0.0,
         (true, false) | (false, true) => REST,
         (false, false) => {
-            let ratio = (a.amplitude / b.amplitude).ln().abs();
+            let ratio = libm::log(a.size / b.size).abs();
             let pitch = match (a.frequency, b.frequency) {
-                (Some(a), Some(b)) => (a / b).ln().abs(),
+                (Some(a), Some(b)) => libm::log(a / b).abs(),
                 (None, None) => 0.0,
                 _ => 1.0,
             };
@@ -314,10 +321,10 @@ fn distance(a: &Ending, b: &Ending) -> f64 {
     }
 }
 
-/// Do two points have different motions?
+/// Are two points known to have different motions?
 fn differ(a: &Point, b: &Point) -> bool {
     match (&a.ending, &b.ending) {
-        (Ok(a), Ok(b)) => distance(a, b) > OTHER_AMPLITUDE,
+        (Ok(a), Ok(b)) => a.is_known() && b.is_known() && distance(a, b) > OTHER_AMPLITUDE,
         _ => false,
     }
 }

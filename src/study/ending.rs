@@ -8,8 +8,10 @@ use super::look::{Look, output};
 use crate::Error;
 use crate::accuracy::half_range;
 use crate::integrator::Statistics;
+use crate::model::LumpedModel;
 use crate::simulation::{Simulation, Variable};
 use crate::spectral::{Line, Lines, Window, lines};
+use crate::stability::Spectrum;
 use serde::{Deserialize, Serialize};
 
 /// The size of a settled motion differs by less than this from one window to the next, relative.
@@ -29,6 +31,8 @@ const FAINT: f64 = 1e-4;
 /// lobes, in parts of it, can feign.
 const GROWN: f64 = 0.01;
 const SIDE_LOBES: f64 = 3e-5;
+/// What moves by less than this part of the largest displacement, or of the equilibrium's, rests.
+const ROUNDING: f64 = 1e-12;
 /// A motion decays to rest if it, going on as it does, ends below this part of what is left of it.
 const REST: f64 = 0.2;
 /// A motion whose lines never stay has settled as irregular when over so many windows its size has no trend.
@@ -103,17 +107,35 @@ pub struct Ending {
     pub taken: [bool; 4],
     /// s from where the motion was first looked at.
     pub time: f64,
-    /// How fast the motion still grew or, below zero, decayed at the end, 1/s.
+    /// How fast the motion still grew or, below zero, decayed at the end, 1/s; 0 where signals drive it on.
     pub rate: f64,
+    /// Size of the motion of all degrees of freedom together, m: root mean square of a mixture of their displacements.
+    #[serde(default)]
+    pub size: f64,
 }
 
 impl Ending {
+    /// Is it a motion in which no contact changes its state: one of the linear system, of which every size is one?
+    #[must_use]
+    pub fn is_linear(&self) -> bool {
+        self.taken.iter().filter(|taken| **taken).count() <= 1
+    }
+
+    /// Had it settled, or was it seen to leave rest or to come to it?
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        match self.kind {
+            Kind::Equilibrium => true,
+            Kind::Unsettled => self.is_linear() && self.rate != 0.0,
+            _ => !self.is_linear(),
+        }
+    }
+
     /// Does it rest, or was it left on its way to rest?
     #[must_use]
     pub fn rests(&self) -> bool {
-        let states = self.taken.iter().filter(|taken| **taken).count();
         self.kind == Kind::Equilibrium
-            || self.kind == Kind::Unsettled && self.rate < 0.0 && states <= 1
+            || self.kind == Kind::Unsettled && self.rate < 0.0 && self.is_linear()
     }
 }
 
@@ -204,8 +226,12 @@ impl Settling {
             *taken |= now > before;
         }
         let changed = now.state_changes() > self.before.state_changes();
-        let largest = simulation.displacement().iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-        let kind = self.judge(changed, largest);
+        let size = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+        // Against its equilibrium, too: what is left of a motion at rest is rounding of forces.
+        let largest =
+            size(simulation.displacement()).max(size(&simulation.reference().displacement));
+        let kind = self
+            .judge(changed, largest, &|| simulation.is_driven_on() || has_growing_mode(simulation));
         let is_last = self.seen.len() >= self.look.windows();
         if kind.is_none() && !is_last {
             self.followed.clear();
@@ -216,13 +242,20 @@ impl Settling {
             self.states = [0; 4];
             return Ok(None);
         }
-        Ok(Some(self.ending(kind.unwrap_or((Kind::Unsettled, None)))))
+        let kind = kind.unwrap_or((Kind::Unsettled, None));
+        Ok(Some(self.ending(kind, simulation.is_driven_on())))
     }
 
     /// Looks at the window that has ended, in which contacts changed their states or did not, with the last ones:
     /// the kind of the motion, once it is settled, and the frequency of which all lines of a periodic one are
-    /// multiples, Hz. The largest displacement, m, tells what is rounding.
-    fn judge(&mut self, changed: bool, largest: f64) -> Option<(Kind, Option<f64>)> {
+    /// multiples, Hz. The largest displacement, m, tells what is rounding; what decays does not rest if a mode grows
+    /// that is still hidden, or signals drive it on.
+    fn judge(
+        &mut self,
+        changed: bool,
+        largest: f64,
+        goes_on: &dyn Fn() -> bool,
+    ) -> Option<(Kind, Option<f64>)> {
         let size = weighted_deviation(&self.mixture, &self.weights);
         let mixture = std::mem::take(&mut self.mixture);
         self.seen.push(Seen { size, changed, mixture, lines: None });
@@ -230,17 +263,18 @@ impl Settling {
         if let Some(old) = self.seen.len().checked_sub(5) {
             (self.seen[old].mixture, self.seen[old].lines) = (Vec::new(), None);
         }
-        if size <= 1e-14 * largest || rests(&self.seen) {
+        let rests = size <= ROUNDING * largest || rests(&self.seen);
+        if rests && (size == 0.0 || !goes_on()) {
             return Some((Kind::Equilibrium, None));
         }
         let sizes: Vec<f64> = self.seen.iter().map(|seen| seen.size).collect();
         if is_steady(&sizes) && self.has_steady_lines() {
             return Some(self.kind());
         }
-        has_no_trend(&sizes).then_some((Kind::Irregular, None))
+        (changed && has_no_trend(&sizes)).then_some((Kind::Irregular, None))
     }
 
-    fn ending(&self, (kind, base): (Kind, Option<f64>)) -> Ending {
+    fn ending(&self, (kind, base): (Kind, Option<f64>), driven: bool) -> Ending {
         let found = lines(&self.followed, self.look.interval, TOLD);
         let all = self.states.iter().sum::<u64>().max(1) as f64;
         Ending {
@@ -258,11 +292,12 @@ impl Settling {
             taken: self.taken,
             time: (self.row - self.began) as f64 * self.look.interval,
             rate: match &self.seen[..] {
-                [.., before, last] if before.size > 0.0 && last.size > 0.0 => {
-                    (last.size / before.size).ln() / self.look.window
+                [.., before, last] if !driven && before.size > 0.0 && last.size > 0.0 => {
+                    libm::log(last.size / before.size) / self.look.window
                 }
                 _ => 0.0,
             },
+            size: self.seen.last().map_or(0.0, |last| last.size),
         }
     }
 
@@ -333,6 +368,20 @@ pub(crate) fn settle(
             return Ok(Some(ending));
         }
     }
+}
+
+/// Does a mode of the contact state that the motion is in grow, by more than rounding?
+fn has_growing_mode(simulation: &Simulation) -> bool {
+    const MORE_THAN_ROUNDING: f64 = 1e-9;
+    let scene = simulation.acting();
+    let mut model = LumpedModel::from(scene);
+    model.linearise(simulation.reference());
+    let states = simulation.contact_states();
+    // What cannot be analysed is left to what is seen.
+    Spectrum::of(&model, states, scene.friction_coefficient).is_ok_and(|spectrum| {
+        let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
+        spectrum.growth_rate() > MORE_THAN_ROUNDING * fastest
+    })
 }
 
 /// A sum of all displacements with factors that no symmetry of a structure has.
@@ -490,7 +539,7 @@ mod tests {
             settling.mixture = (0..look.rows()).map(time).map(&motion).collect();
             settling.followed = settling.mixture.clone();
             let largest = settling.mixture.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-            if let Some((kind, base)) = settling.judge(changes, largest) {
+            if let Some((kind, base)) = settling.judge(changes, largest, &|| false) {
                 return Some((settling.seen.len(), kind, base));
             }
         }
@@ -535,6 +584,35 @@ mod tests {
             Kind::Equilibrium
         );
         assert_eq!(known(false, |_| 7.0), Some((1, Kind::Equilibrium, None)));
+    }
+
+    #[test]
+    fn a_growing_mode_hidden_beside_a_decaying_one_is_not_rest() {
+        // Both modules alike but for a part in 5000: what is alike decays, what is not grows by 0.4 1/s.
+        let values = [
+            ("friction.coefficient", 1.2),
+            ("initial.module[1].v1", 0.005),
+            ("initial.module[2].v1", 0.005_001),
+        ];
+        let ending = ending("set1", &values);
+        assert!(!ending.rests() && ending.taken[2], "{ending:?}");
+    }
+
+    #[test]
+    fn what_signals_drive_on_does_not_rest_however_it_decays() {
+        let scene = builtin("set1").unwrap().scene();
+        let look = Look::of(&scene, &Wish::default()).unwrap();
+        let simulation = Simulation::new(scene, 0.0).unwrap();
+        let mut settling = Settling::new(&simulation, &look).unwrap();
+        for window in 0..8 {
+            let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;
+            let decaying = |t: f64| (-0.5 * t).exp() * sine(40.0, t);
+            settling.mixture = (0..look.rows()).map(time).map(decaying).collect();
+            assert_eq!(settling.judge(false, 1.0, &|| true), None);
+        }
+        let driven = builtin("den_hartog").unwrap().scene();
+        assert!(Simulation::new(driven, 0.0).unwrap().is_driven_on());
+        assert!(!simulation.is_driven_on());
     }
 
     #[test]

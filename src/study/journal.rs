@@ -58,8 +58,9 @@ impl Journal {
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let (mut done, mut kept) = (HashMap::new(), 0);
         if !anew && whole > 0 {
-            done = read(path, &bytes[..whole], study)?;
-            kept = whole;
+            if let Some(pieces) = read(path, &bytes[..whole], study)? {
+                (done, kept) = (pieces, whole);
+            }
         }
         file.set_len(kept as u64).map_err(failed)?;
         file.seek(SeekFrom::End(0)).map_err(failed)?;
@@ -133,16 +134,20 @@ fn append(file: &mut File, line: &Value) -> std::io::Result<()> {
     }
 }
 
-/// The pieces in whole lines of a journal of this study.
-fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<HashMap<String, Value>, Error> {
+/// The pieces in whole lines of a journal of this study; `None` of one of another study without pieces.
+fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<String, Value>>, Error> {
     let mut lines = serde_json::Deserializer::from_slice(bytes).into_iter::<Value>();
     let head = lines.next().and_then(Result::ok).ok_or_else(|| damaged(path))?;
     let known = head.get("study").ok_or_else(|| damaged(path))?;
     if known != study {
+        // Nothing is lost with it.
+        if lines.next().is_none() {
+            return Ok(None);
+        }
         let differing =
-            differing(known, study).map_or_else(String::new, |key| format!(" (see {key})"));
+            differing(known, study).map_or_else(String::new, |key| format!(": {key} differs"));
         return Err(Error::unusable_file(format!(
-            "{} is of a study with other values{differing}; give another folder with -o, or --anew to drop it",
+            "{} is of another study{differing}; give another folder with -o, or --anew to drop it",
             path.display()
         )));
     }
@@ -153,13 +158,16 @@ fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<HashMap<String, Valu
             let key = line.get("key").and_then(Value::as_str).map(str::to_owned);
             key.zip(piece).ok_or_else(|| damaged(path))
         })
-        .collect()
+        .collect::<Result<_, _>>()
+        .map(Some)
 }
 
 /// The first thing in which two studies differ.
 fn differing(a: &Value, b: &Value) -> Option<String> {
     let (a, b) = (a.as_object()?, b.as_object()?);
-    a.keys().chain(b.keys()).find(|key| a.get(*key) != b.get(*key)).cloned()
+    // What kind it is says more than the settings that go with it.
+    let first = ["study", "scene"].into_iter().map(str::to_owned);
+    first.chain(a.keys().chain(b.keys()).cloned()).find(|key| a.get(key) != b.get(key))
 }
 
 fn damaged(path: &Path) -> Error {

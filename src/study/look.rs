@@ -15,6 +15,8 @@ use std::f64::consts::TAU;
 pub(super) const ROWS_A_PERIOD: f64 = 20.0;
 /// Periods of the slowest mode in a window: lines a fiftieth of its frequency apart are told from each other.
 const PERIODS: f64 = 50.0;
+/// A person may ask for fewer, but not for less than these.
+const FEWEST_PERIODS: f64 = 5.0;
 /// A window has at most so many rows, whatever lies between the slowest and the fastest mode.
 const MOST_ROWS: f64 = 100_000.0;
 /// And no fewer, which its spectrum needs.
@@ -54,7 +56,7 @@ impl Look {
     /// 60 windows. What has no modes is looked at as its experiment says.
     ///
     /// # Errors
-    /// No such output, or a window of fewer than 64 rows.
+    /// No such output, or a window of fewer than 64 rows or five periods.
     pub fn of(scene: &Scene, wish: &Wish<'_>) -> Result<Self, Error> {
         let of = match wish.of {
             Some(name) => output(scene, name)?.name,
@@ -80,6 +82,16 @@ impl Look {
             )));
         }
         let window = rows * interval;
+        if let Some([slowest, _]) =
+            frequencies.filter(|[slowest, _]| window * slowest < FEWEST_PERIODS)
+        {
+            return Err(Error::argument(format!(
+                "a window of {window} s has {:.1} periods of the slowest mode ({slowest:.4} Hz), too few to know a \
+                 motion by; give a --window of {} s or more",
+                window * slowest,
+                round_up(FEWEST_PERIODS / slowest)
+            )));
+        }
         let windows = wish.longest.map_or(LONGEST, |longest| (longest / window).round().max(1.0));
         Ok(Self { of, interval, window, longest: windows * window })
     }
@@ -155,7 +167,7 @@ pub(super) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
 
 /// The largest 1, 2 or 5 times a power of ten that is not above a value.
 fn round_down(value: f64) -> f64 {
-    let power = value.log10().floor();
+    let power = libm::log10(value).floor();
     let digits = [5, 2, 1].map(|digit| format!("{digit}e{power}").parse().unwrap_or(value));
     digits.into_iter().find(|round| *round <= value * (1.0 + 1e-12)).unwrap_or(value)
 }

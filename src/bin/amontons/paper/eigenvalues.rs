@@ -12,6 +12,7 @@ use amontons::stability::candidates::uniform_sliding;
 use amontons::stability::locus::{Locus, Root, locus};
 use amontons::stability::{Spectrum, StateClasses};
 use amontons::study::Watch;
+use amontons::sweep::range::decimal;
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
@@ -81,7 +82,7 @@ fn parameters() -> Result<Table, Error> {
     })];
     for i in 0..6 {
         rows.push(row(&format!("k{} [kN/m]", i + 1), &|scene| {
-            format!("{}", 1e-3 * module(scene).stiffness[i])
+            decimal(1e-3 * module(scene).stiffness[i]).to_string()
         }));
     }
     rows.push(row("θ [rad]", &|scene| scene.slider.angle.to_string()));
@@ -156,7 +157,7 @@ fn couplings(set1: &Locus, set2: &Locus) -> Vec<Claim> {
         claim(
             "In both sets modes 3 and 4 merge, and modes 5 and 6, at about 170 and 215 Hz.",
             format!(
-                "Set 1: modes 3 and 4 at {}, 5 and 6 at {}; Set 2: at {} and {} (about: within 5 %)",
+                "Set 1: modes 3 and 4 at {}, 5 and 6 at {}; Set 2: at {} and {}",
                 told(low1),
                 told(high1),
                 told(low2),
@@ -268,7 +269,7 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
         let difference =
             known.map_or("–".to_owned(), |known| format!("{:.4}", worst(&found, known)));
         let line = |[re, im]: &[f64; 2]| Line {
-            text: format!("{re:+.2} ± {im:.2} i"),
+            text: format!("{re:+.2} ± {im:.2} i").replace('-', "−"),
             emphasised: *re > 0.0,
         };
         let lines = found.iter().map(line).collect();

@@ -1,6 +1,6 @@
 //! Section 2: Fig. 3.
 
-use super::claims::claim;
+use super::claims::{claim, is_about};
 use super::scene;
 use crate::study::limit_cycle::Told;
 use amontons::Error;
@@ -99,8 +99,8 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
         independent(question, found),
         claim(
             "The first slope of the amplitude changes, and detachment begins, at about 0.1 m/s.",
-            format!("contacts detach from {detaches:.5} m/s on (about: within a fifth)"),
-            (detaches / 0.1 - 1.0).abs() <= 0.2,
+            format!("contacts detach from {detaches:.5} m/s on"),
+            is_about(detaches, 0.1),
             Some(
                 "the paper reads the value off a plot where the slope changes; the first short detachment comes \
                   before the slope tells",
@@ -108,8 +108,8 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
         ),
         claim(
             "The second slope changes, and sticking ends, at about 0.2 m/s.",
-            format!("contacts stick up to {slips:.5} m/s (about: within a fifth)"),
-            (slips / 0.2 - 1.0).abs() <= 0.2,
+            format!("contacts stick up to {slips:.5} m/s"),
+            is_about(slips, 0.2),
             None,
         ),
     ]
@@ -121,8 +121,10 @@ fn independent(question: &Question, found: &LimitCycles) -> Claim {
         question.values.iter().zip(&found.outcomes).filter(|(value, _)| **value >= SHOWN[2]);
     let amplitudes: Vec<f64> = beyond
         .map(|(_, outcome)| match outcome {
-            Outcome::Ending(ending) => ending.amplitude,
-            Outcome::Failure(_) => f64::NAN,
+            Outcome::Ending(ending) if outcome.settled().is_some() && !ending.taken[2] => {
+                ending.amplitude
+            }
+            _ => f64::NAN,
         })
         .collect();
     let least = amplitudes.iter().copied().fold(f64::INFINITY, f64::min);
@@ -132,8 +134,8 @@ fn independent(question: &Question, found: &LimitCycles) -> Claim {
     claim(
         "Where nothing sticks the limit cycle does not depend on v.",
         format!(
-            "from 0.25 to {} m/s amplitudes lie between {least:.5e} and {most:.5e} m, {spread:.1e} apart (holds up to \
-             {SAME})",
+            "from 0.25 to {} m/s amplitudes lie between {least:.5e} and {most:.5e} m (holds if they differ by less than \
+             {SAME} of themselves, and nothing sticks)",
             f64::from(LAST) / 100.0
         ),
         spread <= SAME,

@@ -42,7 +42,10 @@ pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
     fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
     let path = folder.join("index.html");
     // A folder that cannot be written is known now, not after the work.
-    drop(amontons::output::Pending::create(&path)?);
+    let pending = amontons::output::Pending::create(&path)?;
+    if let Some(partial) = pending.partial() {
+        let _ = fs::remove_file(partial);
+    }
     interrupt::listen();
     let bar = interrupt::bar_with_time();
     let all: f64 = SECTIONS.iter().map(|(_, share, _)| share).sum();
@@ -81,7 +84,7 @@ const LEAD: [&str; 2] = [
      each of its figures and tables is computed anew from the built-in scenes set1 and set2, and each of its claims \
      stands beside what came out.",
     "Verdicts are computed: a claim holds when the numbers found meet the condition that is stated with them. Nothing \
-     is adjusted to make one hold. Motions are exact between events; where the paper's own scheme is used, it says so.",
+     is adjusted to make one hold; what the paper calls “about” is taken as within a tenth, everywhere. Motions are exact between events; where the paper's own scheme is used, it says so.",
 ];
 
 /// A built-in scene with other values, moved as studies move it, and how it is looked at.

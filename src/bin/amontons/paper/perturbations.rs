@@ -33,7 +33,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
                       limit cycle"
                 .to_owned(),
             command: Some(format!(
-                "amontons study perturbation set2 --direction '{}' --amplitude {FIRST}:{LAST}:{COUNT}",
+                "amontons study perturbation set2 --direction '{}' --amplitude {FIRST}:{LAST}:{COUNT} --resolution 1e-4",
                 direction.name
             )),
             content: Content::Chart(chart),
@@ -77,7 +77,11 @@ fn claims(found: &Perturbations) -> Vec<Claim> {
         ),
         claim(
             "After a large one that makes a contact stick it reaches a stable orbit (Fig. 5b).",
-            format!("{}; thresholds: {} m/s", told(&large), thresholds.join(", ")),
+            format!(
+                "{}, with contacts that stick; thresholds: {} m/s",
+                told(&large),
+                thresholds.join(", ")
+            ),
             large.is_some_and(|(_, ending)| ending.kind.is_cycle() && ending.taken[2]),
             None,
         ),

@@ -48,7 +48,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (scene, source, look) = prepared(common, looking)?;
     let resolution = resolution.unwrap_or(0.01 * (values[1] - values[0]));
     let push = Push::of(&scene);
-    let settings = json!({ "look": look, "push": push });
+    // Each value starts where the one before has ended, so a piece depends on them all.
+    let settings = json!({ "look": look, "push": push, "values": values });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
     let plan = Plan { scene: &scene, look: &look, values, resolution, push };
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
@@ -100,7 +101,7 @@ fn write(
                 "state": Joined(&candidate.states).to_string(),
                 "range": candidate.range,
                 "frequency": candidate.frequency_hz,
-                "confirmed": confirmed(candidate, &found.bistable),
+                "confirmed": confirmed(candidate, found),
             })
         })
         .collect();
@@ -127,14 +128,26 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
     row
 }
 
-/// The part of a candidate's range in which the two ways end in rest and in a cycle.
-fn confirmed(candidate: &Candidate, bistable: &[Bistable]) -> Vec<[f64; 2]> {
+/// Values of µ in a candidate's range at which one way ends in rest and the other in a cycle in which contacts take the
+/// candidate's states: the first and the last.
+fn confirmed(candidate: &Candidate, found: &Continuation) -> Option<[f64; 2]> {
     let [from, to] = candidate.range;
-    let common = bistable
-        .iter()
-        .filter(|range| range.rests)
-        .map(|Bistable { range, .. }| [range[0].max(from), range[1].min(to)]);
-    common.filter(|[from, to]| from < to).collect()
+    let takes = |point: &Point| {
+        point.ending.as_ref().is_ok_and(|ending| {
+            let states = &candidate.states;
+            ending.kind.is_cycle() && states.iter().all(|state| ending.taken[*state as usize - 1])
+        })
+    };
+    let rests = |range: &&Bistable| range.rests;
+    let inside = |mu: f64| {
+        (from..=to).contains(&mu)
+            && found.bistable.iter().filter(rests).any(|b| (b.range[0]..=b.range[1]).contains(&mu))
+    };
+    let points = found.rising.iter().chain(&found.falling);
+    let values = points.filter(|point| inside(point.friction) && takes(point));
+    let values: Vec<f64> = values.map(|point| point.friction).collect();
+    let first = values.iter().copied().reduce(f64::min)?;
+    Some([first, values.iter().copied().fold(first, f64::max)])
 }
 
 /// Amplitude and frequency of both ways, folds as marks, ranges with two motions shaded.
@@ -213,7 +226,23 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
     for fold in found.folds.iter().filter(|fold| fold.way == way) {
         let bounds = fold.between.iter().zip(&fold.endings);
-        curve.extend(bounds.map(|(friction, ending)| [*friction, value(ending)]));
+        let settled =
+            |(_, ending): &(&f64, &Ending)| ending.kind != Kind::Unsettled || ending.rests();
+        curve.extend(
+            bounds.clone().filter(settled).map(|(friction, ending)| [*friction, value(ending)]),
+        );
+        // What still grew there ends as the next value does.
+        if let Some((friction, _)) = bounds.filter(|bound| !settled(bound)).next_back() {
+            let beyond = |point: &&Point| match way {
+                Way::Rising => point.friction > *friction,
+                Way::Falling => point.friction < *friction,
+            };
+            let next = match way {
+                Way::Rising => points.iter().find(beyond),
+                Way::Falling => points.iter().rev().find(beyond),
+            };
+            curve.extend(next.map(|point| [*friction, at(point)[1]]));
+        }
     }
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
     curve
@@ -264,18 +293,14 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
     }
     for candidate in &known.candidates {
         let [from, to] = candidate.range;
-        let found = confirmed(candidate, &found.bistable);
-        let found: Vec<String> =
-            found.iter().map(|[from, to]| format!("{from:.4} to {to:.4}")).collect();
-        println!(
-            "  candidate {} from {from:.4} to {to:.4}: {}",
-            Joined(&candidate.states),
-            if found.is_empty() {
-                "not confirmed".to_owned()
-            } else {
-                format!("confirmed from {}", found.join(", from "))
-            }
-        );
+        let found = match confirmed(candidate, found) {
+            None => "not met".to_owned(),
+            Some([a, b]) if a == b => format!("met by a cycle beside rest at {a}"),
+            Some([a, b]) => format!("met by a cycle beside rest from {a} to {b}"),
+        };
+        let states = Joined(&candidate.states);
+        let hz = candidate.frequency_hz;
+        println!("  candidate {states} ({hz:.2} Hz) from {from:.4} to {to:.4}: {found}");
     }
 }
 

@@ -33,12 +33,17 @@ impl Folder {
     ) -> Result<Self, Box<dyn Error>> {
         let default = || PathBuf::from(format!("{}-{kind}", scene.name));
         let path = common.output.clone().unwrap_or_else(default);
+        if path.exists() && !path.is_dir() {
+            let error = std::io::ErrorKind::NotADirectory.into();
+            return Err(amontons::Error::file(&path, &error).into());
+        }
         fs::create_dir_all(&path).map_err(|error| amontons::Error::file(&path, &error))?;
         let set: Map<String, Value> =
             common.set.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
         let study = json!({
             "study": kind,
             "version": env!("CARGO_PKG_VERSION"),
+            "format": FORMAT,
             "scene": scene.name,
             "file": source.text,
             "tables": source.tables,
@@ -107,8 +112,8 @@ impl Folder {
             json!(["amontons".to_owned()].into_iter().chain(command).collect::<Vec<_>>());
         study["results"] = serde_json::to_value(results)?;
         let mut file = Pending::create(&path)?;
-        serde_json::to_writer_pretty(&mut file, &study)?;
-        writeln!(file).map_err(|error| amontons::Error::file(&path, &error))?;
+        let written = file.write_all(format!("{study:#}\n").as_bytes());
+        written.map_err(|error| amontons::Error::file(&path, &error))?;
         Ok(file.complete()?)
     }
 
@@ -130,5 +135,8 @@ impl Folder {
 pub fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
 }
+
+/// Of the journals: another one where pieces are found in another way, so that none of before is taken for one of now.
+const FORMAT: u32 = 1;
 
 const JOURNAL: &str = "journal.jsonl";
