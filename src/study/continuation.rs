@@ -24,6 +24,8 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 const OTHER_AMPLITUDE: f64 = 0.05;
 /// Frequencies that do.
 const OTHER_FREQUENCY: f64 = 0.02;
+/// What another kind adds: with nothing else it is no other motion, as a second frequency may come and go gently.
+const OTHER_KIND: f64 = 0.8 * OTHER_AMPLITUDE;
 /// What is left of a jump where its bounds have come together, in parts of what it was; a slope leaves less.
 const LEFT: f64 = 0.5;
 
@@ -315,7 +317,7 @@ fn distance(a: &Ending, b: &Ending) -> f64 {
                 _ => 1.0,
             };
             // Frequencies change less than amplitudes where motions are the same.
-            let kind = if a.kind == b.kind { 0.0 } else { OTHER_AMPLITUDE };
+            let kind = if a.kind == b.kind { 0.0 } else { OTHER_KIND };
             ratio + pitch * OTHER_AMPLITUDE / OTHER_FREQUENCY + kind
         }
     }

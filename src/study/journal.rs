@@ -57,10 +57,9 @@ impl Journal {
         // What follows the last end of a line was cut off.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let (mut done, mut kept) = (HashMap::new(), 0);
-        if !anew && whole > 0 {
-            if let Some(pieces) = read(path, &bytes[..whole], study)? {
-                (done, kept) = (pieces, whole);
-            }
+        let has_lines = !anew && whole > 0;
+        if has_lines && let Some(pieces) = read(path, &bytes[..whole], study)? {
+            (done, kept) = (pieces, whole);
         }
         file.set_len(kept as u64).map_err(failed)?;
         file.seek(SeekFrom::End(0)).map_err(failed)?;
