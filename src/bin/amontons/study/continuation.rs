@@ -225,14 +225,14 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, value)];
     let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
     for fold in found.folds.iter().filter(|fold| fold.way == way) {
-        let bounds = fold.between.iter().zip(&fold.endings);
+        let mut bounds = fold.between.iter().zip(&fold.endings);
         let settled =
             |(_, ending): &(&f64, &Ending)| ending.kind != Kind::Unsettled || ending.rests();
         curve.extend(
             bounds.clone().filter(settled).map(|(friction, ending)| [*friction, value(ending)]),
         );
         // What still grew there ends as the next value does.
-        if let Some((friction, _)) = bounds.filter(|bound| !settled(bound)).next_back() {
+        if let Some((friction, _)) = bounds.rfind(|bound| !settled(bound)) {
             let beyond = |point: &&Point| match way {
                 Way::Rising => point.friction > *friction,
                 Way::Falling => point.friction < *friction,
