@@ -321,7 +321,8 @@ mod tests {
         let values = variables(scene).iter().filter(|variable| variable.is_settable()).count();
         let chosen = if scene.selection == Selection::Given { 1 } else { 1 + NUMBER + 1 + NUMBER };
         let reference = 2 * list(dofs) + 2 * list(contacts);
-        let counts = 8;
+        // Entries of the four states, and seven others.
+        let counts = 4 + 7;
         let motion = 2 * list(dofs) + length(contacts) + contacts + counts;
         let ledger = 1 + if scene.effects.energy { list(dofs) + 6 * NUMBER } else { 0 };
         let clock = 2 * NUMBER + 1;
