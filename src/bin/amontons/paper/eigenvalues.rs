@@ -10,7 +10,7 @@ use amontons::report::{Cell, Claim, Content, Figure, Line, Section, Table};
 use amontons::scene::Scene;
 use amontons::stability::candidates::uniform_sliding;
 use amontons::stability::locus::{Locus, Root, locus};
-use amontons::stability::{Spectrum, StateClasses};
+use amontons::stability::{Mode, Spectrum, StateClasses, modes};
 use amontons::study::Watch;
 use amontons::sweep::range::decimal;
 use std::borrow::Cow;
@@ -45,6 +45,9 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         ..Section::default()
     };
     section.claims.push(frequencies()?);
+    let (shapes, phases) = mode_shapes()?;
+    section.claims.push(phases);
+    section.tables.push(shapes);
     let mut loci = Vec::new();
     for name in ["set1", "set2"] {
         loci.push(uniform(&scene(name, &[])?.0)?);
@@ -65,6 +68,8 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         section.tables.push(found);
     }
     section.claims.push(second_stiffness()?);
+    section.claims.push(moved_modes()?);
+    section.claims.push(stuck()?);
     section.tables.insert(0, parameters()?);
     Ok(Some(section))
 }
@@ -111,6 +116,91 @@ fn frequencies() -> Result<Claim, Error> {
         "Fig. 2(c): without friction the six modes of Set 1 have 34.00, 65.99, 163.90, 186.56, 215.24 and 225.79 Hz.",
         format!("{} Hz (holds if none is off by more than {ROUNDING} Hz)", found.join(", ")),
         holds,
+        None,
+    ))
+}
+
+/// The real modes without friction and damping.
+fn real_modes(name: &str) -> Result<(Scene, Vec<Mode>), Error> {
+    let (scene, _) = scene(name, &[("damping.beta", 0.0)])?;
+    let model = LumpedModel::from(&scene);
+    let states = uniform_sliding(&model, scene.slider.velocity)?;
+    let modes = modes(&model, &states, 0.0)?.all().cloned().collect();
+    Ok((scene, modes))
+}
+
+/// Fig. 2(c): displacements of each mode, the largest 1.
+fn mode_shapes() -> Result<(Table, Claim), Error> {
+    let (scene, modes) = real_modes("set1")?;
+    // The largest is 1, so that nothing is left of a common phase.
+    let shape = |mode: &Mode| -> Vec<f64> { mode.shape.iter().map(|part| part.re).collect() };
+    let shapes: Vec<Vec<f64>> = modes.iter().map(shape).collect();
+    let rows = scene.dof_names().into_iter().enumerate().map(|(dof, name)| {
+        let parts =
+            shapes.iter().map(|shape| format!("{:+.3}", shape[dof]).replace('-', "−").into());
+        std::iter::once(name.into()).chain(parts).collect()
+    });
+    let head = modes
+        .iter()
+        .enumerate()
+        .map(|(mode, found)| format!("mode {} ({:.2} Hz)", mode + 1, found.frequency_hz()));
+    let table = Table {
+        caption: "Fig. 2(c): mode shapes of Set 1 without friction, the largest displacement 1; contacts stay closed"
+            .to_owned(),
+        head: std::iter::once(String::new()).chain(head).collect(),
+        rows: rows.collect(),
+    };
+    // Of the upper masses: x1 and x2 of each module.
+    let in_phase = |shape: &Vec<f64>| shape[0] * shape[4] + shape[1] * shape[5] > 0.0;
+    let phases: Vec<bool> = shapes.iter().map(in_phase).collect();
+    let told: Vec<String> = phases
+        .iter()
+        .enumerate()
+        .map(|(mode, is_in)| {
+            format!("{}: {}", mode + 1, if *is_in { "in phase" } else { "out of phase" })
+        })
+        .collect();
+    let claim = claim(
+        "The upper masses of the two modules move in phase in modes 3 and 4, out of phase in modes 5 and 6.",
+        told.join(", "),
+        phases.len() == 6 && phases[2] && phases[3] && !phases[4] && !phases[5],
+        None,
+    );
+    Ok((table, claim))
+}
+
+/// What the lower k2 does.
+fn moved_modes() -> Result<Claim, Error> {
+    let hz = |modes: &[Mode]| modes.iter().map(Mode::frequency_hz).collect::<Vec<f64>>();
+    let (set1, set2) = (hz(&real_modes("set1")?.1), hz(&real_modes("set2")?.1));
+    let change: Vec<f64> = set1.iter().zip(&set2).map(|(a, b)| b - a).collect();
+    let told: Vec<String> =
+        change.iter().map(|change| format!("{change:+.2}").replace('-', "−")).collect();
+    Ok(claim(
+        "The lower k2 of Set 2 moves modes 5 and 6 and leaves modes 3 and 4.",
+        format!(
+            "modes 1 to 6 move by {} Hz (holds if 3 and 4 by less than {ROUNDING} Hz, 5 and 6 by more than 1 Hz)",
+            told.join(", ")
+        ),
+        change.len() == 6
+            && change[2..4].iter().all(|change| change.abs() < ROUNDING)
+            && change[4..].iter().all(|change| change.abs() > 1.0),
+        None,
+    ))
+}
+
+/// Set 2 with one contact stuck.
+fn stuck() -> Result<Claim, Error> {
+    let model = LumpedModel::from(&scene("set2", &[])?.0);
+    let growing: Vec<String> = eigenvalues(&model, "Sl-St")?
+        .iter()
+        .filter(|value| value[0] > 0.0)
+        .map(|value| format!("{:+.2} ± {:.2} i Hz", value[0], value[1]))
+        .collect();
+    Ok(claim(
+        "Set 2 at µ = 1.96 becomes unstable if one of the two masses sticks.",
+        format!("eigenvalues of Sl-St that grow: {}", growing.join(", ")),
+        !growing.is_empty(),
         None,
     ))
 }

@@ -2,16 +2,20 @@
 
 use super::claims::claim;
 use super::scene;
-use crate::study::perturbation::{endings, histories};
+use crate::study::perturbation::{endings, histories, thinned};
 use amontons::Error;
+use amontons::picture::{Chart, Panel, Series};
 use amontons::report::{Claim, Content, Figure, Section};
+use amontons::scene::Scene;
 use amontons::study::perturbation::{Direction, Perturbations, perturbation};
-use amontons::study::{Journal, Watch};
+use amontons::study::{Journal, Look, Watch, history};
 
 /// Initial velocities of the upper mass of module 1, vertical, m/s.
 const FIRST: f64 = 1e-4;
 const LAST: f64 = 0.3;
 const COUNT: u32 = 31;
+/// Of what is shown, s.
+const DURATION: f64 = 2.0;
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     let (scene, look) = scene("set2", &[])?;
@@ -24,12 +28,16 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     let found = perturbation(&scene, &direction, &look, &Journal::forgotten(), watch)?;
     let Some(found) = found else { return Ok(None) };
     let mut section = Section { claims: claims(&found), ..Section::default() };
+    let is_over = || (watch.go_on)().is_break();
+    let Some(small_and_large) = histories_of(&scene, &direction, &look, &is_over)? else {
+        return Ok(None);
+    };
+    section.figures.push(small_and_large);
     if let Some(threshold) = found.thresholds.first() {
-        let is_over = || (watch.go_on)().is_break();
         let chart = histories(&scene, &direction, &look, (&found, threshold), &is_over)?;
         let Some(chart) = chart else { return Ok(None) };
         section.figures.push(Figure {
-            caption: "Fig. 5: Set 2 at µ = 1.96 after two perturbations that nearly agree: one decays, one reaches the \
+            caption: "Beside Fig. 5: Set 2 at µ = 1.96 after two perturbations that nearly agree: one decays, one reaches the \
                       limit cycle"
                 .to_owned(),
             command: Some(format!(
@@ -47,6 +55,43 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         content: Content::Chart(endings(&scene, &direction, &look, &found)),
     });
     Ok(Some(section))
+}
+
+/// Fig. 5: the first two seconds after the smallest and after the largest perturbation.
+fn histories_of(
+    scene: &Scene,
+    direction: &Direction,
+    look: &Look,
+    is_over: &dyn Fn() -> bool,
+) -> Result<Option<Figure>, Error> {
+    let mut panels = Vec::new();
+    for (colour, amplitude) in [FIRST, LAST].into_iter().enumerate() {
+        let rows = history(scene, (&direction.name, amplitude), look, DURATION, is_over)?;
+        let Some(rows) = rows else { return Ok(None) };
+        panels.push(Panel {
+            y_label: format!("{} [m]", look.of),
+            series: vec![Series {
+                label: Some(format!("from {amplitude} m/s")),
+                points: thinned(&rows, look.interval),
+                colour,
+                ..Series::default()
+            }],
+            zero_line: true,
+            ..Panel::default()
+        });
+    }
+    Ok(Some(Figure {
+        caption:
+            "Fig. 5: Set 2 at µ = 1.96 after a small perturbation (a) and after a large one (b)"
+                .to_owned(),
+        command: Some("amontons simulate set2 --set 'initial.module[1].v2=1e-4'".to_owned()),
+        content: Content::Chart(Chart {
+            title: "set2: a small and a large perturbation".to_owned(),
+            x_label: "Time [s]".to_owned(),
+            panels,
+            logarithmic: false,
+        }),
+    }))
 }
 
 fn claims(found: &Perturbations) -> Vec<Claim> {

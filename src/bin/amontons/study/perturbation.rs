@@ -211,7 +211,7 @@ pub fn histories(
 
 /// A history as a picture can show it: of each of some thousand stretches its smallest value and then its largest.
 #[allow(clippy::cast_precision_loss)]
-fn thinned(rows: &[f64], interval: f64) -> Vec<[f64; 2]> {
+pub fn thinned(rows: &[f64], interval: f64) -> Vec<[f64; 2]> {
     const STRETCHES: usize = 2000;
     let length = rows.len().div_ceil(STRETCHES);
     let stretches = rows.chunks_exact(length).enumerate().flat_map(|(place, stretch)| {
