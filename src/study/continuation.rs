@@ -298,7 +298,8 @@ impl Plan<'_> {
                 (between[1], endings[1]) = (middle, ending);
             }
         }
-        let is_left = distance(&endings[0], &endings[1]) > LEFT * whole;
+        let left = distance(&endings[0], &endings[1]);
+        let is_left = left > LEFT * whole && left > OTHER_AMPLITUDE;
         Ok(Some(is_left.then_some(Fold { way, between, endings })))
     }
 }
@@ -310,7 +311,10 @@ fn distance(a: &Ending, b: &Ending) -> f64 {
         (true, true) => 0.0,
         (true, false) | (false, true) => REST,
         (false, false) => {
-            let ratio = libm::log(a.size / b.size).abs();
+            // One output may be zero throughout, and the whole may hide what one output shows.
+            let log =
+                |a: f64, b: f64| if a > 0.0 && b > 0.0 { libm::log(a / b).abs() } else { 0.0 };
+            let ratio = log(a.size, b.size).max(log(a.amplitude, b.amplitude));
             let pitch = match (a.frequency, b.frequency) {
                 (Some(a), Some(b)) => libm::log(a / b).abs(),
                 (None, None) => 0.0,
