@@ -52,6 +52,13 @@ macro_rules! kinds {
                     matches!(*self.0, Kind::$kind(_))
                 }
             )*
+
+            /// An error of the same kind in other words.
+            pub(crate) fn in_words(&self, message: impl Into<String>) -> Self {
+                match *self.0 {
+                    $(Kind::$kind(_) => Self::$make(message),)*
+                }
+            }
         }
     };
 }

@@ -4,7 +4,7 @@
 
 use amontons::package;
 use amontons::scene::{Scene, builtin, parse};
-use amontons::simulation::catalogue::Causality;
+use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::simulation::{Simulation, Variable, variables, write_scene};
 use fmi_rs::fmi2::builder::FMU2Builder;
 use fmi_rs::sim::fmi2::cs::simulate;
@@ -124,7 +124,7 @@ fn fmi_rs_finds_no_problem_in_the_model_description() {
         assert_eq!(problems, [""; 0]);
         assert_eq!(description.modelName, "set1");
         let scene = scene(&text);
-        assert_eq!(description.modelVariables.len(), variables(&scene).len());
+        assert_eq!(description.modelVariables.len(), fmu_variables(&scene).len());
         assert_eq!(description.outputs.len(), outputs(&scene).len());
     }
 }

@@ -129,6 +129,11 @@ fn saved_states_lead_to_the_same_doubles() {
 }
 
 #[test]
+fn derivatives_for_coupling_are_those_of_differences() {
+    pytest("test_derivatives.py");
+}
+
+#[test]
 fn the_importers_tolerance_chooses_where_the_scene_leaves_it_to_it() {
     pytest("test_tolerance.py");
 }
@@ -141,6 +146,11 @@ fn instances_do_not_disturb_each_other() {
 #[test]
 fn what_makes_no_sense_is_refused_with_a_reason() {
     pytest("test_refusals.py");
+}
+
+#[test]
+fn a_step_that_fails_says_where_and_why_and_the_instance_comes_back() {
+    pytest("test_failures.py");
 }
 
 #[test]

@@ -126,6 +126,12 @@ impl LocalProblem {
         (stiffness > 0.0).then_some(LocalSolution { force: [normal, slope * normal], state })
     }
 
+    /// The multipliers of a contact that is held along normal and tangent, whatever that takes.
+    #[must_use]
+    pub fn fix(&self, free: [f64; 2]) -> LocalSolution {
+        LocalSolution { force: self.hold(free), state: ContactState::Stick }
+    }
+
     /// (N, T) that keep the contact closed and stuck.
     fn hold(&self, [free_normal, free_tangential]: [f64; 2]) -> [f64; 2] {
         let determinant = self.nn * self.tt - self.nt * self.nt;

@@ -37,7 +37,8 @@ pub(super) unsafe fn free(component: fmi2Component) {
 }
 
 /// Runs a call on an instance if its phase allows it. An error is logged and leaves the instance
-/// in its error phase; a panic is caught and leaves it poisoned.
+/// in its error phase; a panic is caught and leaves it poisoned. A call that succeeds by being tolerated is
+/// answered with a warning.
 ///
 /// # Safety
 /// `component` is NULL or comes from [`handle`] and has not been freed; no other thread is in a
@@ -53,10 +54,12 @@ pub(super) unsafe fn call(
         return fmi2Status::fmi2Error;
     };
     let result = catch_unwind(AssertUnwindSafe(|| {
+        instance.tolerated = false;
         instance.require(call)?;
         body(instance)
     }));
     let (message, panicked) = match result {
+        Ok(Ok(fmi2Status::fmi2OK)) if instance.tolerated => return fmi2Status::fmi2Warning,
         Ok(Ok(status)) => return status,
         Ok(Err(error)) => (error.to_string(), false),
         Err(panic) => (format!("internal error: {}", panic_message(&*panic)), true),

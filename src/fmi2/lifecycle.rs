@@ -3,114 +3,145 @@
 /// Where an instance stands in its life.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) enum Phase {
-    Instantiated = 1,
-    InitializationMode = 2,
+    Instantiated,
+    InitializationMode,
     /// Initialized, or a step is done.
-    StepComplete = 4,
-    Terminated = 8,
+    StepComplete,
+    Terminated,
     /// A call failed; Reset or a saved state leads out.
-    Error = 16,
+    Error,
     /// A panic was caught inside this instance; only freeing is left.
-    Poisoned = 32,
+    Poisoned,
 }
 
-use Phase::{Error, InitializationMode, Instantiated, StepComplete, Terminated};
+use Phase::{Error, InitializationMode, Instantiated, Poisoned, StepComplete, Terminated};
 
-/// The calls that the table knows.
+const PHASES: [Phase; 6] =
+    [Instantiated, InitializationMode, StepComplete, Terminated, Error, Poisoned];
+
+/// What the table says of a call in a phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Call {
-    SetupExperiment,
-    EnterInitializationMode,
-    ExitInitializationMode,
-    Terminate,
-    Reset,
-    SetDebugLogging,
-    Get,
-    Set,
-    GetFmuState,
+pub(super) enum Entry {
+    /// FMI allows it.
+    Allowed,
+    /// FMI does not, and hosts do it: answered with a warning, or refused where the instance is strict.
+    Tolerated,
+    /// FMI does not, and there is no answer that makes sense.
+    Refused,
+}
+
+const YES: Entry = Entry::Allowed;
+const HABIT: Entry = Entry::Tolerated;
+const NO: Entry = Entry::Refused;
+
+macro_rules! table {
+    ($($(#[$doc:meta])* $call:ident $name:literal $($entry:ident)*;)*) => {
+        /// The calls that the table knows, and what some of them may be about.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(super) enum Call {
+            $($(#[$doc])* $call,)*
+        }
+
+        const CALLS: &[Call] = &[$(Call::$call),*];
+
+        /// FMI's names of the calls, or what their functions have in common.
+        const NAMES: &[&str] = &[$($name),*];
+
+        /// Row: call; column: phase, in their order.
+        static TABLE: [[Entry; PHASES.len()]; CALLS.len()] = [$([$($entry),*]),*];
+    };
+}
+
+// A call has to be allowed by its own row and by those of what it is about.
+#[rustfmt::skip]
+table! {
+    //                                                              instan- initia- step-     termi-
+    //                                                              tiated  lization complete nated  error  poisoned
+    SetupExperiment      "fmi2SetupExperiment"                      YES     NO      NO      NO      NO      NO;
+    EnterInitializationMode "fmi2EnterInitializationMode"           YES     NO      NO      NO      NO      NO;
+    /// … without `fmi2SetupExperiment`.
+    EnterUnprepared      "fmi2EnterInitializationMode without fmi2SetupExperiment"
+                                                                    HABIT   NO      NO      NO      NO      NO;
+    ExitInitializationMode "fmi2ExitInitializationMode"             NO      YES     NO      NO      NO      NO;
+    Terminate            "fmi2Terminate"                            NO      NO      YES     NO      NO      NO;
+    Reset                "fmi2Reset"                                YES     YES     YES     YES     YES     NO;
+    SetDebugLogging      "fmi2SetDebugLogging"                      YES     YES     YES     YES     YES     NO;
+    /// … of a category that the model description does not declare.
+    UnknownCategory      "fmi2SetDebugLogging of the unknown category"
+                                                                    HABIT   HABIT   HABIT   HABIT   HABIT   NO;
+
+    Get                  "reading a variable (fmi2Get…)"            HABIT   YES     YES     YES     YES     NO;
+    Set                  "setting a variable (fmi2Set…)"            YES     YES     YES     NO      NO      NO;
+    /// … that is an input, which has no `initial`.
+    SetInput             "setting an input"                         HABIT   YES     YES     NO      NO      NO;
+    SetTunable           "setting a tunable parameter"              YES     YES     YES     NO      NO      NO;
+    SetFixed             "setting a fixed parameter"                YES     YES     NO      NO      NO      NO;
+    SetOutput            "setting an output"                        NO      NO      NO      NO      NO      NO;
+
+    GetFmuState          "fmi2GetFMUstate"                          YES     YES     YES     YES     YES     NO;
+    SetFmuState          "fmi2SetFMUstate"                          YES     YES     YES     YES     YES     NO;
     /// Whatever turns a saved state into bytes or back, without the instance.
-    HeldFmuState,
-    FreeFmuState,
-    SetFmuState,
-    Derivatives,
-    DoStep,
-    CancelStep,
-    Status,
+    HeldFmuState         "turning a saved state into bytes or back" YES     YES     YES     YES     YES     NO;
+    FreeFmuState         "fmi2FreeFMUstate"                         YES     YES     YES     YES     YES     YES;
+
+    DirectionalDerivative "fmi2GetDirectionalDerivative"            NO      YES     YES     YES     YES     NO;
+    InputDerivatives     "fmi2SetRealInputDerivatives"              HABIT   YES     YES     NO      NO      NO;
+    OutputDerivatives    "fmi2GetRealOutputDerivatives"             NO      NO      YES     YES     YES     NO;
+
+    DoStep               "fmi2DoStep"                               NO      NO      YES     NO      NO      NO;
+    /// … that leads nowhere.
+    StepOfLengthZero     "fmi2DoStep of length zero"                NO      NO      HABIT   NO      NO      NO;
+    /// Only while a step is in progress, which none is when `fmi2DoStep` has returned.
+    CancelStep           "fmi2CancelStep"                           NO      NO      NO      NO      NO      NO;
+    Status               "fmi2Get…Status"                           HABIT   HABIT   YES     YES     HABIT   NO;
 }
 
 impl Call {
-    /// The phases in which the call is allowed.
-    const fn allowed(self) -> u8 {
-        const fn mask(phases: &[Phase]) -> u8 {
-            let (mut mask, mut i) = (0, 0);
-            while i < phases.len() {
-                mask |= phases[i] as u8;
-                i += 1;
-            }
-            mask
-        }
-        match self {
-            Self::SetupExperiment | Self::EnterInitializationMode => mask(&[Instantiated]),
-            Self::ExitInitializationMode => mask(&[InitializationMode]),
-            Self::Terminate | Self::DoStep | Self::CancelStep => mask(&[StepComplete]),
-            Self::Set => mask(&[Instantiated, InitializationMode, StepComplete]),
-            Self::GetFmuState => {
-                mask(&[Instantiated, InitializationMode, StepComplete, Terminated])
-            }
-            Self::Get | Self::Derivatives => {
-                mask(&[InitializationMode, StepComplete, Terminated, Error])
-            }
-            Self::FreeFmuState => mask(&[
-                Instantiated,
-                InitializationMode,
-                StepComplete,
-                Terminated,
-                Error,
-                Phase::Poisoned,
-            ]),
-            Self::Reset
-            | Self::SetDebugLogging
-            | Self::HeldFmuState
-            | Self::SetFmuState
-            | Self::Status => {
-                mask(&[Instantiated, InitializationMode, StepComplete, Terminated, Error])
-            }
-        }
+    #[inline]
+    pub(super) fn in_phase(self, phase: Phase) -> Entry {
+        TABLE[self as usize][phase as usize]
     }
 
-    /// The phases in which the call is allowed, for a message.
+    /// The phases in which FMI allows the call, for a message.
     pub(super) fn phases(self) -> String {
-        let all = [Instantiated, InitializationMode, StepComplete, Terminated, Error];
-        let allowed = all.into_iter().filter(|&phase| self.is_allowed_in(phase));
-        allowed.map(|phase| format!("{phase:?}")).collect::<Vec<_>>().join(", ")
+        let allowed = PHASES.into_iter().filter(|&phase| self.in_phase(phase) == Entry::Allowed);
+        let phases = allowed.map(|phase| format!("{phase:?}")).collect::<Vec<_>>().join(", ");
+        if phases.is_empty() { "it is in none".to_owned() } else { format!("it is in {phases}") }
     }
 
-    pub(super) const fn is_allowed_in(self, phase: Phase) -> bool {
-        self.allowed() & phase as u8 != 0
+    /// What FMI wants in place of a habit, for a message.
+    pub(super) fn wish(self) -> &'static str {
+        match self {
+            Self::EnterUnprepared => "fmi2SetupExperiment first; the run starts at time 0",
+            Self::UnknownCategory => "a category of the model description",
+            Self::Get => "fmi2EnterInitializationMode first",
+            Self::SetInput | Self::InputDerivatives => {
+                "an input to be set from fmi2EnterInitializationMode on"
+            }
+            Self::StepOfLengthZero => "a step longer than zero; nothing was done",
+            Self::Status => "it after a step",
+            _ => "it elsewhere",
+        }
     }
 }
 
-/// FMI's name of the call, or what its functions have in common.
 impl std::fmt::Display for Call {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.write_str(match self {
-            Self::SetupExperiment => "fmi2SetupExperiment",
-            Self::EnterInitializationMode => "fmi2EnterInitializationMode",
-            Self::ExitInitializationMode => "fmi2ExitInitializationMode",
-            Self::Terminate => "fmi2Terminate",
-            Self::Reset => "fmi2Reset",
-            Self::SetDebugLogging => "fmi2SetDebugLogging",
-            Self::Get => "reading a variable (fmi2Get…)",
-            Self::Set => "setting a variable (fmi2Set…)",
-            Self::GetFmuState => "fmi2GetFMUstate",
-            Self::HeldFmuState => "turning a saved state into bytes or back",
-            Self::FreeFmuState => "fmi2FreeFMUstate",
-            Self::SetFmuState => "fmi2SetFMUstate",
-            Self::Derivatives => "asking for derivatives",
-            Self::DoStep => "fmi2DoStep",
-            Self::CancelStep => "fmi2CancelStep",
-            Self::Status => "fmi2Get…Status",
-        })
+        f.write_str(NAMES[*self as usize])
+    }
+}
+
+/// Calls that were noted.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Noted(u32);
+
+impl Noted {
+    /// Notes a call; was it new?
+    pub(super) fn note(&mut self, call: Call) -> bool {
+        let bit = 1 << call as u32;
+        let is_new = self.0 & bit == 0;
+        self.0 |= bit;
+        is_new
     }
 }
 
@@ -118,20 +149,34 @@ impl std::fmt::Display for Call {
 mod tests {
     use super::*;
 
+    fn entries(phase: Phase, entry: Entry) -> Vec<Call> {
+        CALLS.iter().copied().filter(|call| call.in_phase(phase) == entry).collect()
+    }
+
     #[test]
-    fn nothing_is_allowed_once_a_panic_was_caught() {
-        for call in [Call::Get, Call::Reset, Call::DoStep, Call::SetFmuState, Call::Terminate] {
-            assert!(!call.is_allowed_in(Phase::Poisoned));
+    fn once_a_panic_was_caught_what_the_importer_holds_can_be_given_back() {
+        assert_eq!(entries(Poisoned, Entry::Allowed), [Call::FreeFmuState]);
+        assert_eq!(entries(Poisoned, Entry::Tolerated), []);
+    }
+
+    #[test]
+    fn after_an_error_only_reading_saved_states_and_the_ways_out_are_left() {
+        for call in [Call::Get, Call::Reset, Call::SetFmuState, Call::GetFmuState] {
+            assert_eq!(call.in_phase(Error), Entry::Allowed);
+        }
+        for call in [Call::Set, Call::DoStep, Call::Terminate, Call::EnterInitializationMode] {
+            assert_eq!(call.in_phase(Error), Entry::Refused);
         }
     }
 
     #[test]
-    fn after_an_error_only_reading_and_the_ways_out_are_left() {
-        for call in [Call::Get, Call::Reset, Call::SetFmuState, Call::Status] {
-            assert!(call.is_allowed_in(Error));
+    fn every_habit_says_what_fmi_wants() {
+        for phase in PHASES {
+            for call in entries(phase, Entry::Tolerated) {
+                assert_ne!(call.wish(), "it elsewhere", "{call}");
+            }
         }
-        for call in [Call::Set, Call::DoStep, Call::Terminate, Call::EnterInitializationMode] {
-            assert!(!call.is_allowed_in(Error));
-        }
+        // One bit is enough for each.
+        assert!(CALLS.len() <= 32 && CALLS.iter().zip(0..).all(|(&call, i)| call as u32 == i));
     }
 }

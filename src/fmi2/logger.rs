@@ -60,8 +60,15 @@ impl Logger {
         }
     }
 
-    /// Turns categories on or off; none named means all. Returns the first unknown name.
-    pub(super) fn enable<'a>(&mut self, on: bool, names: &[&'a CStr]) -> Result<(), &'a CStr> {
+    /// The first name that is no category.
+    pub(super) fn unknown<'a>(names: &[&'a CStr]) -> Option<&'a CStr> {
+        let known =
+            |name: &CStr| CATEGORIES.iter().any(|(known, _)| known.as_bytes() == name.to_bytes());
+        names.iter().copied().find(|name| !known(name))
+    }
+
+    /// Turns categories on or off; none named means all.
+    pub(super) fn enable(&mut self, on: bool, names: &[&CStr]) {
         let all = names.is_empty() || names.contains(&c"logAll");
         for (category, enabled) in
             [Category::Error, Category::Warning, Category::Events].iter().zip(&mut self.enabled)
@@ -70,9 +77,6 @@ impl Logger {
                 *enabled = on;
             }
         }
-        let known =
-            |name: &CStr| CATEGORIES.iter().any(|known| known.0.as_bytes() == name.to_bytes());
-        names.iter().find(|name| !known(name)).map_or(Ok(()), |name| Err(name))
     }
 
     /// Is anyone listening to this category? Errors are always told: without its reason a refusal

@@ -22,6 +22,6 @@ mod resources;
 mod types;
 
 #[cfg(feature = "tools")]
-pub(crate) use instance::SCENE_FILE;
+pub(crate) use instance::{SCENE_FILE, STRICT};
 #[cfg(feature = "tools")]
 pub(crate) use logger::CATEGORIES;

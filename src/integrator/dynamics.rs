@@ -4,7 +4,7 @@
 use super::delassus::Delassus;
 use super::freedom::{Freedom, FreedomOf, freedom_of};
 use super::multipliers::Multipliers;
-use super::{Drive, Motion, StepFailure};
+use super::{Drive, Kept, Motion, Push, Response, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactLaw, ContactState};
 use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
@@ -102,6 +102,50 @@ impl Dynamics {
             let is_pulled = !detachment && self.multipliers.forces[i][0] < 0.0;
             motion.statistics.reversed_slips += u64::from(is_reversed);
             motion.statistics.pulled_contacts += u64::from(is_pulled);
+        }
+    }
+
+    /// What forces on the masses make of contacts that keep their states.
+    ///
+    /// # Errors
+    /// Contacts that could not be solved.
+    pub(super) fn respond(
+        &mut self,
+        kept: Kept<'_>,
+        push: Push<'_>,
+        response: &mut Response,
+    ) -> Result<(), StepFailure> {
+        self.push(push, response);
+        for (i, contact) in self.contacts.iter().enumerate() {
+            self.multipliers.freedom[i] = match kept.states[i] {
+                ContactState::Detached => Freedom::Open,
+                ContactState::Stick => Freedom::Fixed,
+                state => Freedom::Guided { slope: kept.slopes[i], state },
+            };
+            self.multipliers.free[i] = [
+                contact.normal.dot(&response.acceleration),
+                contact.tangent.dot(&response.acceleration) - push.slider_acceleration[i],
+            ];
+        }
+        self.multipliers.solve()?;
+        response.forces.copy_from_slice(&self.multipliers.forces);
+        self.carry(response);
+        Ok(())
+    }
+
+    /// The accelerations without contact forces.
+    pub(super) fn push(&self, push: Push<'_>, response: &mut Response) {
+        for (row, acceleration) in response.acceleration.iter_mut().enumerate() {
+            *acceleration = self.inverse_mass.row_times(row, push.force);
+        }
+    }
+
+    /// Adds to the accelerations what the contact forces give.
+    pub(super) fn carry(&self, response: &mut Response) {
+        for (forces, responses) in response.forces.iter().zip(&self.responses) {
+            for (&force, direction) in forces.iter().zip(responses) {
+                direction.add_to(&mut response.acceleration, force);
+            }
         }
     }
 

@@ -25,6 +25,8 @@ pub(super) enum Freedom {
         /// µ_k.
         friction: f64,
     },
+    /// Held along normal and tangent, whatever that takes.
+    Fixed,
     /// Held in both directions along its normal, with T = `slope` N.
     Guided {
         /// ±µ.
@@ -43,6 +45,7 @@ impl Freedom {
             Self::Open
             | Self::Slipping { .. }
             | Self::HeldSlipping { .. }
+            | Self::Fixed
             | Self::Guided { .. } => self,
         }
     }

@@ -99,6 +99,12 @@ impl Ledger {
         Energy { kinetic, elastic, damping, friction, impact, slider, forces, residual }
     }
 
+    /// Gᵀ λ₀, N, the forces of the contacts in the reference position; one value a degree of freedom.
+    #[must_use]
+    pub fn balance(&self) -> &[f64] {
+        &self.balance
+    }
+
     /// The number of degrees of freedom that it is for.
     #[must_use]
     pub fn dofs(&self) -> usize {

@@ -67,6 +67,16 @@ pub struct Statistics {
 }
 
 impl Statistics {
+    /// Are all counts such as a run may come to, with room to go on?
+    pub(crate) fn are_countable(&self) -> bool {
+        const MOST: u64 = 1 << 60;
+        let Self { steps, entered, touch_downs, events, sweeps, .. } = *self;
+        let Self { most_sweeps, reversed_slips, pulled_contacts, .. } = *self;
+        let others =
+            [steps, touch_downs, events, sweeps, most_sweeps, reversed_slips, pulled_contacts];
+        entered.iter().chain(&others).all(|count| *count <= MOST)
+    }
+
     /// Changes of state, summed over the contacts.
     #[must_use]
     pub fn state_changes(&self) -> u64 {
@@ -125,13 +135,65 @@ impl Drive {
     }
 }
 
+/// Contacts that keep their states: those that are closed do not open, those that stick do not slip, and those
+/// that slide have T = slope · N.
+#[derive(Clone, Copy, Debug)]
+pub struct Kept<'a> {
+    /// The state of each contact.
+    pub states: &'a [ContactState],
+    /// ±µ of each contact that slides; of no meaning in the other states.
+    pub slopes: &'a [f64],
+}
+
+/// What acts on the masses, contacts apart.
+#[derive(Clone, Copy, Debug)]
+pub struct Push<'a> {
+    /// F − C ẋ − K x, N; one value a degree of freedom.
+    pub force: &'a [f64],
+    /// v̇ of the sliders, m/s², which stuck contacts follow; one value a contact.
+    pub slider_acceleration: &'a [f64],
+}
+
+/// What comes of it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Response {
+    /// (N, T) of each contact, N.
+    pub forces: Vec<[f64; 2]>,
+    /// ẍ, m/s²; one value a degree of freedom.
+    pub acceleration: Vec<f64>,
+}
+
+impl Response {
+    /// Room for the response of as many contacts and degrees of freedom.
+    #[must_use]
+    pub fn new(contacts: usize, dofs: usize) -> Self {
+        Self { forces: vec![[0.0; 2]; contacts], acceleration: vec![0.0; dofs] }
+    }
+}
+
 /// A step that could not be taken; the motion is then not to be used.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepFailure {
     /// Gauss–Seidel over the contacts did not converge in this many sweeps.
     NoConvergence {
         /// Sweeps taken.
         sweeps: u64,
+        /// The contact, from 0, whose force changed most in the last of them.
+        contact: usize,
+        /// By how much, in parts of the largest force; infinite where it left the range of numbers.
+        change: f64,
+        /// What would have been enough.
+        tolerance: f64,
+    },
+    /// What acts on this contact (from 0) is no finite number.
+    NotFinite {
+        /// The contact, from 0.
+        contact: usize,
+    },
+    /// One step has more oscillations than exact motion follows.
+    TooManySeries {
+        /// The most power series that a step may take.
+        most: u64,
     },
     /// This contact (from 0) changed its state again and again at one instant.
     TooManyEvents {
@@ -168,6 +230,18 @@ pub trait Integrator: Send {
         motion: &Motion,
         drive: &Drive,
         forces: &mut [ContactForce],
+    ) -> Result<(), StepFailure>;
+
+    /// What a push does to contacts that keep their states. It is linear: forces give contact forces and
+    /// accelerations, changes of forces give their changes, and rates their rates.
+    ///
+    /// # Errors
+    /// As [`advance`](Self::advance).
+    fn respond(
+        &mut self,
+        kept: Kept<'_>,
+        push: Push<'_>,
+        response: &mut Response,
     ) -> Result<(), StepFailure>;
 
     /// (N, T) of each contact over the last step, N; `None` where the method has no such forces, or each contact

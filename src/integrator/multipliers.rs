@@ -109,7 +109,34 @@ impl Multipliers {
                 return Ok(sweep);
             }
         }
-        Err(StepFailure::NoConvergence { sweeps: MAX_SWEEPS })
+        Err(self.unsettled())
+    }
+
+    /// Which contact has not settled: one more sweep looks, so that those that converge need not.
+    #[cold]
+    fn unsettled(&mut self) -> StepFailure {
+        let (mut unsettled, mut change) = (0, 0.0_f64);
+        for place in 0..self.coupled.len() {
+            let contact = self.coupled[place];
+            let force = match self.solve_one(contact, MAX_SWEEPS) {
+                Ok((force, _)) => force,
+                Err(failure) => return failure,
+            };
+            for (old, new) in self.forces[contact].iter_mut().zip(force) {
+                if (new - *old).abs() > change {
+                    (unsettled, change) = (contact, (new - *old).abs());
+                }
+                *old = new;
+            }
+        }
+        let size = |largest: f64, force: &f64| largest.max(force.abs());
+        let largest = self.forces.iter().flatten().fold(f64::MIN_POSITIVE, size);
+        StepFailure::NoConvergence {
+            sweeps: MAX_SWEEPS,
+            contact: unsettled,
+            change: change / largest,
+            tolerance: TOLERANCE,
+        }
     }
 
     /// Eqs. (19)–(21) for one contact in this sweep: its force, those of the others held, and its state.
@@ -135,13 +162,24 @@ impl Multipliers {
             &Freedom::HeldSlipping { direction, friction } => {
                 local.slide_held(normal, friction, direction)
             }
+            Freedom::Fixed => Some(local.fix([normal, tangential])),
             &Freedom::Guided { slope, state } => local.guide(normal, slope, state),
         };
         let LocalSolution { force, state } = solution.ok_or(StepFailure::Wedged { contact })?;
         if !force.iter().all(|force| force.is_finite()) {
-            return Err(StepFailure::NoConvergence { sweeps: sweep });
+            return Err(self.out_of_range(contact, sweep));
         }
         Ok((force, state))
+    }
+
+    /// Why a force is no finite number: what acts on the contact is none, or the sweeps diverge.
+    #[cold]
+    fn out_of_range(&self, contact: usize, sweeps: u64) -> StepFailure {
+        if !self.free[contact].iter().all(|free| free.is_finite()) {
+            return StepFailure::NotFinite { contact };
+        }
+        let (change, tolerance) = (f64::INFINITY, TOLERANCE);
+        StepFailure::NoConvergence { sweeps, contact, change, tolerance }
     }
 }
 
@@ -224,6 +262,41 @@ mod tests {
         let mut problem = with_law(&delassus);
         problem.freedom = vec![Freedom::Slipping { direction: -1.0, friction: 0.5 }; 2];
         problem.free = vec![[-1.0, 0.0]; 2];
-        assert!(matches!(problem.solve(), Err(StepFailure::NoConvergence { sweeps: 2.. })));
+        let failure = problem.solve().unwrap_err();
+        // The forces grow by 1.5² a sweep, beyond the range of numbers.
+        assert!(
+            matches!(failure, StepFailure::NoConvergence { sweeps: 2..1000, change, .. } if change.is_infinite())
+        );
+    }
+
+    #[test]
+    fn what_converges_too_slowly_is_reported_with_the_contact_that_changed_most() {
+        let r = 1.0 - 1e-5;
+        #[rustfmt::skip]
+        let delassus = vec![
+            1.0, 0.0, r, 0.0,
+            0.0, 1.0, 0.0, 0.0,
+            r, 0.0, 1.0, 0.0,
+            0.0, 0.0, 0.0, 1.0,
+        ];
+        let mut problem = with_law(&delassus);
+        problem.free = vec![[-1.0, 0.0]; 2];
+        let failure = problem.solve().unwrap_err();
+        // From zero N₁ = (1 + r r²ᵏ)/(1 + r) after k + 1 sweeps; N₂ = 1 − r N₁ changes by less.
+        let left = r * r.powf(2e4);
+        let expected = left * (1.0 - r * r) / (1.0 + left);
+        let StepFailure::NoConvergence { sweeps: 10_000, contact: 0, change, tolerance } = failure
+        else {
+            panic!("{failure:?}");
+        };
+        assert!((change / expected - 1.0).abs() < 1e-3, "{change} {expected}");
+        assert_eq!(tolerance, 1e-13);
+    }
+
+    #[test]
+    fn what_acts_on_a_contact_and_is_no_finite_number_is_reported_with_it() {
+        let mut problem = coupled();
+        problem.free = vec![[-3.0, 0.1], [f64::NEG_INFINITY, 0.0]];
+        assert_eq!(problem.solve(), Err(StepFailure::NotFinite { contact: 1 }));
     }
 }

@@ -65,7 +65,7 @@ impl LumpedModel {
         let slope =
             |contact: &super::Contact| contact.sliding_slope(friction_coefficient, slider_velocity);
         let slopes: Vec<f64> = self.contacts.iter().map(slope).collect();
-        match self.solve(&slopes) {
+        match self.solve(&slopes, &self.load) {
             // Friction that can stick follows |N|, which this linear solution has not asked.
             Ok(found) if found.pulled_contact().is_none() || self.may_pull(&slopes) => Ok(found),
             found => Err(self.explain_missing_equilibrium(&slopes, &found, name)),
@@ -79,8 +79,32 @@ impl LumpedModel {
         !(self.law.detachment || drives)
     }
 
-    /// All contacts closed and sliding with the signed friction coefficients `slopes` = T/N.
-    fn solve(&self, slopes: &[f64]) -> Result<Equilibrium, Singular> {
+    /// How the contact forces of the equilibrium in uniform sliding change: (dN, dT) of each contact, N, for
+    /// changes of the load, N, and of the signed friction coefficients `slopes` = T/N, where the contacts press
+    /// with `normal_force`, N. It is linear: K dX = dF + Σ (G_N + s µ G_T)ᵀ dN + G_Tᵀ N d(s µ), G_N dX = 0.
+    ///
+    /// # Errors
+    /// There is no equilibrium.
+    pub fn equilibrium_change(
+        &self,
+        mut load: Vec<f64>,
+        slopes: &[f64],
+        slope_changes: &[f64],
+        normal_force: &[f64],
+    ) -> Result<Vec<[f64; 2]>, Error> {
+        let weakened = || normal_force.iter().zip(slope_changes).map(|(force, by)| force * by);
+        for (contact, change) in self.contacts.iter().zip(weakened()) {
+            contact.tangent.add_to(&mut load, change);
+        }
+        let found = self.solve(slopes, &load).map_err(|_| {
+            Error::equilibrium("the equilibrium has no derivative where a structure jams")
+        })?;
+        let forces = found.normal_force.into_iter().zip(found.friction_force);
+        Ok(forces.zip(weakened()).map(|((n, t), own)| [n, t + own]).collect())
+    }
+
+    /// All contacts closed and sliding with the signed friction coefficients `slopes` = T/N, under this load, N.
+    fn solve(&self, slopes: &[f64], load: &[f64]) -> Result<Equilibrium, Singular> {
         let dofs = self.dofs();
         let size = dofs + self.contacts.len();
         let mut entries: Vec<Entry> = self.stiffness.entries().collect();
@@ -96,7 +120,7 @@ impl LumpedModel {
                 entries.push((dof, multiplier, -unit * (slope * value)));
             }
         }
-        let mut load = self.load.clone();
+        let mut load = load.to_vec();
         load.resize(size, 0.0);
         let mut displacement = banded::solve(size, &entries, &load)?;
         let normal_force: Vec<f64> =
@@ -115,8 +139,10 @@ impl LumpedModel {
         name: &dyn Fn(usize) -> String,
     ) -> Error {
         const GRID: u32 = 256;
-        let solve =
-            |part: f64| self.solve(&slopes.iter().map(|slope| part * slope).collect::<Vec<_>>());
+        let solve = |part: f64| {
+            let part: Vec<f64> = slopes.iter().map(|slope| part * slope).collect();
+            self.solve(&part, &self.load)
+        };
         if solve(0.0).is_err() {
             return Error::equilibrium(
                 "no equilibrium: the structure can move without straining a spring, or contacts \

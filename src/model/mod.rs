@@ -127,9 +127,14 @@ impl Contact {
     /// surface stands still.
     #[must_use]
     pub fn sliding_slope(&self, common_friction: f64, common_velocity: f64) -> f64 {
+        self.sliding_sign(common_velocity) * self.friction(common_friction)
+    }
+
+    /// The sign of the friction force in uniform sliding: that of v, 0 where the surface stands still.
+    #[must_use]
+    pub fn sliding_sign(&self, common_velocity: f64) -> f64 {
         let velocity = self.velocity(common_velocity);
-        let sign = if velocity == 0.0 { 0.0 } else { velocity.signum() };
-        sign * self.friction(common_friction)
+        if velocity == 0.0 { 0.0 } else { velocity.signum() }
     }
 }
 

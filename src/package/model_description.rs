@@ -1,12 +1,12 @@
 //! `modelDescription.xml` (FMI 2.0.4, section 2.2), elements in the order of the schema.
 
 use super::date::Date;
-use crate::fmi2::CATEGORIES;
+use crate::fmi2::{CATEGORIES, STRICT};
 use crate::scene::{Scene, Selection, Source};
 use crate::simulation::catalogue::{
-    Causality, ENUMERATIONS, Kind, Template, UNITS, Variability, Variable,
+    Causality, ENUMERATIONS, Kind, Template, UNITS, Variability, Variable, fmu_variables,
 };
-use crate::simulation::{fingerprint, read_scene, variables};
+use crate::simulation::{fingerprint, read_scene};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
@@ -25,7 +25,7 @@ pub fn identifier(name: &str) -> String {
 #[must_use]
 pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> String {
     let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
-    let variables = variables(scene);
+    let variables = fmu_variables(scene);
     let mut root = vec![
         ("fmiVersion", "2.0".to_owned()),
         ("modelName", scene.name.clone()),
@@ -46,9 +46,12 @@ pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> 
             &[
                 ("modelIdentifier", identifier(&scene.name)),
                 ("canHandleVariableCommunicationStepSize", "true".to_owned()),
+                ("canInterpolateInputs", "true".to_owned()),
+                ("maxOutputDerivativeOrder", "1".to_owned()),
                 ("canNotUseMemoryManagementFunctions", "true".to_owned()),
                 ("canGetAndSetFMUstate", "true".to_owned()),
                 ("canSerializeFMUstate", "true".to_owned()),
+                ("providesDirectionalDerivative", "true".to_owned()),
             ],
         );
         units(xml);
@@ -145,6 +148,11 @@ fn scalar_variable(xml: &mut Xml, scene: &Scene, reference: usize, variable: &Va
                 "Real"
             }
             Kind::Integer => "Integer",
+            Kind::Boolean => {
+                // The one that there is, which no scene has.
+                attributes.push(("start", STRICT.to_string()));
+                "Boolean"
+            }
             Kind::Enumeration { name } => {
                 attributes.push(("declaredType", name.to_owned()));
                 "Enumeration"

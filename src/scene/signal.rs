@@ -179,6 +179,19 @@ impl Shape {
         }
     }
 
+    /// How fast the rate changes from time `t` (s) on, per second squared; jumps and corners do not count. `slack`
+    /// as in [`at`](Self::at).
+    #[must_use]
+    pub fn curvature(&self, t: f64, slack: f64) -> f64 {
+        match self {
+            Self::Sine(Sine { frequency, .. }) => {
+                let pulsation = TAU * frequency;
+                0.0 - pulsation * pulsation * self.at(t, slack)
+            }
+            Self::Constant(_) | Self::Ramp(_) | Self::Pulse(_) | Self::Table(_) => 0.0,
+        }
+    }
+
     /// The time (s) up to which, but not including it, the value stays as it is at `t`; `t` itself
     /// while it changes. `slack` as in [`at`](Self::at).
     #[must_use]
@@ -407,6 +420,9 @@ mod tests {
                 let (t, ahead) = (t + 1e-9, 1e-7);
                 let change = (shape.at(t + ahead, 0.0) - shape.at(t, 0.0)) / ahead;
                 assert!((change - shape.rate(t, 0.0)).abs() < 1e-5, "{shape:?} at {t}: {change}");
+                let change = (shape.rate(t + ahead, 0.0) - shape.rate(t, 0.0)) / ahead;
+                let error = (change - shape.curvature(t, 0.0)).abs();
+                assert!(error < 1e-5, "{shape:?} at {t}: {change}");
             }
         }
     }

@@ -48,6 +48,8 @@ pub enum Per {
     Spring,
     /// Once a damper of a network.
     Damper,
+    /// Once in an FMU; no run has it.
+    Fmu,
 }
 
 /// The role of a variable.
@@ -86,6 +88,8 @@ pub enum Kind {
     },
     /// A 32-bit integer.
     Integer,
+    /// True or false.
+    Boolean,
     /// An item of an enumeration, counting from 1.
     Enumeration {
         /// The enumeration's name.
@@ -129,6 +133,12 @@ pub struct Variable {
 }
 
 impl Variable {
+    /// The place of its entry in [`TEMPLATES`].
+    pub(super) fn template_place(&self) -> usize {
+        let mut places = TEMPLATES.iter();
+        places.position(|template| std::ptr::eq(template, self.template)).expect("it is from there")
+    }
+
     /// May it be given a value before the run?
     #[must_use]
     pub fn is_settable(&self) -> bool {
@@ -165,14 +175,32 @@ pub fn variables(scene: &Scene) -> Vec<Variable> {
         for index in 0..count(scene, group[0].per) {
             let part = part(scene, group[0].per, index);
             let present = group.iter().filter(|template| is_present(scene, template, index));
-            variables.extend(present.map(|template| {
-                let (causality, variability) = role(scene, template);
-                let name = template.name.replace("{i}", &part);
-                Variable { name, template, index, causality, variability }
-            }));
+            variables.extend(present.map(|template| of_part(scene, template, index, &part)));
         }
     }
     variables
+}
+
+/// The variable that this entry of [`TEMPLATES`] makes for a part of the structure, if the scene has it.
+pub(super) fn variable(scene: &Scene, template: usize, index: usize) -> Option<Variable> {
+    let template = TEMPLATES.get(template)?;
+    let exists = index < count(scene, template.per) && is_present(scene, template, index);
+    exists.then(|| of_part(scene, template, index, &part(scene, template.per, index)))
+}
+
+fn of_part(scene: &Scene, template: &'static Template, index: usize, part: &str) -> Variable {
+    let (causality, variability) = role(scene, template);
+    let name = template.name.replace("{i}", part);
+    Variable { name, template, index, causality, variability }
+}
+
+/// The variables of a scene's FMU: those of the scene, then the FMU's own. The place of one is its value
+/// reference.
+#[must_use]
+pub fn fmu_variables(scene: &Scene) -> Vec<Variable> {
+    let own = TEMPLATES.iter().filter(|template| template.per == Per::Fmu);
+    let own = own.map(|template| of_part(scene, template, 0, ""));
+    variables(scene).into_iter().chain(own).collect()
 }
 
 /// Role and time of change of a template's variables in a scene.
@@ -208,7 +236,8 @@ fn count(scene: &Scene, per: Per) -> usize {
         (Per::Spring, Structure::Network(network)) => network.springs.len(),
         (Per::Damper, Structure::Network(network)) => network.dampers.len(),
         (Per::Mass | Per::Spring | Per::Damper, Structure::Ring(_))
-        | (Per::Ring | Per::Module, Structure::Network(_)) => 0,
+        | (Per::Ring | Per::Module, Structure::Network(_))
+        | (Per::Fmu, _) => 0,
     }
 }
 

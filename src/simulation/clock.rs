@@ -8,6 +8,8 @@ const TOLERANCE: f64 = 1e-9;
 /// hosts add up, is a rounding error.
 pub(super) const NOTHING: f64 = 1e-6;
 const DIGITS: f64 = 1e-12;
+/// Steps that a saved clock may be behind its time by rounding.
+const MOST_MADE_UP: f64 = 1e6;
 
 /// The time of a motion: whole internal steps since a start, and what whoever asks for the steps
 /// calls the present time. The two differ by rounding errors, half an internal step at most.
@@ -91,6 +93,16 @@ impl Clock {
     /// gathers rounding errors.
     pub(super) fn same(a: f64, b: f64, step: f64) -> bool {
         (a - b).abs() <= 0.5 * step
+    }
+
+    /// Does it keep what every clock with this internal step keeps? A count that does not belong to its times
+    /// would be made up for step by step.
+    pub(super) fn is_possible(self, step: f64) -> bool {
+        let off = (self.grid_time(step) - self.asked).abs();
+        let rounding = 4.0 * f64::EPSILON * (self.start.abs() + self.asked.abs());
+        // Where times are too large for the step to be seen, that many steps are all that it may cost.
+        let rounding = rounding.min(MOST_MADE_UP * step);
+        self.start.is_finite() && self.asked.is_finite() && off <= step + rounding
     }
 
     /// The way to time `target`.
@@ -183,7 +195,7 @@ mod tests {
         assert_eq!(after(std::iter::repeat_n(0.1, 1000).chain([1e-3])).1, 10_000_100);
     }
 
-    /// A step of exact motion may be as long as one likes; what is asked for in between is no rounding.
+    /// A step of exact motion may be longer than all else; what is asked for in between is no rounding.
     #[test]
     fn however_long_the_internal_step_what_is_asked_for_is_gone() {
         for (size, internal) in [(2e-4, 1e3), (5e-9, 1e-2), (2e-10, 2.5e-4)] {
@@ -224,6 +236,23 @@ mod tests {
     fn a_step_shorter_than_the_internal_one_is_taken_as_it_is() {
         let leg = Clock::at(0.0).way_to(0.3 * H, H).unwrap();
         assert_eq!((leg.step, leg.count), (0.3 * H, 1));
+    }
+
+    #[test]
+    fn a_clock_whose_count_is_not_that_of_its_times_is_impossible() {
+        let clock = after([0.1, 1e-4]).0;
+        assert!(clock.is_possible(H) && Clock::at(-1e300).is_possible(H));
+        for forged in [
+            Clock { start: -1e3, ..clock },
+            Clock { start: 1e20, asked: 1e20 + 1e5, steps: 0 },
+            Clock { asked: 1e300, ..clock },
+            Clock { steps: 1 << 63, ..clock },
+            Clock { steps: 0, ..clock },
+            Clock::at(f64::NAN),
+            Clock::at(f64::INFINITY),
+        ] {
+            assert!(!forged.is_possible(H), "{forged:?}");
+        }
     }
 
     #[test]

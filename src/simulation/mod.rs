@@ -5,13 +5,16 @@ mod assumptions;
 mod batch;
 pub mod catalogue;
 mod clock;
+mod derivatives;
 #[cfg(feature = "tools")]
 mod effects;
+mod failure;
 mod fingerprint;
 mod given;
 #[cfg(feature = "tools")]
 mod inputs;
 mod monitor;
+mod rates;
 mod signals;
 mod snapshot;
 mod start;
@@ -33,6 +36,7 @@ pub use fingerprint::fingerprint;
 pub(crate) use given::Given;
 #[cfg(feature = "tools")]
 pub use inputs::{Inputs, is_close};
+pub(crate) use rates::check_rate;
 pub use snapshot::Snapshot;
 pub(crate) use snapshot::{Progress, from_bytes, to_bytes};
 #[cfg(feature = "tools")]
@@ -43,9 +47,7 @@ pub use warning::{step_warning, warnings};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
-use crate::integrator::{
-    self, Drive, Energy, Integrator, Ledger, Motion, Selected, Statistics, StepFailure,
-};
+use crate::integrator::{self, Drive, Energy, Integrator, Ledger, Motion, Selected, Statistics};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{self, Equilibrium, LumpedModel, Numbering};
 use crate::scene::{Method, Scene, Structure};
@@ -278,7 +280,7 @@ impl Simulation {
     /// value. Then the motion is not to be used.
     pub fn advance_to(&mut self, target: f64) -> Result<(), Error> {
         let mut leg = self.leg_to(target)?;
-        while let Some(count) = self.prepare(&leg)? {
+        while let Some(count) = self.prepare(&leg).map_err(|error| self.stopped(&error, &leg))? {
             self.integrator
                 .advance(&mut self.motion, &self.drive, leg.step, count)
                 .map_err(|failure| self.failed(failure, target))?;
@@ -290,10 +292,14 @@ impl Simulation {
     }
 
     /// The way to time `target` (s).
-    fn leg_to(&self, target: f64) -> Result<Leg, Error> {
-        self.clock
-            .way_to(target, self.scene.step)
-            .ok_or_else(|| Error::step(format!("cannot go from {} s to {target} s", self.time())))
+    fn leg_to(&mut self, target: f64) -> Result<Leg, Error> {
+        let leg = self.clock.way_to(target, self.scene.step).ok_or_else(|| {
+            Error::step(format!("cannot go from {} s to {target} s", self.time()))
+        })?;
+        if !leg.is_done() {
+            self.begin_rates(leg.arrival.grid_time(self.scene.step))?;
+        }
+        Ok(leg)
     }
 
     /// Brings everything up to date for the next steps of a leg; how many can be taken alike, if any are left.
@@ -325,6 +331,9 @@ impl Simulation {
 
     fn arrive(&mut self, leg: &Leg) {
         self.clock = leg.arrival;
+        if leg.done > 0 {
+            self.end_rates();
+        }
         self.stale.contact_forces = true;
     }
 
@@ -417,7 +426,7 @@ impl Simulation {
                 self.model.raise_friction(acting);
                 let checked = guard.check(&self.model, acting.friction_coefficient);
                 self.model.update_contacts(acting);
-                checked?;
+                checked.map_err(|error| limit_left(acting, time, &error))?;
             }
         }
         self.stale.limit = false;
@@ -428,33 +437,7 @@ impl Simulation {
         if are_finite(&self.motion.displacement) && are_finite(&self.motion.velocity) {
             return Ok(());
         }
-        Err(Error::step(format!(
-            "between {} s and {target} s the motion left the range of numbers; \
-             look for an input that is not finite, or a flutter that nothing bounds",
-            self.time()
-        )))
-    }
-
-    fn failed(&self, failure: StepFailure, target: f64) -> Error {
-        let time = self.time();
-        Error::step(match failure {
-            StepFailure::NoConvergence { sweeps } => {
-                format!(
-                    "between {time} s and {target} s the contact forces did not converge in \
-                     {sweeps} sweeps"
-                )
-            }
-            StepFailure::TooManyEvents { contact } => format!(
-                "between {time} s and {target} s {} changed its state again and again at one \
-                 instant",
-                self.scene.contact_name(contact)
-            ),
-            StepFailure::Wedged { contact } => format!(
-                "between {time} s and {target} s friction wedges {}: no contact \
-                 force satisfies its law; lower friction.coefficient",
-                self.scene.contact_name(contact)
-            ),
-        })
+        Err(self.left_range(target))
     }
 }
 
@@ -472,6 +455,17 @@ fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
         // Locked degrees of freedom have no variables.
         Structure::Network(_) => numbering.dof(index, component).unwrap_or(0),
     }
+}
+
+/// Words on values that have made the step too long; the step itself may be fixed by now.
+fn limit_left(acting: &Scene, time: f64, error: &Error) -> Error {
+    let (friction, damping) = (acting.friction_coefficient, acting.damping);
+    let damping = match damping.beta {
+        0.0 => String::new(),
+        beta => format!(" and damping.beta = {beta:?}"),
+    };
+    let with = format!("with friction.coefficient = {friction:?}{damping}");
+    error.in_words(format!("at {time} s, {with}, {error}"))
 }
 
 /// Refuses static friction that inputs or signals have brought below the kinetic one.

@@ -4,7 +4,8 @@ use super::Simulation;
 use super::signals;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::{Damping, LumpedModel, SparseMatrix, Steady};
+use crate::model::{Damping, Equilibrium, LumpedModel, SparseMatrix, Steady};
+use crate::scene::Scene;
 use crate::stability::Spectrum;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -107,17 +108,30 @@ impl Simulation {
     pub(super) fn outlook(&mut self) -> Result<Outlook, Error> {
         self.contact_forces()?;
         let Some(monitor) = &mut self.monitor else { return Ok(Outlook::default()) };
-        self.model.linearise(&self.reference.equilibrium);
-        let common = signals::acting(self.driven.as_ref(), &self.scene).friction_coefficient;
-        let friction =
-            self.model.contacts.iter().map(|contact| (contact.friction(common), contact.steady));
-        monitor.keep_up(&self.model, friction);
         let states = self.contact_forces.iter().map(|force| force.state);
-        let outlook = monitor.outlook(&self.model, states, common);
-        // Nothing of this is left to whoever looks at the model next.
-        self.model.update_contacts(signals::acting(self.driven.as_ref(), &self.scene));
-        Ok(outlook)
+        let acting = signals::acting(self.driven.as_ref(), &self.scene);
+        let equilibrium = &self.reference.equilibrium;
+        Ok(linearised(&mut self.model, equilibrium, acting, |model, common| {
+            let friction =
+                model.contacts.iter().map(|contact| (contact.friction(common), contact.steady));
+            monitor.keep_up(model, friction);
+            monitor.outlook(model, states, common)
+        }))
     }
+}
+
+/// Does something with the model linearised about the equilibrium, and with µ of contacts without one of their own.
+/// Nothing of that is left to whoever looks at the model next.
+pub(super) fn linearised<T>(
+    model: &mut LumpedModel,
+    equilibrium: &Equilibrium,
+    acting: &Scene,
+    work: impl FnOnce(&LumpedModel, f64) -> T,
+) -> T {
+    model.linearise(equilibrium);
+    let result = work(model, acting.friction_coefficient);
+    model.update_contacts(acting);
+    result
 }
 
 #[cfg(test)]

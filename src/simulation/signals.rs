@@ -1,4 +1,5 @@
-//! The signals of a scene at work: what they make of its inputs at an instant.
+//! Inputs that change over a step: what the signals of a scene, and the rates that an importer gives, make of
+//! them at an instant.
 
 use super::Variable;
 use super::catalogue::{Quantity, variables};
@@ -6,15 +7,16 @@ use super::clock::NOTHING;
 use super::values::{check_value, read_scene, write_scene};
 use crate::Error;
 use crate::scene::{Scene, Shape};
+use serde::{Deserialize, Serialize};
 
 /// Long steps of exact motion must not blur the edges of signals, s.
 const MOST_SLACK: f64 = 1e-9;
 
-/// A scene whose inputs signals drive.
+/// A scene whose inputs signals or rates drive.
 pub(super) struct Driven {
     /// The values that act: those of the scene as it is given, and what the signals add to them.
     pub(super) scene: Scene,
-    /// What is driven, each by one signal or more.
+    /// What is driven.
     inputs: Vec<Input>,
     /// What times may be off by rounding, s.
     slack: f64,
@@ -24,6 +26,24 @@ struct Input {
     variable: Variable,
     /// The places of its signals in the scene.
     signals: Vec<usize>,
+    /// What an importer adds to it over a step.
+    ramp: Option<Ramp>,
+}
+
+/// What is added to an input over one step of whoever gives it: nothing at `origin` (s), and from there `rate` per
+/// second more.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct Ramp {
+    pub(super) origin: f64,
+    pub(super) rate: f64,
+    /// Has its step been taken? Then it only says how fast the input changed up to now.
+    pub(super) is_over: bool,
+}
+
+impl Ramp {
+    fn at(self, t: f64) -> f64 {
+        self.rate * (t - self.origin)
+    }
 }
 
 /// The values that act: those of the driven scene, or where nothing drives it, those given.
@@ -32,21 +52,90 @@ pub(super) fn acting<'a>(driven: Option<&'a Driven>, given: &'a Scene) -> &'a Sc
 }
 
 impl Driven {
-    /// The scene at work, so far as it is given; `None` if nothing drives it. It has been checked.
+    /// The scene at work, so far as it is given; `None` if it has no signals. It has been checked.
     pub(super) fn of(given: &Scene) -> Option<Self> {
-        if given.signals.is_empty() {
-            return None;
-        }
+        (!given.signals.is_empty()).then(|| Self::new(given))
+    }
+
+    /// The same of any scene.
+    pub(super) fn new(given: &Scene) -> Self {
         let mut inputs: Vec<Input> = Vec::new();
         for variable in variables(given) {
             let all = given.signals.iter().enumerate();
             let signals = all.filter(|(_, signal)| signal.input == variable.name);
             let signals: Vec<usize> = signals.map(|(i, _)| i).collect();
             if !signals.is_empty() {
-                inputs.push(Input { variable, signals });
+                inputs.push(Input { variable, signals, ramp: None });
             }
         }
-        Some(Self { scene: given.clone(), inputs, slack: (NOTHING * given.step).min(MOST_SLACK) })
+        Self { scene: given.clone(), inputs, slack: (NOTHING * given.step).min(MOST_SLACK) }
+    }
+
+    /// Gives an input this ramp, in place of the one that it has.
+    pub(super) fn set_ramp(&mut self, variable: &Variable, ramp: Ramp) {
+        // Hosts give a rate of zero to what does not change: then each step is like the one before.
+        let ramp = Some(ramp).filter(|ramp| ramp.rate != 0.0);
+        match self.inputs.iter_mut().find(|input| input.is(variable)) {
+            Some(input) => input.ramp = ramp,
+            None if ramp.is_none() => {}
+            None => {
+                self.inputs.push(Input { variable: variable.clone(), signals: Vec::new(), ramp });
+            }
+        }
+    }
+
+    /// Takes all ramps away, or those whose step has been taken. Their inputs stay among those that are looked
+    /// after, and so become again what they are given as.
+    pub(super) fn drop_ramps(&mut self, all: bool) {
+        for Input { ramp, .. } in &mut self.inputs {
+            ramp.take_if(|ramp| all || ramp.is_over);
+        }
+    }
+
+    /// Takes over another value that an input is given, until the next step adds to it again. How fast the input
+    /// has changed up to now is no longer true then.
+    ///
+    /// # Errors
+    /// The variable is an output.
+    pub(super) fn write(&mut self, variable: &Variable, value: f64) -> Result<(), Error> {
+        if let Some(input) = self.inputs.iter_mut().find(|input| input.is(variable)) {
+            input.ramp.take_if(|ramp| ramp.is_over);
+        }
+        write_scene(&mut self.scene, variable, value)
+    }
+
+    /// The inputs that have ramps.
+    pub(super) fn ramps(&self) -> impl Iterator<Item = (&Variable, Ramp)> {
+        self.inputs.iter().filter_map(|input| Some((&input.variable, input.ramp?)))
+    }
+
+    /// The values that the ramps lead to by time `end` (s), where without them the inputs are as `given`.
+    ///
+    /// # Errors
+    /// A value that cannot be.
+    pub(super) fn check_ramps(&self, end: f64, given: &Scene) -> Result<(), Error> {
+        for (variable, ramp) in self.ramps().filter(|(_, ramp)| !ramp.is_over) {
+            let value = read_scene(given, variable).unwrap_or(0.0) + ramp.at(end);
+            check_value(variable, value).map_err(|error| {
+                let rate = ramp.rate;
+                Error::step(format!("at {end} s, with a rate of {rate:?} per second, {error}"))
+            })?;
+        }
+        Ok(())
+    }
+
+    /// Ends the step of the ramps at time `end` (s): what they have led to is given from now on.
+    ///
+    /// # Errors
+    /// None: what has a ramp can be written.
+    pub(super) fn end_ramps(&mut self, end: f64, given: &mut Scene) -> Result<(), Error> {
+        for Input { variable, ramp, .. } in &mut self.inputs {
+            let Some(ramp) = ramp.as_mut().filter(|ramp| !ramp.is_over) else { continue };
+            let value = read_scene(given, variable).unwrap_or(0.0) + ramp.at(end);
+            write_scene(given, variable, value)?;
+            (ramp.origin, ramp.is_over) = (end, true);
+        }
+        Ok(())
     }
 
     /// Takes over other values of the same structure, so far as they are given.
@@ -67,16 +156,18 @@ impl Driven {
         mut changed: impl FnMut(&Variable),
     ) -> Result<(), Error> {
         let mut result = Ok(());
-        for Input { variable, signals } in &self.inputs {
+        for Input { variable, signals, ramp } in &self.inputs {
             let value = |scene| read_scene(scene, variable).unwrap_or(0.0);
             let t = if is_velocity(variable) { end } else { start };
             let added = signals.iter().map(|&i| given.signals[i].shape.at(t, self.slack));
-            let sum = added.fold(value(given), |sum, added| sum + added);
+            let given = ramp.map_or(value(given), |ramp| value(given) + ramp.at(t));
+            let sum = added.fold(given, |sum, added| sum + added);
             if sum == value(&self.scene) {
                 continue;
             }
             if let Err(error) = check_value(variable, sum) {
-                let message = format!("at {t} s, with the scene's signals, {error}");
+                let by = if signals.is_empty() { "its rate" } else { "the scene's signals" };
+                let message = format!("at {t} s, with {by}, {error}");
                 result = result.and(Err(Error::step(message)));
                 continue;
             }
@@ -89,41 +180,73 @@ impl Driven {
     /// The time (s) up to which, but not including it, the inputs stay as they are at `t`; `t` itself
     /// while one of them changes.
     pub(super) fn constant_until(&self, t: f64) -> f64 {
+        if self.ramps().any(|(_, ramp)| !ramp.is_over) {
+            return t;
+        }
         let shapes = self.scene.signals.iter().map(|signal| &signal.shape);
         shapes.fold(f64::INFINITY, |until, shape| until.min(shape.constant_until(t, self.slack)))
     }
 
     /// How fast the velocity of a contact's slider changes from time `t` (s) on, m/s².
     pub(super) fn slider_acceleration(&self, t: f64, contact: usize) -> f64 {
-        self.of_slider(contact).fold(0.0, |sum, shape| sum + shape.rate(t, self.slack))
+        self.of_slider(contact).fold(0.0, |sum, input| self.rate(input, t, sum))
     }
 
     /// By how much the velocity of a contact's slider changes over a step, m/s.
     pub(super) fn slider_change(&self, [start, end]: [f64; 2], contact: usize) -> f64 {
-        let at = |t: f64| self.of_slider(contact).fold(0.0, |sum, s| sum + s.at(t, self.slack));
+        let at = |t: f64| {
+            let inputs = self.of_slider(contact);
+            inputs.fold(0.0, |sum, input| {
+                let ramp = input.ramp.map_or(0.0, |ramp| ramp.at(t));
+                self.shapes(input).fold(sum + ramp, |sum, shape| sum + shape.at(t, self.slack))
+            })
+        };
         at(end) - at(start)
+    }
+
+    /// How fast the acceleration of a contact's slider changes from time `t` (s) on, m/s³.
+    pub(super) fn slider_jerk(&self, t: f64, contact: usize) -> f64 {
+        let shapes = self.of_slider(contact).flat_map(|input| self.shapes(input));
+        shapes.fold(0.0, |sum, shape| sum + shape.curvature(t, self.slack))
+    }
+
+    /// The driven inputs, with how fast they change from time `t` (s) on, per second.
+    pub(super) fn rates(&self, t: f64) -> impl Iterator<Item = (&Variable, f64)> {
+        self.inputs.iter().map(move |input| (&input.variable, self.rate(input, t, 0.0)))
     }
 
     /// The driven external forces and preloads, with how fast they change from time `t` (s) on, per second.
     pub(super) fn load_rates(&self, t: f64) -> impl Iterator<Item = (&Variable, f64)> {
-        let is_load = |input: &&Input| {
-            matches!(input.variable.template.quantity, Quantity::ExternalForce | Quantity::Preload)
-        };
-        self.inputs.iter().filter(is_load).map(move |input| {
-            let shapes = input.signals.iter().map(|&i| &self.scene.signals[i].shape);
-            (&input.variable, shapes.fold(0.0, |sum, shape| sum + shape.rate(t, self.slack)))
+        self.rates(t).filter(|(variable, _)| {
+            matches!(variable.template.quantity, Quantity::ExternalForce | Quantity::Preload)
         })
     }
 
-    fn of_slider(&self, contact: usize) -> impl Iterator<Item = &Shape> {
+    /// `sum` and how fast an input changes from time `t` (s) on, per second.
+    fn rate(&self, input: &Input, t: f64, sum: f64) -> f64 {
+        let ramp = input.ramp.map_or(0.0, |ramp| ramp.rate);
+        self.shapes(input).fold(sum + ramp, |sum, shape| sum + shape.rate(t, self.slack))
+    }
+
+    fn shapes<'a>(&'a self, input: &'a Input) -> impl Iterator<Item = &'a Shape> {
+        input.signals.iter().map(|&i| &self.scene.signals[i].shape)
+    }
+
+    fn of_slider(&self, contact: usize) -> impl Iterator<Item = &Input> {
         let own = self.scene.network().and_then(|network| network.contacts[contact].velocity);
-        let drives_it = move |input: &&Input| match input.variable.template.quantity {
+        self.inputs.iter().filter(move |input| match input.variable.template.quantity {
             Quantity::SliderVelocity => own.is_none(),
             Quantity::OwnVelocity => input.variable.index == contact,
             _ => false,
-        };
-        let signals = self.inputs.iter().filter(drives_it).flat_map(|input| &input.signals);
-        signals.map(|&i| &self.scene.signals[i].shape)
+        })
+    }
+}
+
+impl Input {
+    /// Is it this variable?
+    fn is(&self, variable: &Variable) -> bool {
+        std::ptr::eq(self.variable.template, variable.template)
+            && self.variable.index == variable.index
     }
 }
 

@@ -7,11 +7,13 @@
 //! stands for the scene, so of that only what may have been given another value is among them ([`Given`](super::Given)).
 
 use super::clock::Clock;
+use super::rates::{SavedRate, belong_to};
 use super::signals::{self, Driven};
-use super::{Reference, Simulation};
+use super::values::check_given;
+use super::{Reference, Simulation, Variable, are_finite};
 use crate::Error;
 use crate::integrator::{Ledger, Motion};
-use crate::model::LumpedModel;
+use crate::model::{Equilibrium, LumpedModel};
 use crate::scene::{Module, Scene, Structure};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
@@ -29,6 +31,7 @@ pub(crate) struct Progress {
     reference: Reference,
     motion: Motion,
     clock: Clock,
+    rates: Vec<SavedRate>,
 }
 
 impl Snapshot {
@@ -52,6 +55,52 @@ impl Snapshot {
     /// How far the run has come.
     pub(crate) fn progress(&self) -> &Progress {
         &self.progress
+    }
+
+    /// Refuses what no run of the scene leads to: values that break a rule, lists of another length, states that
+    /// the law of contact does not have, counts and times that do not belong together. `failed`: after a step that
+    /// failed a motion may be anything.
+    ///
+    /// # Errors
+    /// What it is; only a forged snapshot has it.
+    pub(crate) fn check(&self, variables: &[Variable], failed: bool) -> Result<(), Error> {
+        check_given(&self.scene, variables)?;
+        let refuse = |what: &str| {
+            Err(Error::saved_state(format!("the saved state contradicts itself: {what}")))
+        };
+        if !self.is_consistent() {
+            return refuse("its lists are not as long as the scene asks for");
+        }
+        let Progress { reference, motion, clock, rates } = &self.progress;
+        let Equilibrium { displacement, normal_force, friction_force } = &reference.equilibrium;
+        if [displacement, normal_force, friction_force, &reference.load]
+            .into_iter()
+            .any(|list| !are_finite(list))
+        {
+            return refuse("its equilibrium is not of finite numbers");
+        }
+        let is_finite = are_finite(&motion.displacement) && are_finite(&motion.velocity);
+        if !failed && !is_finite {
+            return refuse("its motion is not of finite numbers");
+        }
+        let law = self.scene.contact_law();
+        if let Some(i) = motion.contacts.iter().position(|state| !law.allows(*state)) {
+            let name = self.scene.contact_name(i);
+            return refuse(&format!(
+                "{name} is {}, which its law does not know",
+                motion.contacts[i]
+            ));
+        }
+        if !motion.statistics.are_countable() {
+            return refuse("it has counted more than a run can");
+        }
+        if !belong_to(rates, &self.scene) {
+            return refuse("its rates are not those of inputs");
+        }
+        if !clock.is_possible(self.scene.step) {
+            return refuse("its time is not that of its steps");
+        }
+        Ok(())
     }
 
     /// Do all lists have the lengths that the scene asks for?
@@ -80,6 +129,7 @@ impl Simulation {
                 reference: self.reference.clone(),
                 motion: self.motion.clone(),
                 clock: self.clock,
+                rates: self.saved_rates(),
             },
         }
     }
@@ -95,13 +145,11 @@ impl Simulation {
             return Ok(());
         }
         self.scene.clone_from(&snapshot.scene);
-        let Progress { reference, motion, clock } = &snapshot.progress;
+        let Progress { reference, motion, clock, rates } = &snapshot.progress;
         self.reference.clone_from(reference);
         self.motion.clone_from(motion);
         self.clock = *clock;
-        if let Some(driven) = &mut self.driven {
-            driven.restart(&self.scene);
-        }
+        self.take_over_rates(rates);
         self.stale = super::Stale { drive: true, limit: true, contact_forces: true };
         Ok(())
     }
@@ -115,14 +163,17 @@ impl Simulation {
         if !snapshot.is_consistent() {
             return Err(Error::saved_state("the saved state contradicts itself"));
         }
-        let Snapshot { scene, progress: Progress { reference, motion, clock } } = snapshot;
+        let Snapshot { scene, progress } = snapshot;
+        let Progress { reference, motion, clock, rates } = progress;
         // Where signals make a value impossible, the next step says so.
         let mut driven = Driven::of(&scene);
         if let Some(driven) = &mut driven {
             let _ = driven.bring_to([clock.time(); 2], &scene, |_| {});
         }
         let model = LumpedModel::from(signals::acting(driven.as_ref(), &scene));
-        Self::assemble(scene, driven, model, reference, motion, clock)
+        let mut resumed = Self::assemble(scene, driven, model, reference, motion, clock)?;
+        resumed.take_over_rates(&rates);
+        Ok(resumed)
     }
 }
 
@@ -147,7 +198,7 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 6;
+const VERSION: u8 = 7;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -287,6 +338,67 @@ mod tests {
     }
 
     #[test]
+    fn what_no_run_leads_to_is_refused_with_its_reason() {
+        use crate::contact::ContactState;
+        use crate::scene::Method;
+
+        type Forge = fn(&mut Snapshot);
+        let forgeries: &[(Forge, &str)] = &[
+            (
+                |s| s.scene.modules_mut()[1].mass[0] = -0.3,
+                "module[2].m1 = -0.3: must be above zero",
+            ),
+            (
+                |s| s.scene.friction_coefficient = f64::NAN,
+                "friction.coefficient = NaN: must be a finite",
+            ),
+            (|s| s.scene.damping.beta = -1.0, "damping.beta = -1: must not be negative"),
+            (|s| s.scene.step = 0.0, "integrator.step = 0: must be above zero"),
+            (|s| s.progress.motion.displacement.push(0.0), "its lists are not as long"),
+            (|s| s.progress.motion.velocity.clear(), "its lists are not as long"),
+            (|s| s.progress.reference.load.truncate(1), "its lists are not as long"),
+            (|s| s.progress.motion.contacts.truncate(1), "its lists are not as long"),
+            (
+                |s| s.progress.motion.velocity[3] = f64::INFINITY,
+                "its motion is not of finite numbers",
+            ),
+            (
+                |s| s.progress.reference.load[0] = f64::NAN,
+                "its equilibrium is not of finite numbers",
+            ),
+            (|s| s.progress.motion.statistics.entered[2] = u64::MAX, "counted more than a run can"),
+            (|s| s.progress.motion.statistics.steps = u64::MAX, "counted more than a run can"),
+            (|s| s.progress.clock = Clock::at(f64::NAN), "its time is not that of its steps"),
+            // A thousand million steps would be made up for.
+            (|s| s.scene.step = 1e-9, "its time is not that of its steps"),
+        ];
+        let good = running().save();
+        let known = variables(&set1());
+        good.check(&known, false).unwrap();
+        for (forge, words) in forgeries {
+            let mut forged = good.clone();
+            forge(&mut forged);
+            let error = forged.check(&known, false).unwrap_err();
+            assert!(error.is_saved_state() && error.to_string().contains(words), "{error}");
+        }
+        // A motion that a step has left unfinished may be anything.
+        let mut failed = good;
+        failed.progress.motion.displacement[0] = f64::NAN;
+        failed.check(&known, true).unwrap();
+        // Without sticking there is no such state.
+        let mut scene = set1();
+        scene.effects.sticking = false;
+        for method in [Method::ForwardIncrement, Method::EventDriven] {
+            let scene = Scene { method, ..scene.clone() };
+            let mut forged = Simulation::new(scene.clone(), 0.0).unwrap().save();
+            forged.check(&variables(&scene), false).unwrap();
+            forged.progress.motion.contacts[1] = ContactState::Stick;
+            let error = forged.check(&variables(&scene), false).unwrap_err().to_string();
+            assert!(error.contains("contact[2] is St, which its law does not know"), "{error}");
+        }
+    }
+
+    #[test]
     fn every_flipped_bit_and_every_truncation_is_refused() {
         let bytes = write(&running().save());
         let scene = set1();
@@ -326,7 +438,8 @@ mod tests {
         let motion = 2 * list(dofs) + length(contacts) + contacts + counts;
         let ledger = 1 + if scene.effects.energy { list(dofs) + 6 * NUMBER } else { 0 };
         let clock = 2 * NUMBER + 1;
-        let content = list(values) + chosen + reference + motion + ledger + clock;
+        let rates = length(0);
+        let content = list(values) + chosen + reference + motion + ledger + clock + rates;
         HEADER + content + CHECKSUM
     }
 

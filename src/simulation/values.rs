@@ -209,8 +209,7 @@ impl Simulation {
         }
         write_scene(&mut self.scene, variable, value)?;
         if let Some(driven) = &mut self.driven {
-            // Until the next step adds to it again, where it is driven.
-            write_scene(&mut driven.scene, variable, value)?;
+            driven.write(variable, value)?;
         }
         self.stale.by(variable);
         Ok(())
@@ -237,6 +236,29 @@ pub fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
         }
         _ => Ok(()),
     }
+}
+
+/// Refuses values that no run can have; how they go together is for the scene as a whole, and for each step.
+///
+/// # Errors
+/// The first such variable, its value, and what would be right.
+pub(super) fn check_given(scene: &Scene, variables: &[Variable]) -> Result<(), Error> {
+    for variable in variables {
+        let Some(value) = read_scene(scene, variable) else { continue };
+        if let Some(wish) = rule(variable).broken_by(value) {
+            return Err(Error::saved_state(format!(
+                "the saved state has {}",
+                impossible(variable, value, wish)
+            )));
+        }
+    }
+    if let Some(wish) = Rule::TIME.broken_by(scene.step) {
+        return Err(Error::saved_state(format!(
+            "the saved state has a step of {}: {wish}",
+            scene.step
+        )));
+    }
+    Ok(())
 }
 
 /// What every scene asks of a parameter's or input's value.

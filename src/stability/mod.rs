@@ -6,6 +6,7 @@
 //! | `damped_step` | the same for a state with single dampers |
 //! | `frequency_bound` | bounds over all contact states |
 //! | `eigenvalues` | the eigenvalues of a matrix |
+//! | `eigenvalue_change` | how an eigenvalue changes with friction |
 //! | `reduced_problem` | the eigenvalue problem of one contact state |
 //! | `damped_modes` | the full problem where there are single dampers |
 //! | `modes` | eigenvalues and shapes of one contact state |
@@ -36,11 +37,13 @@ pub fn highest_frequency(model: &LumpedModel) -> Option<f64> {
 }
 
 mod damped_modes;
+mod eigenvalue_change;
 mod eigenvalues;
 mod reduced_problem;
 mod spectrum;
 mod symmetry;
 
+pub use eigenvalue_change::{SlidingChange, eigenvalue_change};
 pub use {eigenvalues::eigenvalues, spectrum::Spectrum, symmetry::Symmetry};
 
 #[cfg(feature = "tools")]

@@ -310,8 +310,13 @@ class Instance:
 
     def initialize(self, values=None, start=0.0):
         assert self.SetupExperiment(start) == fmi2OK
-        assert self.Set(values or {}) == fmi2OK, self.reason
+        given = {"parameter": {}, "input": {}}
+        for name, value in (values or {}).items():
+            given[self.fmu.variables[name].causality][name] = value
+        assert self.Set(given["parameter"]) == fmi2OK, self.reason
         assert self.EnterInitializationMode() == fmi2OK
+        # Inputs no sooner than FMI has it.
+        assert self.Set(given["input"]) == fmi2OK, self.reason
         assert self.ExitInitializationMode() == fmi2OK, self.reason
         self.time = start
         return self

@@ -1,5 +1,7 @@
 """What importers rely on in a model description and fmpy validate does not look at."""
 
+import math
+
 import pytest
 from conftest import EFFECTS, SCENES
 
@@ -65,6 +67,49 @@ def test_what_has_a_start_value_is_an_input_or_a_parameter(unpacked, scene):
         assert (variable[0].get("start") is not None) == given, variable.get("name")
 
 
+# Causality, variability and initial, of the combinations of FMI 2.0.4, section 2.2.7, that an FMU of ours uses.
+LEGAL = {
+    ("input", "continuous", None),
+    ("output", "continuous", "calculated"),
+    ("output", "discrete", "calculated"),
+    ("parameter", "fixed", "exact"),
+    ("parameter", "tunable", "exact"),
+}
+
+
+@every_scene
+def test_causality_variability_and_initial_go_together(unpacked, scene):
+    for variable in unpacked(scene).xml.find("ModelVariables"):
+        # What is not a Real changes in jumps alone.
+        triple = tuple(variable.get(name) for name in ("causality", "variability", "initial"))
+        assert triple in LEGAL, variable.get("name")
+        assert variable[0].tag == "Real" or triple[1] != "continuous", variable.get("name")
+
+
+@every_scene
+def test_names_are_unique_among_variables_and_types_and_describe_something(unpacked, scene):
+    xml = unpacked(scene).xml
+    variables = list(xml.find("ModelVariables"))
+    names = [variable.get("name") for variable in variables]
+    types = [simple.get("name") for simple in xml.find("TypeDefinitions")]
+    assert len(set(names + types)) == len(names + types)
+    assert all(variable.get("description") for variable in variables)
+    for enumeration in xml.find("TypeDefinitions").iter("Enumeration"):
+        items = [(item.get("name"), item.get("value")) for item in enumeration]
+        assert len(set(name for name, _ in items)) == len(set(value for _, value in items)) == len(items)
+
+
+@every_scene
+def test_numbers_are_finite_and_files_are_where_the_description_says(unpacked, scene):
+    fmu = unpacked(scene)
+    for name, kind in types(fmu).items():
+        for key in ("start", "min", "max"):
+            assert kind.get(key) is None or kind.tag == "Boolean" or math.isfinite(float(kind.get(key))), name
+    identifier = fmu.xml.find("CoSimulation").get("modelIdentifier")
+    assert identifier.isidentifier() and fmu.library.stem == identifier
+    assert fmu.xml.get("variableNamingConvention") == "structured"
+
+
 @every_scene
 def test_the_default_experiment_names_no_tolerance(unpacked, scene):
     """Importers would pass it on, and nothing here depends on one."""
@@ -99,6 +144,21 @@ def test_value_references_are_unique(unpacked, scene):
 
 
 @every_scene
+def test_the_fmus_own_variable_is_a_boolean_parameter_and_the_last(unpacked, scene):
+    *others, strict = unpacked(scene).xml.find("ModelVariables")
+    attributes = dict(strict.items())
+    assert attributes.pop("description") and attributes.pop("valueReference") == str(len(others))
+    assert attributes == {
+        "name": "strict",
+        "causality": "parameter",
+        "variability": "fixed",
+        "initial": "exact",
+    }
+    assert [(kind.tag, dict(kind.items())) for kind in strict] == [("Boolean", {"start": "false"})]
+    assert "strict" not in {v.get("name") for v in others}
+
+
+@every_scene
 def test_what_the_fmu_can_do(unpacked, scene):
     fmu = unpacked(scene)
     assert fmu.xml.find("ModelExchange") is None
@@ -106,6 +166,9 @@ def test_what_the_fmu_can_do(unpacked, scene):
     assert capabilities.pop("modelIdentifier") == scene
     assert capabilities == {
         "canHandleVariableCommunicationStepSize": "true",
+        "canInterpolateInputs": "true",
+        "maxOutputDerivativeOrder": "1",
+        "providesDirectionalDerivative": "true",
         "canNotUseMemoryManagementFunctions": "true",
         "canGetAndSetFMUstate": "true",
         "canSerializeFMUstate": "true",

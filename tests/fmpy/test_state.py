@@ -1,14 +1,26 @@
 """Saved states: the run goes on from them with the same doubles, here and in another process."""
 
+import random
+import struct
 import subprocess
 import sys
+import zlib
+from ctypes import byref, c_size_t
 
 import pytest
-from fmpy.fmi2 import fmi2Error, fmi2FMUstate, fmi2OK
+from fmpy.fmi2 import (
+    fmi2Error,
+    fmi2FMUstate,
+    fmi2LastSuccessfulTime,
+    fmi2OK,
+    fmi2Real,
+)
 
 KICK = {"initial.module[1].v2": 0.3, "module[2].k1": 56e3}
 BEFORE = [1e-3 * i for i in range(1, 31)]
 AFTER = [0.03 + 1e-3 * i for i in range(1, 31)]
+# Where the bytes have their version and what follows the GUID, and how many the checksum has at their end.
+VERSION, CONTENT, CHECKSUM = 4, 4 + 1 + 38, 4
 # Every tunable parameter, both inputs that are not forces, and a force.
 TUNED = {
     "friction.coefficient": 0.4,
@@ -158,8 +170,10 @@ def test_another_process_resumes_with_the_same_doubles(running, differences, tmp
     one = running()
     file = tmp_path / "state"
     file.write_bytes(one.serialize(saved(one)))
-    expected = one.advance(AFTER)
-    assert expected["statistics.state_changes"][-1] > expected["statistics.state_changes"][0]
+    expected = one.advance([0.03 + 1e-3 * i for i in range(1, 121)])
+    changes = expected["statistics.state_changes"]
+    # In the first half and in the second.
+    assert changes[0] < changes[60] < changes[-1]
     times = [float(time).hex() for time in expected.times]
     command = [sys.executable, "-c", RESUME, str(one.fmu.folder), str(file), *times]
     printed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
@@ -168,21 +182,166 @@ def test_another_process_resumes_with_the_same_doubles(running, differences, tmp
     assert not differences(expected, expected._replace(columns=columns))
 
 
-def test_every_flipped_bit_and_every_truncation_is_refused(running):
+# ---- Damage ----
+
+
+def damages(content):
+    """Kinds of damage, each with its pieces; what is drawn is drawn alike each time."""
+    size, draw = len(content), random.Random(5)
+
+    def flipped(bits):
+        changed = bytearray(content)
+        for bit in bits:
+            changed[bit // 8] ^= 1 << bit % 8
+        return bytes(changed)
+
+    def swapped(i, j):
+        changed = bytearray(content)
+        changed[i], changed[j] = changed[j], changed[i]
+        return bytes(changed)
+
+    def burst():
+        """Up to 32 bits in a row, the first and the last of which are wrong."""
+        length = draw.randint(2, 32)
+        start = draw.randrange(8 * size - length)
+        middle = [start + i for i in range(1, length - 1) if draw.random() < 0.5]
+        return flipped([start, *middle, start + length - 1])
+
+    pairs = [draw.sample(range(size), 2) for _ in range(2000)]
+    return {
+        "flipped bits": [flipped([bit]) for bit in range(8 * size)],
+        "truncations": [content[:length] for length in range(size)],
+        "longer": [content + bytes(more) for more in (1, 2, 4, 8, 1000)] + [content + content],
+        "bursts": [burst() for _ in range(2000)],
+        "swapped bytes": [swapped(i, j) for i, j in pairs if content[i] != content[j]],
+    }
+
+
+def test_damaged_bytes_are_refused_and_leave_the_motion_as_it_is(running, assert_same):
     one = running()
-    content = one.serialize(saved(one))
-    damaged = [content[:length] for length in range(len(content))]
-    for bit in range(8 * len(content)):
-        flipped = bytearray(content)
-        flipped[bit // 8] ^= 1 << bit % 8
-        damaged.append(bytes(flipped))
-    damaged.append(content + b"\0")
-    for bad in damaged:
-        status, state = one.DeSerializeFMUstate(bad)
+    state = saved(one)
+    content = one.serialize(state)
+    before = one.read(one.fmu.outputs)
+    first = one.advance(AFTER)
+    rewind(one, state)
+    for kind, pieces in damages(content).items():
+        for bad in pieces:
+            status, other = one.DeSerializeFMUstate(bad)
+            assert status == fmi2Error and not other.value, kind
+        assert "damaged" in one.reason
+        print(f"{len(pieces)} {kind} of {len(content)} bytes refused")
+        # All that a refusal does is that the instance has to be led out of its error.
+        assert one.read(one.fmu.outputs) == before
+        assert one.DoStep(0.03, 1e-3) == fmi2Error
+        rewind(one, state)
+        assert one.serialize(saved(one)) == content
+    assert_same(first, one.advance(AFTER))
+    status, other = one.DeSerializeFMUstate(content[:-1])
+    assert status == fmi2Error and one.Reset() == fmi2OK
+    assert_same(first, one.initialize(KICK).advance([*BEFORE, *AFTER], at=[BEFORE[-1], *AFTER]))
+
+
+# ---- Forgery ----
+
+
+def sealed(content):
+    """With a checksum that fits."""
+    body = content[:-CHECKSUM]
+    return body + struct.pack("<I", zlib.crc32(body))
+
+
+def test_the_checksum_is_the_crc_32_of_zip_files(running):
+    content = running().serialize(saved(running()))
+    assert sealed(content) == content
+
+
+def test_the_state_of_another_version_is_refused_and_says_so(running):
+    one = running()
+    content = bytearray(one.serialize(saved(one)))
+    own = content[VERSION]
+    for version in {0, own - 1, own + 1, 255}:
+        content[VERSION] = version
+        status, state = one.DeSerializeFMUstate(sealed(bytes(content)))
         assert status == fmi2Error and not state.value
-    assert "damaged" in one.reason
-    status, state = one.DeSerializeFMUstate(content)
-    assert status == fmi2OK and one.SetFMUstate(state) == fmi2OK
+        assert f"has version {version}, this FMU reads version {own}" in one.reason
+
+
+@pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 1e300, 5e-324])
+def test_a_forged_number_is_refused_with_a_reason_or_runs(running, value):
+    """Put at every place, where it makes of lengths, counts and states what it will."""
+    one = running("set1")
+    state = saved(one)
+    content = one.serialize(state)
+    refused, ran = 0, 0
+    for place in range(CONTENT, len(content) - CHECKSUM - 7):
+        forged = content[:place] + struct.pack("<d", value) + content[place + 8 :]
+        assert one.SetFMUstate(state) == fmi2OK
+        told = len(one.messages)
+        status, other = one.DeSerializeFMUstate(sealed(forged))
+        if status == fmi2OK:
+            status = one.SetFMUstate(other)
+            one.free_state(other)
+        time = fmi2Real()
+        if status == fmi2OK:
+            assert one.call("GetRealStatus", fmi2LastSuccessfulTime, byref(time)) == fmi2OK
+            status = one.DoStep(time.value, 5e-5)
+            ran += status == fmi2OK
+        refused += status == fmi2Error
+        assert len(one.messages) == told + (status == fmi2Error)
+        assert "internal error" not in one.reason
+    print(f"{value} at {refused + ran} places: {refused} refused, {ran} run")
+    assert refused > 50
+    assert one.SetFMUstate(state) == fmi2OK
+
+
+# ---- Phases ----
+
+
+def new(one):
+    return one
+
+
+def initializing(one):
+    assert one.SetupExperiment(stop=1.0) == one.Set(KICK) == one.EnterInitializationMode() == fmi2OK
+
+
+def stepping(one):
+    initializing(one)
+    assert one.ExitInitializationMode() == fmi2OK
+    one.advance(BEFORE)
+
+
+def over(one):
+    stepping(one)
+    assert one.Terminate() == fmi2OK
+
+
+def failed(one):
+    stepping(one)
+    assert one.DoStep(0.5, 1e-3) == fmi2Error
+
+
+@pytest.mark.parametrize("phase", [new, initializing, stepping, over, failed])
+def test_a_state_of_each_phase_comes_back_in_it(instance, phase, assert_same):
+    one = instance("set2")
+    phase(one)
+    status, state = one.GetFMUstate()
+    if status == fmi2Error:
+        assert phase is failed and "fmi2GetFMUstate" in one.reason
+        return
+    other = instance("set2", name="other").initialize()
+    status, read = other.DeSerializeFMUstate(one.serialize(state))
+    assert status == fmi2OK and other.SetFMUstate(read) == fmi2OK, other.reason
+    if phase in (new, initializing):
+        for each in (one, other):
+            if phase is new:
+                initializing(each)
+            assert each.ExitInitializationMode() == fmi2OK
+            each.time = 0.0
+    assert one.read(one.fmu.outputs) == other.read(one.fmu.outputs)
+    steps = [each.DoStep(0.03 if phase is stepping else 0.0, 1e-3) for each in (one, other)]
+    assert steps == ([fmi2Error] * 2 if phase in (over, failed) else [fmi2OK] * 2)
+    assert one.read(one.fmu.outputs) == other.read(one.fmu.outputs)
 
 
 def test_the_state_of_another_scene_is_refused(running, instance):
@@ -191,6 +350,33 @@ def test_the_state_of_another_scene_is_refused(running, instance):
     status, state = other.DeSerializeFMUstate(one.serialize(saved(one)))
     assert status == fmi2Error and not state.value
     assert "another FMU" in other.reason
+
+
+def test_a_state_brings_along_whether_it_was_strict(instance):
+    one, other = instance("set1"), instance("set1", name="other")
+    strict = one.fmu.variables["strict"].valueReference
+    one.slave.setBoolean([strict], [True])
+    content = one.serialize(saved(one))
+    assert content != other.serialize(saved(other))
+    status, state = other.DeSerializeFMUstate(content)
+    assert status == fmi2OK and other.SetFMUstate(state) == fmi2OK
+    # As is reading before initialization.
+    assert other.EnterInitializationMode() == fmi2Error
+    assert other.slave.getBoolean([strict]) == [True]
+    assert other.Reset() == fmi2OK
+    other.initialize()
+    assert other.slave.getBoolean([strict]) == [False]
+
+
+def test_a_state_in_memory_is_that_of_its_own_fmu(instance):
+    """set2 has the parts of set1: given to it, its state made one of the other."""
+    one, other = instance("set1").initialize(), instance("set2").initialize()
+    status, state = other.GetFMUstate()
+    assert status == fmi2OK
+    assert one.SetFMUstate(state) == fmi2Error and "another FMU" in one.reason
+    assert one.Reset() == fmi2OK
+    assert one.call("SerializedFMUstateSize", state, byref(c_size_t())) == fmi2Error
+    other.free_state(state)
 
 
 def test_null_is_no_state(running):

@@ -43,13 +43,6 @@ pub fn bar() -> ProgressBar {
     ProgressBar::new(1000).with_style(style).with_message("the reference")
 }
 
-/// The same with the time left.
-pub fn bar_with_time() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
-        .expect("the template is fixed");
-    ProgressBar::new(1000).with_style(style)
-}
-
 /// Sets a bar to this part of it.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 pub fn show(bar: &ProgressBar, part: f64) {

@@ -162,7 +162,7 @@ fn write_row(
         match variable.template.kind {
             // The shortest decimal that reads back as the same double.
             Kind::Real { .. } => write!(out, ",{value:?}")?,
-            Kind::Integer | Kind::Enumeration { .. } => write!(out, ",{value}")?,
+            Kind::Integer | Kind::Boolean | Kind::Enumeration { .. } => write!(out, ",{value}")?,
         }
     }
     writeln!(out)?;

@@ -3,6 +3,7 @@
 use super::held::HeldContacts;
 use crate::contact::{ContactState, Friction};
 use crate::integrator::dynamics::Dynamics;
+use crate::integrator::{Kept, Push, Response};
 use crate::model::{Contact, Direction};
 
 /// What acts on the masses, or one power of it in time.
@@ -121,6 +122,29 @@ impl StateLaw {
         };
         self.held.forces(free, &mut self.multipliers);
         &self.multipliers
+    }
+
+    /// What forces on the masses make of contacts that keep their states.
+    pub(super) fn respond(
+        &mut self,
+        dynamics: &Dynamics,
+        kept: Kept<'_>,
+        push: Push<'_>,
+        response: &mut Response,
+    ) {
+        let along = |(state, slope): (&ContactState, &f64)| {
+            Friction::from(state.sliding_direction().unwrap_or(1.0) * slope)
+        };
+        let friction: Vec<Friction> = kept.states.iter().zip(kept.slopes).map(along).collect();
+        self.set(dynamics, kept.states, &friction);
+        dynamics.push(push, response);
+        let Response { forces, acceleration } = response;
+        let free = |i: usize, part| match part {
+            0 => dynamics.contacts[i].normal.dot(acceleration),
+            _ => dynamics.contacts[i].tangent.dot(acceleration) - push.slider_acceleration[i],
+        };
+        self.held.forces(free, forces);
+        dynamics.carry(response);
     }
 
     /// Takes away what rounding has let the gaps (m) of contacts that hold drift. Only inclined contacts

@@ -23,7 +23,7 @@ mod watch;
 
 use super::dynamics::Dynamics;
 use super::freedom::Freedom;
-use super::{Drive, Integrator, Motion, StepFailure};
+use super::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Contact, Damping, Direction, LumpedModel};
@@ -40,6 +40,9 @@ use watch::Event;
 const MAX_EVENTS: u64 = 10_000;
 /// And this many at one instant, or as near to it as [`NOISE`] of a step.
 const MAX_STANDSTILL: u64 = 16;
+/// More series than this in one internal step are more oscillations than anyone waits for: of the fastest, a
+/// series covers about three radians.
+const MAX_SERIES: u64 = 100_000;
 /// A series that covers no more than this part of what is left of a step will not end it.
 const SHORTEST: f64 = 1e-12;
 
@@ -139,7 +142,7 @@ impl<W: Witness> EventDriven<W> {
 
     fn step(&mut self, motion: &mut Motion, drive: &Drive, h: f64) -> Result<(), StepFailure> {
         motion.statistics.steps += 1;
-        let (mut left, mut events, mut standstill) = (h, 0, 0);
+        let (mut left, mut events, mut standstill, mut expanded) = (h, 0, 0, 0);
         self.repeats.fill(0);
         self.reach(drive, h, left);
         self.follow_slider(motion, h);
@@ -154,9 +157,14 @@ impl<W: Witness> EventDriven<W> {
             let reach = series.span();
             if reach <= SHORTEST * left {
                 // No series covers numbers that have left their range: whoever looks at the motion is to
-                // see that.
-                motion.displacement.fill(f64::NAN);
+                // see that, and where.
+                let dof = series.first_out_of_range();
+                motion.displacement[dof] = f64::NAN;
                 return Ok(());
+            }
+            expanded += 1;
+            if expanded > MAX_SERIES {
+                return Err(StepFailure::TooManySeries { most: MAX_SERIES });
             }
             let event = self.next_event(motion, drive);
             let part = event.unwrap_or(1.0);
@@ -382,6 +390,16 @@ impl<W: Witness> Integrator for EventDriven<W> {
             return Ok(());
         }
         self.dynamics.contact_forces(motion, drive, forces)
+    }
+
+    fn respond(
+        &mut self,
+        kept: Kept<'_>,
+        push: Push<'_>,
+        response: &mut Response,
+    ) -> Result<(), StepFailure> {
+        self.series.law.respond(&self.dynamics, kept, push, response);
+        Ok(())
     }
 
     fn set_damping(&mut self, damping: Damping) {

@@ -350,6 +350,22 @@ impl Series {
         self.span
     }
 
+    /// Where numbers are the first to leave their range: the degree of freedom whose lowest power is not finite,
+    /// or where all are, that of the largest number.
+    #[cold]
+    pub(super) fn first_out_of_range(&self) -> usize {
+        let powers = self.displacement.chunks_exact(self.places).take(self.order + 1);
+        let mut powers = powers.map(|row| &row[..self.dofs]);
+        if let Some(dof) = powers.clone().find_map(|row| row.iter().position(|c| !c.is_finite())) {
+            return dof;
+        }
+        let largest = |row: &[f64]| {
+            let sizes = row.iter().map(|c| c.abs()).enumerate();
+            sizes.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or_default()
+        };
+        powers.next_back().map(largest).unwrap_or_default().0
+    }
+
     /// The highest power of the displacements.
     pub(super) fn order(&self) -> usize {
         self.order

@@ -8,7 +8,7 @@
 //! far the step is from the motion, and does not grow with time. Where the step changes, a new such term begins.
 
 use crate::contact::{ContactForce, ContactState};
-use crate::integrator::{Drive, Integrator, Motion, StepFailure};
+use crate::integrator::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
 use crate::model::{Damping, LumpedModel};
 
 /// An integrator by the scheme that writes the ledger of its motion.
@@ -97,6 +97,15 @@ impl Integrator for WithLedger {
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
         self.integrator.contact_forces(motion, drive, forces)
+    }
+
+    fn respond(
+        &mut self,
+        kept: Kept<'_>,
+        push: Push<'_>,
+        response: &mut Response,
+    ) -> Result<(), StepFailure> {
+        self.integrator.respond(kept, push, response)
     }
 
     fn set_damping(&mut self, damping: Damping) {

@@ -25,6 +25,7 @@ use schemars::JsonSchema;
 use schemars::generate::SchemaSettings;
 use serde::de::DeserializeOwned;
 use serde_json::Value;
+use std::collections::HashSet;
 use std::ops::Range;
 use toml::de::DeTable;
 
@@ -54,14 +55,16 @@ pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
     finish: impl FnOnce(T) -> Result<S, Vec<Problem>>,
 ) -> Result<S, Error> {
     let (mut document, errors) = DeTable::parse_recoverable(text);
-    let mut problems = syntax::problems(text, &errors);
+    let lines = syntax::Lines::of(text);
+    let unread = lines.with(&errors);
+    let mut problems = syntax::problems(text, &lines, &errors);
     let is_whole = problems.is_empty();
     let end = text.trim_end().len();
     let walked = walk::problems(&mut document, &schema::<T>(), end);
     problems.extend(
         walked
             .into_iter()
-            .filter(|walked| is_whole || !walked.may_follow(&errors, text))
+            .filter(|walked| is_whole || !walked.may_follow(&lines, &unread))
             .map(|walked| walked.problem),
     );
     if is_whole {
@@ -71,10 +74,12 @@ pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
                 Ok(made) if problems.is_empty() => return Ok(made),
                 Ok(_) => {}
                 Err(found) => {
+                    let mut known: HashSet<Range<usize>> =
+                        problems.iter().map(|problem| problem.span.clone()).collect();
                     for problem in found {
                         let problem = place::locate(document.get_ref(), problem, end);
                         // What the walk has said about a place is not said again.
-                        if !problems.iter().any(|known| known.span == problem.span) {
+                        if known.insert(problem.span.clone()) {
                             problems.push(problem);
                         }
                     }

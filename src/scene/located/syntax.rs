@@ -2,18 +2,36 @@
 
 use super::Located;
 use super::walk::Walked;
+use std::collections::HashSet;
 use toml::de::Error;
 
-/// The parser's errors, the first of each line: what follows there follows from it.
-pub(super) fn problems(text: &str, errors: &[Error]) -> Vec<Located> {
-    let mut problems: Vec<Located> = Vec::new();
-    for problem in errors.iter().map(|error| problem(text, error)) {
-        let line = line_of(text, problem.span.start);
-        if !problems.iter().any(|known| line_of(text, known.span.start) == line) {
-            problems.push(problem);
-        }
+/// The lines of a text; looking one up does not go through the text, of which every line may be wrong.
+pub(super) struct Lines {
+    /// Where each but the first begins, in bytes.
+    starts: Vec<usize>,
+}
+
+impl Lines {
+    pub(super) fn of(text: &str) -> Self {
+        Self { starts: text.match_indices('\n').map(|(at, _)| at + 1).collect() }
     }
-    problems
+
+    /// The line of a byte, from 0.
+    fn at(&self, byte: usize) -> usize {
+        self.starts.partition_point(|start| *start <= byte)
+    }
+
+    /// Those that the parser's errors are in.
+    pub(super) fn with(&self, errors: &[Error]) -> HashSet<usize> {
+        errors.iter().filter_map(|error| Some(self.at(error.span()?.start))).collect()
+    }
+}
+
+/// The parser's errors, the first of each line: what follows there follows from it.
+pub(super) fn problems(text: &str, lines: &Lines, errors: &[Error]) -> Vec<Located> {
+    let mut known = HashSet::new();
+    let problems = errors.iter().map(|error| problem(text, error));
+    problems.filter(|problem| known.insert(lines.at(problem.span.start))).collect()
 }
 
 /// An error with its place. The slips that people make most are told from the text; for all others
@@ -64,16 +82,9 @@ fn number_and_word(text: &str) -> Option<(&str, &str)> {
     (!word.is_empty()).then_some((number, word))
 }
 
-fn line_of(text: &str, at: usize) -> usize {
-    text.as_bytes().iter().take(at).filter(|&&byte| byte == b'\n').count()
-}
-
 impl Walked {
-    /// May this only be there because a part of the text could not be read?
-    pub(super) fn may_follow(&self, errors: &[Error], text: &str) -> bool {
-        let line = line_of(text, self.problem.span.start);
-        let is_at =
-            |error: &Error| error.span().is_some_and(|span| line_of(text, span.start) == line);
-        self.is_lack || errors.iter().any(is_at)
+    /// May this only be there because a part of the text could not be read? `unread`: the lines with errors.
+    pub(super) fn may_follow(&self, lines: &Lines, unread: &HashSet<usize>) -> bool {
+        self.is_lack || unread.contains(&lines.at(self.problem.span.start))
     }
 }

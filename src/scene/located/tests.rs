@@ -185,3 +185,13 @@ fn each_kind_of_type_has_its_messages() {
         assert_eq!(messages(text), *expected, "{text}");
     }
 }
+
+/// A file of another kind took a minute to be refused: each error looked through the text, and at all before it.
+#[test]
+fn a_long_text_of_wrong_lines_is_refused_as_soon_as_a_short_one() {
+    const LINES: usize = 20_000;
+    let error = read::<Document, _>("long", &"\"a\": {\n".repeat(LINES), Ok).err().unwrap();
+    let message = error.to_string();
+    assert!(message.contains(&format!("{LINES} problems in long")), "{message}");
+    assert!(message.ends_with(&format!("and {} more", LINES - 20)), "{message}");
+}

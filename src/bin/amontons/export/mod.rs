@@ -11,8 +11,8 @@ use amontons::model::{Equilibrium, LumpedModel};
 use amontons::output::{Pending, check_folder};
 use amontons::package;
 use amontons::scene::{self, Method, Scene, Selection, Structure};
-use amontons::simulation::catalogue::Causality;
-use amontons::simulation::{Simulation, variables};
+use amontons::simulation::Simulation;
+use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::critical_step;
 use measured::Measured;
 use std::io::Write;
@@ -86,7 +86,7 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
         counted(model.dofs(), "degree of freedom", "degrees of freedom"),
         counted(model.contacts.len(), "contact", "contacts")
     );
-    let variables = variables(scene);
+    let variables = fmu_variables(scene);
     let count = |causality| variables.iter().filter(|v| v.causality == causality).count();
     println!(
         "  variables      {} inputs, {} outputs, {} parameters",

@@ -8,6 +8,7 @@ mod limit_cycles;
 mod perturbations;
 
 use crate::interrupt::{self, Interrupted};
+use crate::simulate::progress_bar;
 use amontons::Error;
 use amontons::report::{Cell, Page, Section, Table, write};
 use amontons::scene::{Scene, named};
@@ -47,7 +48,7 @@ pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
         let _ = fs::remove_file(partial);
     }
     interrupt::listen();
-    let bar = interrupt::bar_with_time();
+    let bar = progress_bar(1.0);
     let all: f64 = SECTIONS.iter().map(|(_, share, _)| share).sum();
     let (mut done, mut sections, mut times) = (0.0, Vec::new(), Vec::new());
     for (heading, share, work) in SECTIONS {

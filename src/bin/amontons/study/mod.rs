@@ -10,6 +10,7 @@ pub mod perturbation;
 pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
+use crate::simulate::progress_bar;
 use amontons::integrator::select;
 use amontons::scene::{self, Method, Scene, Selection, Source};
 use amontons::simulation::assign;
@@ -100,7 +101,7 @@ fn heading(scene: &Scene, look: &Look) -> String {
 fn watched<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
-    let bar = interrupt::bar_with_time();
+    let bar = progress_bar(1.0);
     let progress = |part: f64| interrupt::show(&bar, part);
     let result = work(Watch { go_on: &interrupt::stopped, progress: &progress });
     bar.finish_and_clear();

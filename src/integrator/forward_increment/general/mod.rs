@@ -11,7 +11,7 @@ mod sparse;
 use crate::Error;
 use crate::contact::ContactForce;
 use crate::integrator::dynamics::Dynamics;
-use crate::integrator::{Drive, Integrator, Kernel, Motion, StepFailure};
+use crate::integrator::{Drive, Integrator, Kept, Kernel, Motion, Push, Response, StepFailure};
 use crate::model::{Damping, LumpedModel};
 use contacts::Contacts;
 use dense::Dense;
@@ -246,6 +246,15 @@ impl<S: Structure + 'static> Integrator for Scheme<S> {
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
         self.dynamics.contact_forces(motion, drive, forces)
+    }
+
+    fn respond(
+        &mut self,
+        kept: Kept<'_>,
+        push: Push<'_>,
+        response: &mut Response,
+    ) -> Result<(), StepFailure> {
+        self.dynamics.respond(kept, push, response)
     }
 
     fn multipliers(&self) -> Option<&[[f64; 2]]> {

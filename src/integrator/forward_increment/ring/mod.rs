@@ -6,9 +6,11 @@ mod step;
 #[cfg(feature = "tools")]
 mod wide;
 
-use crate::contact::{ContactForce, ContactLaw, Friction, FrictionLaw, Law, UnderLaw};
+use crate::contact::{
+    ContactForce, ContactLaw, ContactState, Friction, FrictionLaw, Law, UnderLaw,
+};
 use crate::integrator::Kernel as Listed;
-use crate::integrator::{Drive, Integrator, Motion, StepFailure};
+use crate::integrator::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Contact, Damping, LumpedModel};
 use std::marker::PhantomData;
@@ -256,7 +258,11 @@ impl Integrator for RingForwardIncrement {
                 force[place] - rings.damping.alpha * mass * motion.velocity[dof]
             };
             let surface = drive.slider_velocity[i];
-            let slip = surface - motion.velocity[tangent];
+            // What sticks follows its slider, also one whose velocity has been set anew since the last step.
+            let slip = match motion.contacts[i] {
+                ContactState::Stick => 0.0,
+                _ => surface - motion.velocity[tangent],
+            };
             let pressing = -damped(NORMAL, normal_mass, normal);
             let open = motion.displacement[normal] > 0.0 || motion.velocity[normal] > 0.0;
             *out = if rings.law.detachment && (open || pressing < 0.0) {
@@ -266,6 +272,33 @@ impl Integrator for RingForwardIncrement {
                 let holding = carried - damped(TANGENT, tangent_mass, tangent);
                 rings.law.closed(drive.friction[i], surface, pressing, slip, holding)
             };
+        }
+        Ok(())
+    }
+
+    fn respond(
+        &mut self,
+        kept: Kept<'_>,
+        push: Push<'_>,
+        response: &mut Response,
+    ) -> Result<(), StepFailure> {
+        let modules = self.rings.blocks.iter().zip(push.force.as_chunks::<MODULE_DOFS>().0);
+        let found =
+            response.forces.iter_mut().zip(response.acceleration.as_chunks_mut::<MODULE_DOFS>().0);
+        for (i, ((block, force), (out, acceleration))) in modules.zip(found).enumerate() {
+            let state = kept.states[i];
+            let [tangent_mass, _] = block.mass;
+            let normal = if state == ContactState::Detached { 0.0 } else { 0.0 - force[NORMAL] };
+            let tangential = match state {
+                ContactState::Detached => 0.0,
+                ContactState::Stick => tangent_mass * push.slider_acceleration[i] - force[TANGENT],
+                ContactState::Slide | ContactState::ReverseSlide => kept.slopes[i] * normal,
+            };
+            *out = [normal, tangential];
+            let mut force = *force;
+            force[NORMAL] += normal;
+            force[TANGENT] += tangential;
+            *acceleration = std::array::from_fn(|dof| force[dof] * block.inverse_mass[dof]);
         }
         Ok(())
     }

@@ -1,27 +1,35 @@
 //! One instance of the FMU, in safe Rust.
 
-use super::lifecycle::{Call, Phase};
+mod derivatives;
+mod saved;
+
+use super::lifecycle::{Call, Entry, Noted, Phase};
 use super::logger::{Category, Logger};
 use super::types::fmi2Status;
 use crate::Error;
 use crate::scene::{self, Rule, Scene, Selection};
-use crate::simulation::catalogue::Kind;
+use crate::simulation::catalogue::{Causality, Kind, Quantity, Variability, fmu_variables};
 use crate::simulation::{
-    self, Given, Progress, Simulation, Snapshot, Variable, check_value, fingerprint, from_bytes,
-    newly_broken, read_scene, to_bytes, write_scene,
+    Simulation, Variable, check_value, fingerprint, newly_broken, read_scene, write_scene,
 };
-use serde::{Deserialize, Serialize};
-use std::borrow::Cow;
+use std::ffi::CStr;
 use std::path::Path;
+use std::sync::Arc;
+
+pub(super) use saved::SavedInstance;
 
 /// The file among the FMU's resources that holds the scene.
 pub(crate) const SCENE_FILE: &str = "scene.toml";
+
+/// Does an instance refuse what FMI forbids and hosts do, unless it is told otherwise?
+pub(crate) const STRICT: bool = false;
 
 /// One instance: a scene that is being set up, then a simulation of it.
 pub(super) struct Instance {
     pub(super) logger: Logger,
     phase: Phase,
-    guid: String,
+    guid: Arc<str>,
+    /// The scene's, then the FMU's own; a value reference is a place among them.
     variables: Vec<Variable>,
     /// The scene as the FMU carries it.
     original: Scene,
@@ -30,49 +38,46 @@ pub(super) struct Instance {
     start_time: f64,
     stop_time: Option<f64>,
     is_experiment_set_up: bool,
+    /// How fast inputs (by their place in the list) will change over the first step, per second.
+    rates: Vec<(usize, f64)>,
+    strict: bool,
+    /// Was what the present call does tolerated only?
+    pub(super) tolerated: bool,
+    /// Which habits the importer has been told of.
+    told: Noted,
+    /// Before initialization has ended it is there only to be read, and leaves no trace.
     simulation: Option<Simulation>,
+    /// Has initialization ended?
+    has_started: bool,
 }
 
-/// A saved instance.
-#[derive(Clone)]
-pub(super) struct SavedInstance {
-    phase: Phase,
-    start_time: f64,
-    stop_time: Option<f64>,
-    values: Values,
-}
-
-#[derive(Clone)]
-enum Values {
-    BeforeStart(Box<Scene>),
-    Running(Box<Snapshot>),
-}
-
-impl Values {
-    fn scene(&self) -> &Scene {
-        match self {
-            Self::BeforeStart(scene) => scene,
-            Self::Running(snapshot) => snapshot.scene(),
-        }
+/// Refuses times (s) between which no run can be.
+fn check_experiment(start: f64, stop: Option<f64>) -> Result<(), Error> {
+    if start.is_finite() && stop.is_none_or(|stop| stop >= start) {
+        return Ok(());
     }
+    let stop = stop.map_or_else(|| "none".to_owned(), |stop| stop.to_string());
+    Err(Error::call(format!("start time {start} and stop time {stop} do not fit")))
 }
 
-/// What bytes hold of a saved instance.
-#[derive(Serialize, Deserialize)]
-struct Record<'a> {
-    phase: Phase,
-    start_time: f64,
-    stop_time: Option<f64>,
-    given: Given,
-    /// Of one that runs.
-    progress: Option<Cow<'a, Progress>>,
-}
-
-/// The two types of number that cross the boundary.
+/// The types of number that cross the boundary.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Number {
     Real,
     Integer,
+    /// 0 is false, all else true.
+    Boolean,
+}
+
+impl Number {
+    /// The type in which a variable is read and set.
+    fn of(variable: &Variable) -> Self {
+        match variable.template.kind {
+            Kind::Real { .. } => Self::Real,
+            Kind::Integer | Kind::Enumeration { .. } => Self::Integer,
+            Kind::Boolean => Self::Boolean,
+        }
+    }
 }
 
 impl Instance {
@@ -100,31 +105,70 @@ impl Instance {
             Ok((scene, guid)) => Ok(Self {
                 logger,
                 phase: Phase::Instantiated,
-                guid,
-                variables: simulation::variables(&scene),
+                guid: guid.into(),
+                variables: fmu_variables(&scene),
                 original: scene.clone(),
                 scene,
                 start_time: 0.0,
                 stop_time: None,
                 is_experiment_set_up: false,
+                rates: Vec::new(),
+                strict: STRICT,
+                tolerated: false,
+                told: Noted::default(),
                 simulation: None,
+                has_started: false,
             }),
         }
     }
 
-    /// Refuses a call that the present phase does not allow.
+    /// Refuses a call, or what it is about, that the present phase does not allow. A habit of hosts is
+    /// warned of, or refused where the instance is strict.
     #[inline]
-    pub(super) fn require(&self, call: Call) -> Result<(), Error> {
-        if call.is_allowed_in(self.phase) { Ok(()) } else { Err(self.not_allowed(call)) }
+    pub(super) fn require(&mut self, call: Call) -> Result<(), Error> {
+        self.require_of(call, "")
     }
 
+    /// The same, with the name of what it is about.
+    #[inline]
+    fn require_of(&mut self, call: Call, name: &str) -> Result<(), Error> {
+        match call.in_phase(self.phase) {
+            Entry::Allowed => Ok(()),
+            Entry::Tolerated => self.tolerate(call, name),
+            Entry::Refused => Err(Error::call(format!(
+                "{call} is not allowed in phase {:?}; {}{}",
+                self.phase,
+                call.phases(),
+                if self.phase == Phase::Error {
+                    "; fmi2Reset or a saved state leads out"
+                } else {
+                    ""
+                }
+            ))),
+        }
+    }
+
+    /// Tells of each habit once, since a host that has one has it in every step.
     #[cold]
-    fn not_allowed(&self, call: Call) -> Error {
-        Error::call(format!(
-            "{call} is not allowed in phase {:?}; it is in {}",
-            self.phase,
-            call.phases()
-        ))
+    fn tolerate(&mut self, call: Call, name: &str) -> Result<(), Error> {
+        let message = format!("{call}{name} in phase {:?}: FMI wants {}", self.phase, call.wish());
+        if self.strict {
+            return Err(Error::call(message));
+        }
+        self.tolerated = true;
+        if self.logger.wants(Category::Warning) && self.told.note(call) {
+            self.warn(&message);
+        }
+        Ok(())
+    }
+
+    pub(super) fn set_debug_logging(&mut self, on: bool, names: &[&CStr]) -> Result<(), Error> {
+        let unknown = Logger::unknown(names);
+        if unknown.is_none() || !self.strict {
+            // First, since the warning may be of what is turned on.
+            self.logger.enable(on, names);
+        }
+        unknown.map_or(Ok(()), |name| self.require_of(Call::UnknownCategory, &format!(" {name:?}")))
     }
 
     /// Takes note of a failed call. A caught panic leaves nothing to rely on.
@@ -143,10 +187,7 @@ impl Instance {
         start: f64,
         stop: Option<f64>,
     ) -> Result<(), Error> {
-        if !start.is_finite() || stop.is_some_and(|stop| stop.is_nan() || stop < start) {
-            let stop = stop.map_or_else(|| "none".to_owned(), |stop| stop.to_string());
-            return Err(Error::call(format!("start time {start} and stop time {stop} do not fit")));
-        }
+        check_experiment(start, stop)?;
         if let Selection::Auto { tolerance: default } = self.original.selection {
             let tolerance = tolerance.unwrap_or(default);
             if let Some(wish) = Rule::TOLERANCE.broken_by(tolerance) {
@@ -161,15 +202,18 @@ impl Instance {
         Ok(())
     }
 
-    pub(super) fn enter_initialization_mode(&mut self) {
+    pub(super) fn enter_initialization_mode(&mut self) -> Result<(), Error> {
         if !self.is_experiment_set_up {
-            self.warn("fmi2SetupExperiment was not called; the run starts at time 0");
+            self.require(Call::EnterUnprepared)?;
         }
         self.phase = Phase::InitializationMode;
+        Ok(())
     }
 
     pub(super) fn exit_initialization_mode(&mut self) -> Result<(), Error> {
         self.start()?;
+        self.start_rates()?;
+        self.has_started = true;
         self.phase = Phase::StepComplete;
         if let Some(selected) = self.start()?.selected() {
             if self.logger.wants(Category::Events) {
@@ -198,9 +242,13 @@ impl Instance {
     pub(super) fn reset(&mut self) {
         self.scene.clone_from(&self.original);
         self.simulation = None;
+        self.has_started = false;
         self.start_time = 0.0;
         self.stop_time = None;
         self.is_experiment_set_up = false;
+        self.rates.clear();
+        self.strict = STRICT;
+        self.told = Noted::default();
         self.phase = Phase::Instantiated;
     }
 
@@ -219,10 +267,7 @@ impl Instance {
     /// The place of a variable of that type in the list.
     fn find(&self, reference: u32, number: Number) -> Result<usize, Error> {
         let place = reference as usize;
-        let fits = self.variables.get(place).is_some_and(|variable| {
-            matches!(variable.template.kind, Kind::Real { .. }) == (number == Number::Real)
-        });
-        if fits {
+        if self.variables.get(place).is_some_and(|variable| Number::of(variable) == number) {
             return Ok(place);
         }
         Err(Error::variable(format!("value reference {reference} is not one of a {number:?}")))
@@ -230,8 +275,13 @@ impl Instance {
 
     pub(super) fn get(&mut self, reference: u32, number: Number) -> Result<f64, Error> {
         let place = self.find(reference, number)?;
+        if self.variables[place].template.quantity == Quantity::Strict {
+            return Ok(f64::from(u8::from(self.strict)));
+        }
+        // Where no run has begun, what was set can be read even if nothing can be made of it.
+        let before_start = self.is_set_up() || self.simulation.is_none();
         let in_scene =
-            self.is_set_up().then(|| read_scene(&self.scene, &self.variables[place])).flatten();
+            before_start.then(|| read_scene(&self.scene, &self.variables[place])).flatten();
         let value = match in_scene {
             Some(value) => value,
             None => {
@@ -248,27 +298,39 @@ impl Instance {
 
     /// May the variable be set now, to this value? Asked of all values before any is set.
     pub(super) fn check_set(
-        &self,
+        &mut self,
         reference: u32,
         value: f64,
         number: Number,
     ) -> Result<(), Error> {
         let variable = &self.variables[self.find(reference, number)?];
         check_value(variable, value)?;
-        let possible =
-            if self.is_set_up() { variable.is_settable() } else { variable.is_tunable() };
-        if possible {
-            return Ok(());
+        let what = match (variable.causality, variable.variability) {
+            (Causality::Input, _) => Call::SetInput,
+            (Causality::Output, _) => Call::SetOutput,
+            (Causality::Parameter, Variability::Tunable) => Call::SetTunable,
+            (Causality::Parameter, _) => Call::SetFixed,
+        };
+        if what.in_phase(self.phase) != Entry::Refused {
+            return self.require(what);
         }
         Err(Error::variable(format!(
             "{} cannot be set {}",
             variable.name,
-            if self.is_set_up() { "at all: it is an output" } else { "after initialization" }
+            if what == Call::SetOutput {
+                "at all: it is an output"
+            } else {
+                "after initialization"
+            }
         )))
     }
 
     pub(super) fn set(&mut self, reference: u32, value: f64, number: Number) -> Result<(), Error> {
         let variable = &self.variables[self.find(reference, number)?];
+        if variable.template.quantity == Quantity::Strict {
+            self.strict = value != 0.0;
+            return Ok(());
+        }
         if self.is_set_up() {
             self.simulation = None;
             return write_scene(&mut self.scene, variable, value);
@@ -277,7 +339,7 @@ impl Instance {
         simulation.write(variable, value)
     }
 
-    pub(super) fn do_step(&mut self, current: f64, size: f64) -> Result<fmi2Status, Error> {
+    pub(super) fn do_step(&mut self, current: f64, size: f64) -> Result<(), Error> {
         let listening = self.logger.wants(Category::Events);
         let stop = self.stop_time;
         let simulation = self.simulation.as_mut().expect("made when initialization ended");
@@ -309,87 +371,14 @@ impl Instance {
             self.warn(&assumption);
         }
         if size == 0.0 {
-            self.warn("a step of length zero: nothing was done");
-            return Ok(fmi2Status::fmi2Warning);
+            self.require(Call::StepOfLengthZero)?;
         }
-        Ok(fmi2Status::fmi2OK)
+        Ok(())
     }
 
     /// The time up to which all steps succeeded, s.
     pub(super) fn last_successful_time(&self) -> f64 {
         self.simulation.as_ref().map_or(self.start_time, Simulation::time)
-    }
-
-    pub(super) fn save(&self) -> SavedInstance {
-        SavedInstance {
-            phase: self.phase,
-            start_time: self.start_time,
-            stop_time: self.stop_time,
-            values: match self.simulation.as_ref().filter(|_| !self.is_set_up()) {
-                Some(simulation) => Values::Running(Box::new(simulation.save())),
-                None => Values::BeforeStart(Box::new(self.scene.clone())),
-            },
-        }
-    }
-
-    /// A saved instance as bytes.
-    pub(super) fn serialize(&self, saved: &SavedInstance) -> Result<Vec<u8>, Error> {
-        let scene = saved.values.scene();
-        self.check_size(scene)?;
-        let record = Record {
-            phase: saved.phase,
-            start_time: saved.start_time,
-            stop_time: saved.stop_time,
-            given: Given::of(scene, &self.variables),
-            progress: match &saved.values {
-                Values::BeforeStart(_) => None,
-                Values::Running(snapshot) => Some(Cow::Borrowed(snapshot.progress())),
-            },
-        };
-        Ok(to_bytes(&record, &self.guid))
-    }
-
-    /// A saved instance from its bytes.
-    pub(super) fn deserialize(&self, bytes: &[u8]) -> Result<SavedInstance, Error> {
-        let record: Record<'_> = from_bytes(bytes, &self.guid)?;
-        let scene = record.given.put_into(&self.original, &self.variables)?;
-        Ok(SavedInstance {
-            phase: record.phase,
-            start_time: record.start_time,
-            stop_time: record.stop_time,
-            values: match record.progress {
-                None => Values::BeforeStart(Box::new(scene)),
-                Some(progress) => {
-                    Values::Running(Box::new(Snapshot::new(scene, progress.into_owned())))
-                }
-            },
-        })
-    }
-
-    pub(super) fn restore(&mut self, saved: &SavedInstance) -> Result<(), Error> {
-        self.check_size(saved.values.scene())?;
-        match &saved.values {
-            Values::BeforeStart(scene) => {
-                self.scene.clone_from(&**scene);
-                self.simulation = None;
-            }
-            Values::Running(snapshot) => match &mut self.simulation {
-                Some(simulation) => simulation.restore(snapshot)?,
-                None => self.simulation = Some(Simulation::resume((**snapshot).clone())?),
-            },
-        }
-        self.phase = saved.phase;
-        self.is_experiment_set_up = true;
-        self.start_time = saved.start_time;
-        self.stop_time = saved.stop_time;
-        Ok(())
-    }
-
-    fn check_size(&self, scene: &Scene) -> Result<(), Error> {
-        if scene.has_parts_of(&self.original) {
-            return Ok(());
-        }
-        Err(Error::saved_state("the saved state is of another structure"))
     }
 
     pub(super) fn warn(&self, message: &str) {

@@ -1,0 +1,14 @@
+//! The functions of FMI 2.0 for co-simulation, as C sees them, by what they are for.
+//!
+//! Every one only turns its arguments into safe ones and leaves the work to [`Instance`](super::instance::Instance).
+//!
+//! Each is called by an importer, which keeps FMI's contract: handles come from `fmi2Instantiate` and are live,
+//! arrays have the length given with them, strings are terminated. That contract is the safety condition of all
+//! of them and the reason given in each block.
+#![allow(non_snake_case, unsafe_code, clippy::missing_safety_doc)]
+
+mod derivatives;
+mod life;
+mod saved_states;
+mod steps;
+mod variables;

@@ -1,0 +1,126 @@
+//! Derivatives that an instance gives and takes; all are of first order.
+
+use super::{Instance, Number};
+use crate::Error;
+use crate::simulation::catalogue::Quantity;
+use crate::simulation::{Variable, check_rate};
+
+impl Instance {
+    /// What these changes of inputs do to outputs at once; before a run starts also through the equilibrium that it
+    /// starts from.
+    pub(in crate::fmi2) fn directional_derivative(
+        &mut self,
+        unknowns: &[u32],
+        knowns: &[u32],
+        changes: &[f64],
+    ) -> Result<Vec<f64>, Error> {
+        let places = self.reals(unknowns)?;
+        let by = self.reals(knowns)?;
+        for (&place, change) in by.iter().zip(changes) {
+            if !change.is_finite() {
+                let name = &self.variables[place].name;
+                return Err(Error::variable(format!(
+                    "the change of {name} is {change:?}: must be finite"
+                )));
+            }
+        }
+        self.start()?;
+        let is_set_up = self.is_set_up();
+        let Self { simulation, variables, .. } = self;
+        let simulation = simulation.as_mut().expect("just made");
+        let of: Vec<&Variable> = places.iter().map(|&place| &variables[place]).collect();
+        let by = by.into_iter().map(|place| &variables[place]);
+        let by: Vec<(&Variable, f64)> = by.zip(changes.iter().copied()).collect();
+        let found = if is_set_up {
+            simulation.directional_derivative_at_start(&of, &by)?
+        } else {
+            simulation.directional_derivative(&of, &by)?
+        };
+        self.answer(found, &places)
+    }
+
+    /// How fast outputs change now, per second.
+    pub(in crate::fmi2) fn output_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+    ) -> Result<Vec<f64>, Error> {
+        check_orders(orders)?;
+        let places = self.reals(references)?;
+        self.start()?;
+        let Self { simulation, variables, .. } = self;
+        let simulation = simulation.as_mut().expect("just made");
+        let of: Vec<&Variable> = places.iter().map(|&place| &variables[place]).collect();
+        let found = simulation.rates(&of)?;
+        self.answer(found, &places)
+    }
+
+    /// Takes how fast inputs change over the next step, per second; all or none.
+    pub(in crate::fmi2) fn set_input_derivatives(
+        &mut self,
+        references: &[u32],
+        orders: &[i32],
+        values: &[f64],
+    ) -> Result<(), Error> {
+        check_orders(orders)?;
+        let places = self.reals(references)?;
+        for (&place, &rate) in places.iter().zip(values) {
+            check_rate(&self.variables[place], rate)?;
+        }
+        for (&place, &rate) in places.iter().zip(values) {
+            if self.is_set_up() {
+                self.rates.retain(|(known, _)| *known != place);
+                self.rates.push((place, rate));
+            } else {
+                let simulation = self.simulation.as_mut().expect("made when initialization ended");
+                simulation.set_rate(&self.variables[place], rate)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Gives a simulation that has just been made the rates that were set before.
+    pub(super) fn start_rates(&mut self) -> Result<(), Error> {
+        let Some(simulation) = &mut self.simulation else { return Ok(()) };
+        for (place, rate) in self.rates.drain(..) {
+            simulation.set_rate(&self.variables[place], rate)?;
+        }
+        Ok(())
+    }
+
+    /// Derivatives that importers can go on with. Where two modes coalesce the growth rate has none: the answer is
+    /// zero, with a warning.
+    fn answer(&mut self, mut found: Vec<f64>, of: &[usize]) -> Result<Vec<f64>, Error> {
+        for (value, &place) in found.iter_mut().zip(of) {
+            let variable = &self.variables[place];
+            let (name, quantity) = (&variable.name, variable.template.quantity);
+            let is_of_modes = matches!(quantity, Quantity::GrowthRate | Quantity::ModeFrequency);
+            if is_of_modes && value.is_nan() {
+                *value = 0.0;
+                self.warn(&format!(
+                    "{name} has no derivative where two modes coalesce; 0 is given"
+                ));
+                self.tolerated = true;
+            } else if !value.is_finite() {
+                return Err(Error::step(format!(
+                    "the derivative of {name} is not a finite number"
+                )));
+            }
+        }
+        Ok(found)
+    }
+
+    /// The places of Real variables in the list.
+    fn reals(&self, references: &[u32]) -> Result<Vec<usize>, Error> {
+        references.iter().map(|&reference| self.find(reference, Number::Real)).collect()
+    }
+}
+
+fn check_orders(orders: &[i32]) -> Result<(), Error> {
+    match orders.iter().find(|order| **order != 1) {
+        None => Ok(()),
+        Some(order) => Err(Error::variable(format!(
+            "derivatives of order {order} are not known, only those of order 1"
+        ))),
+    }
+}

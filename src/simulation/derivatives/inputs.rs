@@ -1,0 +1,94 @@
+//! What changes of inputs are changes of.
+
+use super::Change;
+use super::slope::Slope;
+use crate::Error;
+use crate::model::{self, Contact};
+use crate::simulation::catalogue::{Causality, Quantity};
+use crate::simulation::{Simulation, Variable, dof};
+
+impl Simulation {
+    /// The change of what drives the motion that these changes of inputs are.
+    ///
+    /// # Errors
+    /// What is no input.
+    pub(super) fn change_by(&self, by: &[(&Variable, f64)]) -> Result<Change, Error> {
+        let (dofs, contacts) = (self.model.dofs(), self.model.contacts.len());
+        let mut change = Change {
+            time: 0.0,
+            displacement: vec![0.0; dofs],
+            velocity: vec![0.0; dofs],
+            force: vec![0.0; dofs],
+            load: vec![0.0; dofs],
+            slider_velocity: vec![0.0; contacts],
+            slider_acceleration: vec![0.0; contacts],
+            friction: vec![[0.0; 2]; contacts],
+            reference: vec![[0.0; 2]; contacts],
+        };
+        by.iter().try_for_each(|(input, value)| self.add(&mut change, input, *value))?;
+        Ok(change)
+    }
+
+    fn add(&self, change: &mut Change, input: &Variable, by: f64) -> Result<(), Error> {
+        let i = input.index;
+        let own = |contact: &Contact| contact.own;
+        let contacts = self.model.contacts.iter().map(own).enumerate();
+        match (input.causality, input.template.quantity) {
+            (Causality::Input, Quantity::SliderVelocity) => contacts
+                .filter(|(_, own)| own.slider_velocity.is_none())
+                .for_each(|(contact, _)| change.slider_velocity[contact] += by),
+            (Causality::Input, Quantity::OwnVelocity) => change.slider_velocity[i] += by,
+            (Causality::Input, Quantity::FrictionCoefficient) => contacts
+                .filter(|(_, own)| own.friction_coefficient.is_none())
+                .for_each(|(contact, _)| change.friction[contact][0] += by),
+            (Causality::Input, Quantity::StaticFriction) => contacts
+                .filter(|(_, own)| {
+                    own.friction_coefficient.is_none() && own.static_friction.is_none()
+                })
+                .for_each(|(contact, _)| change.friction[contact][1] += by),
+            // Without static friction of its own a contact has this for both.
+            (Causality::Input, Quantity::OwnFriction) => {
+                change.friction[i][0] += by;
+                if self.model.contacts[i].own.static_friction.is_none() {
+                    change.friction[i][1] += by;
+                }
+            }
+            (Causality::Input, Quantity::OwnStaticFriction) => change.friction[i][1] += by,
+            (Causality::Input, Quantity::ExternalForce) => {
+                change.force[dof(&self.scene, &self.numbering, input)] += by;
+            }
+            (Causality::Input, Quantity::Preload) => {
+                model::add_preload(&self.scene, &self.numbering, i, by, &mut change.load);
+            }
+            _ => {
+                return Err(Error::variable(format!(
+                    "no derivative by {} is known: it is no input",
+                    input.name
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Lets the reference position, the equilibrium in uniform sliding, move with the inputs. Displacements count
+    /// from it, so that loads then act through its contact forces alone.
+    ///
+    /// # Errors
+    /// There is no equilibrium.
+    pub(super) fn move_reference(&self, change: &mut Change) -> Result<(), Error> {
+        let friction = self.acting().friction();
+        let common = self.acting().slider.velocity;
+        let (mut slopes, mut by) = (Vec::new(), Vec::new());
+        for (i, contact) in self.model.contacts.iter().enumerate() {
+            let (surface, sign) = (contact.velocity(common), contact.sliding_sign(common));
+            let coefficients = contact.coefficients(friction);
+            let slope = Slope::with_sign(self.model.law, coefficients, surface, sign);
+            slopes.push(slope.value);
+            by.push(slope.change(change.slider_velocity[i], change.friction[i]));
+        }
+        let load = std::mem::replace(&mut change.load, vec![0.0; self.model.dofs()]);
+        let normal = &self.reference.equilibrium.normal_force;
+        change.reference = self.model.equilibrium_change(load, &slopes, &by, normal)?;
+        Ok(())
+    }
+}

@@ -1,0 +1,243 @@
+//! Derivatives of outputs: by inputs, in the present contact states, and by time.
+//!
+//! Both are one linear map. Where the contacts keep their states, changes of the motion and of what drives it change
+//! the contact forces by what solves the same linear problem that the forces themselves solve
+//! ([`Integrator::respond`](crate::integrator::Integrator::respond)); friction that changes by itself, d(±µ) N, acts
+//! like one more force along the tangent. Position and velocity are what the steps have led to: no input changes them
+//! at the instant at which it is given.
+//!
+//! | file | what it has |
+//! | --- | --- |
+//! | `inputs` | what changes of inputs are changes of |
+//! | `slope` | ±µ of a contact that slides, as a function |
+//! | `energy` | the changes of the parts of the energy |
+//! | `growth` | those of growth rate and frequency |
+
+mod energy;
+mod growth;
+mod inputs;
+mod slope;
+
+use super::catalogue::{Causality, Quantity};
+use super::{Simulation, Variable};
+use crate::Error;
+use crate::contact::{ContactForce, ContactState};
+use crate::integrator::{Kept, Push, Response};
+use crate::model::{Damping, LumpedModel};
+use slope::Slope;
+
+/// Small changes, of inputs or over time, of what outputs are made of.
+struct Change {
+    /// dt, s; none where inputs change at an instant.
+    time: f64,
+    /// dx, m, and dẋ, m/s; one value a degree of freedom, as the next two.
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+    /// Of external forces and of the forces of preloads, N.
+    force: Vec<f64>,
+    load: Vec<f64>,
+    /// Of the sliders, m/s and m/s²; one value a contact, as the rest.
+    slider_velocity: Vec<f64>,
+    slider_acceleration: Vec<f64>,
+    /// Of µ_k and µ_s.
+    friction: Vec<[f64; 2]>,
+    /// Of the forces (N, T) of the reference position, N, which moves only before a run starts.
+    reference: Vec<[f64; 2]>,
+}
+
+/// What comes of it: d(N, T), N, and dv_r, m/s, of each contact.
+struct Outcome {
+    forces: Vec<[f64; 2]>,
+    slip: Vec<f64>,
+    /// Of growth rate and frequency, once asked for.
+    growth: Option<[f64; 2]>,
+}
+
+impl Simulation {
+    /// What changes of inputs, `by` (each with its change), do to outputs at once, in the present contact states:
+    /// the product of the Jacobian ∂`of`/∂`by` and these changes. Growth rate and frequency have none where two modes
+    /// coalesce, and are not numbers there. Where contacts hold a mass twice over, what each of them takes is not
+    /// determined, and neither are its changes.
+    ///
+    /// # Errors
+    /// `of` has what is no output or `by` what is no input; contact forces that have no solution.
+    pub fn directional_derivative(
+        &mut self,
+        of: &[&Variable],
+        by: &[(&Variable, f64)],
+    ) -> Result<Vec<f64>, Error> {
+        let present = self.contact_forces()?.to_vec();
+        let change = self.change_by(by)?;
+        self.derivatives(of, &change, &present)
+    }
+
+    /// The same before the run has started, when the reference position moves with the inputs.
+    ///
+    /// # Errors
+    /// As [`directional_derivative`](Self::directional_derivative).
+    pub fn directional_derivative_at_start(
+        &mut self,
+        of: &[&Variable],
+        by: &[(&Variable, f64)],
+    ) -> Result<Vec<f64>, Error> {
+        let present = self.contact_forces()?.to_vec();
+        let mut change = self.change_by(by)?;
+        self.move_reference(&mut change)?;
+        self.derivatives(of, &change, &present)
+    }
+
+    /// How fast outputs change now, per second, in the present contact states. Signals count from now on, rates of
+    /// inputs ([`set_rate`](Self::set_rate)) up to now or, once set anew, from now on.
+    ///
+    /// # Errors
+    /// `of` has what is no output; contact forces that have no solution.
+    pub fn rates(&mut self, of: &[&Variable]) -> Result<Vec<f64>, Error> {
+        let present = self.contact_forces()?.to_vec();
+        let change = self.change_over_time(&present)?;
+        self.derivatives(of, &change, &present)
+    }
+
+    /// The change over time, per second.
+    fn change_over_time(&mut self, present: &[ContactForce]) -> Result<Change, Error> {
+        let now = self.clock.grid_time(self.scene.step);
+        let mut change = match &self.driven {
+            None => self.change_by(&[])?,
+            Some(driven) => {
+                let rates: Vec<(&Variable, f64)> = driven.rates(now).collect();
+                let mut change = self.change_by(&rates)?;
+                for (contact, jerk) in change.slider_acceleration.iter_mut().enumerate() {
+                    *jerk = driven.slider_jerk(now, contact);
+                }
+                change
+            }
+        };
+        change.time = 1.0;
+        change.displacement.copy_from_slice(&self.motion.velocity);
+        let slopes = self.slopes(present);
+        let push = self.held_back(
+            self.drive.force.clone(),
+            &self.motion.displacement,
+            &self.motion.velocity,
+        );
+        let sliders = self.drive.slider_acceleration.clone();
+        change.velocity = self.respond(present, &slopes, &push, &sliders)?.acceleration;
+        Ok(change)
+    }
+
+    /// What the outputs change by.
+    fn derivatives(
+        &mut self,
+        of: &[&Variable],
+        change: &Change,
+        present: &[ContactForce],
+    ) -> Result<Vec<f64>, Error> {
+        let mut outcome = self.outcome(change, present)?;
+        let mut all = of.iter();
+        all.try_fold(Vec::with_capacity(of.len()), |mut found, variable| {
+            found.push(self.derivative(variable, change, &mut outcome, present)?);
+            Ok(found)
+        })
+    }
+
+    /// What one output changes by.
+    fn derivative(
+        &mut self,
+        variable: &Variable,
+        change: &Change,
+        outcome: &mut Outcome,
+        present: &[ContactForce],
+    ) -> Result<f64, Error> {
+        let (i, name) = (variable.index, &variable.name);
+        if variable.causality != Causality::Output {
+            return Err(Error::variable(format!("{name} has no derivative: it is no output")));
+        }
+        let dof = || super::dof(&self.scene, &self.numbering, variable);
+        let reaction = |part: usize| -outcome.forces.iter().map(|force| force[part]).sum::<f64>();
+        Ok(match variable.template.quantity {
+            Quantity::Displacement => change.displacement[dof()],
+            Quantity::Velocity => change.velocity[dof()],
+            Quantity::NormalForce => outcome.forces[i][0],
+            Quantity::FrictionForce => outcome.forces[i][1],
+            Quantity::SlipVelocity => outcome.slip[i],
+            Quantity::NormalReaction => reaction(0),
+            Quantity::TangentialReaction => reaction(1),
+            Quantity::Energy => self.energy_change(change, present)[variable.template.component],
+            Quantity::GrowthRate | Quantity::ModeFrequency => {
+                let growth = match outcome.growth {
+                    Some(known) => known,
+                    None => self.growth_change(change)?,
+                };
+                outcome.growth = Some(growth);
+                growth[usize::from(variable.template.quantity == Quantity::ModeFrequency)]
+            }
+            _ => {
+                return Err(Error::variable(format!(
+                    "{name} has no derivative: it changes in jumps alone"
+                )));
+            }
+        })
+    }
+
+    /// What comes of a change.
+    fn outcome(&mut self, change: &Change, present: &[ContactForce]) -> Result<Outcome, Error> {
+        let slopes = self.slopes(present);
+        let sum = change.force.iter().zip(&change.load).map(|(force, load)| force + load);
+        let mut push = self.held_back(sum.collect(), &change.displacement, &change.velocity);
+        let (mut slip, mut weakened) = (Vec::new(), Vec::new());
+        for (i, (contact, now)) in self.model.contacts.iter().zip(present).enumerate() {
+            let along = contact.tangent.dot(&change.velocity);
+            slip.push(match now.state {
+                ContactState::Stick => 0.0,
+                _ => change.slider_velocity[i] - along,
+            });
+            // What friction changes by of itself acts on the masses like one more force.
+            weakened.push(now.normal_force * slopes[i].change(slip[i], change.friction[i]));
+            let [normal, tangential] = change.reference[i];
+            contact.normal.add_to(&mut push, -normal);
+            contact.tangent.add_to(&mut push, weakened[i] - tangential);
+        }
+        let found = self.respond(present, &slopes, &push, &change.slider_acceleration)?;
+        let mut forces = found.forces;
+        for (force, own) in forces.iter_mut().zip(&weakened) {
+            force[1] += own;
+        }
+        Ok(Outcome { forces, slip, growth: None })
+    }
+
+    fn slopes(&self, present: &[ContactForce]) -> Vec<Slope> {
+        let contacts = present.iter().zip(&self.drive.friction);
+        contacts.map(|(force, &friction)| Slope::of(self.model.law, friction, force)).collect()
+    }
+
+    /// What a push does to contacts that keep their states.
+    fn respond(
+        &mut self,
+        present: &[ContactForce],
+        slopes: &[Slope],
+        force: &[f64],
+        slider_acceleration: &[f64],
+    ) -> Result<Response, Error> {
+        let states: Vec<ContactState> = present.iter().map(|force| force.state).collect();
+        let slopes: Vec<f64> = slopes.iter().map(|slope| slope.value).collect();
+        let mut response = Response::new(present.len(), force.len());
+        self.integrator
+            .respond(
+                Kept { states: &states, slopes: &slopes },
+                Push { force, slider_acceleration },
+                &mut response,
+            )
+            .map_err(|failure| self.failed(failure, self.time()))?;
+        Ok(response)
+    }
+
+    /// `force` less what springs and dampers make of these displacements (m) and velocities (m/s), N.
+    fn held_back(&self, mut force: Vec<f64>, x: &[f64], v: &[f64]) -> Vec<f64> {
+        let LumpedModel { mass, stiffness, dampers, damping, .. } = &self.model;
+        let Damping { alpha, beta } = *damping;
+        for (row, force) in force.iter_mut().enumerate() {
+            let springs = stiffness.row_times(row, x) + beta * stiffness.row_times(row, v);
+            *force -= springs + alpha * mass.row_times(row, v) + dampers.row_times(row, v);
+        }
+        force
+    }
+}

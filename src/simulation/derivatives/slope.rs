@@ -1,0 +1,41 @@
+//! ±µ of a contact that slides, as a function.
+
+use crate::contact::{ContactForce, ContactLaw, Friction};
+
+/// T/N of a contact that slides, with its derivatives; zero in the other states.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Slope {
+    pub(super) value: f64,
+    by_slip: f64,
+    /// By µ_k and µ_s.
+    by_coefficients: [f64; 2],
+}
+
+impl Slope {
+    /// That of a contact in its present state.
+    pub(super) fn of(law: ContactLaw, friction: Friction, force: &ContactForce) -> Self {
+        let Some(direction) = force.state.sliding_direction() else { return Self::default() };
+        let is_pulled = law.follows_size() && force.normal_force < 0.0;
+        let sign = if is_pulled { -direction } else { direction };
+        Self::with_sign(law, friction, force.slip_velocity, sign)
+    }
+
+    /// That of friction with this sign, at a slip velocity, m/s.
+    pub(super) fn with_sign(law: ContactLaw, friction: Friction, slip: f64, sign: f64) -> Self {
+        let Some(falls) = law.friction.about().falls else {
+            let value = sign * friction.kinetic;
+            return Self { value, by_slip: 0.0, by_coefficients: [sign, 0.0] };
+        };
+        Self {
+            value: sign * (falls.friction)(friction, slip),
+            by_slip: sign * (falls.slope)(friction, slip) * slip.signum(),
+            by_coefficients: (falls.by_coefficients)(friction, slip).map(|by| sign * by),
+        }
+    }
+
+    /// What it changes by with the slip velocity, m/s, and with µ_k and µ_s.
+    pub(super) fn change(self, slip: f64, [kinetic, static_]: [f64; 2]) -> f64 {
+        let [by_kinetic, by_static] = self.by_coefficients;
+        self.by_slip * slip + by_kinetic * kinetic + by_static * static_
+    }
+}

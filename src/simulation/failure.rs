@@ -1,0 +1,235 @@
+//! What is said of a step that failed: when, at which contact, and why.
+
+use super::catalogue::Quantity;
+use super::clock::Leg;
+use super::{Simulation, Variable, read_scene, variables};
+use crate::Error;
+use crate::integrator::{Motion, StepFailure};
+use crate::model::ring::MODULE_DOFS;
+use crate::scene::Structure;
+
+/// An input or parameter beyond this, in SI units, is what a motion that leaves the range of numbers comes from.
+const HUGE: f64 = 1e100;
+
+impl Simulation {
+    /// Words on a step that the integrator could not take on the way to a time (s).
+    #[cold]
+    pub(super) fn failed(&self, failure: StepFailure, target: f64) -> Error {
+        let contact_name = |contact| self.scene.contact_name(contact);
+        let what = match failure {
+            StepFailure::NoConvergence { sweeps, contact, change, tolerance } => {
+                let name = contact_name(contact);
+                let last = if change.is_finite() {
+                    format!(
+                        "in the last one that of {name} still changed by {change:.1e} of the largest force, \
+                         {tolerance:e} being enough"
+                    )
+                } else {
+                    format!("that of {name} grew beyond the range of numbers")
+                };
+                let coupled = || {
+                    "contacts that share masses are coupled too strongly: lower friction.coefficient, or make \
+                     their masses more alike"
+                        .to_owned()
+                };
+                let cause = self.huge_value().map_or_else(coupled, too_large);
+                format!("the contact forces did not converge in {sweeps} sweeps, {last}; {cause}")
+            }
+            StepFailure::NotFinite { contact } => {
+                self.out_of_range(self.pushed().or_else(|| Some(self.scene.contact_name(contact))))
+            }
+            StepFailure::TooManyEvents { contact } => {
+                format!(
+                    "{} changed its state again and again at one instant",
+                    contact_name(contact)
+                )
+            }
+            StepFailure::TooManySeries { most } => format!(
+                "one internal step took more than {most} power series; lower integrator.step, or look for \
+                 a stiffness that is too large or a mass that is too small"
+            ),
+            StepFailure::Wedged { contact } => format!(
+                "friction wedges {}: no contact force satisfies its law; lower friction.coefficient",
+                contact_name(contact)
+            ),
+        };
+        self.step_failed(target, &what)
+    }
+
+    /// Words on a motion that is not finite any more, which began on the way to a time (s).
+    #[cold]
+    pub(super) fn left_range(&self, target: f64) -> Error {
+        self.step_failed(target, &self.out_of_range(self.pushed()))
+    }
+
+    /// Where a motion has left the range of numbers, which is at the first degree of freedom that is not finite
+    /// unless it is known better, and why.
+    fn out_of_range(&self, place: Option<String>) -> String {
+        let place = place.unwrap_or_else(|| {
+            let Motion { displacement, velocity, .. } = &self.motion;
+            let mut pairs = displacement.iter().zip(velocity);
+            self.place(pairs.position(|(x, v)| !(x.is_finite() && v.is_finite())).unwrap_or(0))
+        });
+        format!("the motion at {place} left the range of numbers; {}", self.likely_cause())
+    }
+
+    /// Where a force acts that no motion can follow: within some steps nothing else is finite either.
+    fn pushed(&self) -> Option<String> {
+        let (variable, _) = self.huge_value()?;
+        let is_force = variable.template.quantity == Quantity::ExternalForce;
+        is_force.then(|| self.place(super::dof(&self.scene, &self.numbering, &variable)))
+    }
+
+    /// A degree of freedom by its name, with the contact that is there.
+    fn place(&self, dof: usize) -> String {
+        let name = self.scene.dof_names().into_iter().nth(dof).unwrap_or_default();
+        match self.contact_at(dof) {
+            Some(contact) => format!("{}, {name},", self.scene.contact_name(contact)),
+            None => name,
+        }
+    }
+
+    /// Words on a leg that could not be gone on with, for the reason that is given.
+    #[cold]
+    pub(super) fn stopped(&self, error: &Error, leg: &Leg) -> Error {
+        if leg.done == 0 {
+            return error.clone();
+        }
+        let time = self.time();
+        error.in_words(format!("{error}; up to {time} s all was well"))
+    }
+
+    fn step_failed(&self, target: f64, what: &str) -> Error {
+        let time = self.time();
+        if target == time {
+            return Error::step(format!("at {time} s {what}"));
+        }
+        Error::step(format!("between {time} s and {target} s {what}; up to {time} s all was well"))
+    }
+
+    /// The contact on a degree of freedom, or else of the mass or module that it belongs to.
+    fn contact_at(&self, dof: usize) -> Option<usize> {
+        let touching = |dof: usize| {
+            self.model.contacts.iter().position(|contact| {
+                contact.normal.0.iter().chain(&contact.tangent.0).any(|part| part.0 == dof)
+            })
+        };
+        touching(dof).or_else(|| match &self.scene.structure {
+            Structure::Ring(_) => Some(dof / MODULE_DOFS),
+            Structure::Network(network) => {
+                let axes = |mass| [0, 1].map(|axis| self.numbering.dof(mass, axis));
+                let mass =
+                    (0..network.masses.len()).find(|mass| axes(*mass).contains(&Some(dof)))?;
+                axes(mass).into_iter().flatten().find_map(touching)
+            }
+        })
+    }
+
+    /// What a motion that leaves the range of numbers comes from: a value that is far too large, or flutter.
+    fn likely_cause(&self) -> String {
+        self.huge_value().map_or_else(
+            || "look for a flutter that nothing bounds, as where contacts cannot open".to_owned(),
+            too_large,
+        )
+    }
+
+    /// The largest value, if it is one that no motion can follow.
+    fn huge_value(&self) -> Option<(Variable, f64)> {
+        let acting = self.acting();
+        let values = variables(acting).into_iter().filter_map(|variable| {
+            let value = read_scene(acting, &variable)?;
+            Some((variable, value))
+        });
+        values
+            .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
+            .filter(|(_, value)| value.abs() > HUGE)
+    }
+}
+
+fn too_large((variable, value): (Variable, f64)) -> String {
+    format!("{} = {value:e} is more than a motion can follow", variable.name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Method, Scene, builtin};
+
+    const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
+
+    /// What a run of a scene says that gets this force (N) after a while.
+    fn pushed(scene: &Scene, name: &str, force: f64) -> String {
+        let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
+        simulation.advance_to(1e-3).unwrap();
+        let all = variables(scene);
+        let variable = all.iter().find(|variable| variable.name == name).unwrap();
+        simulation.write(variable, force).unwrap();
+        for row in 2..50_u32 {
+            if let Err(error) = simulation.advance_to(f64::from(row) * 1e-3) {
+                assert!(error.is_step());
+                return error.to_string();
+            }
+        }
+        panic!("it goes on")
+    }
+
+    #[test]
+    fn a_force_beyond_all_bounds_is_named_with_when_and_where_it_acted() {
+        for method in METHODS {
+            for (scene, force, place) in [
+                ("set1", "module[2].f3", "contact[2], module[2].x3,"),
+                ("ring12", "module[7].f1", "contact[7], module[7].x1,"),
+            ] {
+                let scene = Scene { method, step: 1e-5, ..builtin(scene).unwrap().scene() };
+                let error = pushed(&scene, force, 1e308);
+                let (when, rest) = error.split_once(" the motion at ").unwrap();
+                let start = when.strip_prefix("between ").unwrap().split(' ').next().unwrap();
+                assert_eq!(
+                    rest,
+                    format!(
+                        "{place} left the range of numbers; {force} = 1e308 is more than a motion can follow; \
+                         up to {start} s all was well"
+                    )
+                );
+            }
+        }
+    }
+
+    /// Set 1 flutters, with nothing to bound it where contacts can neither open nor stick.
+    #[test]
+    fn flutter_that_nothing_bounds_ends_in_an_error_and_never_in_numbers_that_are_none() {
+        for method in METHODS {
+            let mut scene = Scene { method, step: 1e-4, ..builtin("set1").unwrap().scene() };
+            (scene.effects.sticking, scene.effects.detachment) = (false, false);
+            scene.friction_coefficient = 3.0;
+            let mut simulation = Simulation::new(scene, 0.0).unwrap();
+            let error = loop {
+                let then = simulation.time() + 0.5;
+                match simulation.advance_to(then) {
+                    Ok(()) => assert!(
+                        then < 1e3 && simulation.displacement().iter().all(|x| x.is_finite())
+                    ),
+                    Err(error) => break error.to_string(),
+                }
+            };
+            let words = ["left the range of numbers", "flutter that nothing bounds", "contact["];
+            assert!(words.iter().all(|word| error.contains(word)), "{error}");
+            // 300 powers of ten take their time.
+            assert!(simulation.time() > 1.0);
+        }
+    }
+
+    #[test]
+    fn more_oscillations_than_a_step_can_follow_are_refused() {
+        let mut scene = builtin("set1").unwrap().scene();
+        (scene.method, scene.step) = (Method::EventDriven, 1e-3);
+        scene.damping.beta = 0.0;
+        scene.modules_mut()[0].mass[0] = 1e-15;
+        let mut simulation = Simulation::new(scene, 0.0).unwrap();
+        let error = simulation.advance_to(1e-3).unwrap_err().to_string();
+        assert!(
+            error.contains("took more than 100000 power series; lower integrator.step"),
+            "{error}"
+        );
+    }
+}

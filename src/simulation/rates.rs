@@ -1,0 +1,100 @@
+//! Rates of inputs, for importers that know how an input goes on over their next step.
+
+use super::catalogue::{Causality, variable};
+use super::signals::{Driven, Ramp};
+use super::{Simulation, Variable};
+use crate::Error;
+use crate::scene::Scene;
+use serde::{Deserialize, Serialize};
+
+/// An input's rate as a saved state has it.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub(super) struct SavedRate {
+    template: usize,
+    index: usize,
+    ramp: Ramp,
+}
+
+impl Simulation {
+    /// Lets an input change by `rate`, per second, from now on to the end of the next advance; from there on it
+    /// keeps the value that it has reached. Velocities of sliders and loads so change linearly, friction
+    /// coefficients from step to step.
+    ///
+    /// # Errors
+    /// The variable is no input, or the rate no finite number.
+    pub fn set_rate(&mut self, variable: &Variable, rate: f64) -> Result<(), Error> {
+        check_rate(variable, rate)?;
+        let origin = self.clock.grid_time(self.scene.step);
+        let driven = self.driven.get_or_insert_with(|| Driven::new(&self.scene));
+        driven.set_ramp(variable, Ramp { origin, rate, is_over: false });
+        self.stale.by(variable);
+        Ok(())
+    }
+
+    /// Begins an advance to time `end` (s): rates of the one before no longer hold.
+    ///
+    /// # Errors
+    /// A rate that leads to an impossible value.
+    pub(super) fn begin_rates(&mut self, end: f64) -> Result<(), Error> {
+        let Some(driven) = &mut self.driven else { return Ok(()) };
+        driven.check_ramps(end, &self.scene)?;
+        driven.drop_ramps(false);
+        Ok(())
+    }
+
+    /// Ends an advance: what the rates have led to is given from now on.
+    pub(super) fn end_rates(&mut self) {
+        let end = self.clock.grid_time(self.scene.step);
+        if let Some(driven) = &mut self.driven {
+            driven.end_ramps(end, &mut self.scene).expect("inputs can be written");
+        }
+    }
+
+    /// The rates, for a saved state.
+    pub(super) fn saved_rates(&self) -> Vec<SavedRate> {
+        let ramps = self.driven.iter().flat_map(Driven::ramps);
+        let saved = |(variable, ramp): (&Variable, Ramp)| SavedRate {
+            template: variable.template_place(),
+            index: variable.index,
+            ramp,
+        };
+        ramps.map(saved).collect()
+    }
+
+    /// Takes over the rates of a saved state in place of those at hand.
+    pub(super) fn take_over_rates(&mut self, saved: &[SavedRate]) {
+        if let Some(driven) = &mut self.driven {
+            driven.drop_ramps(true);
+            driven.restart(&self.scene);
+        }
+        for &SavedRate { template, index, ramp } in saved {
+            let Some(variable) = variable(&self.scene, template, index) else { continue };
+            let driven = self.driven.get_or_insert_with(|| Driven::new(&self.scene));
+            driven.set_ramp(&variable, ramp);
+        }
+    }
+}
+
+/// Are these rates of inputs that the scene has?
+pub(super) fn belong_to(saved: &[SavedRate], scene: &Scene) -> bool {
+    saved.iter().all(|&SavedRate { template, index, ramp }| {
+        let variable = variable(scene, template, index);
+        ramp.origin.is_finite()
+            && variable.is_some_and(|variable| check_rate(&variable, ramp.rate).is_ok())
+    })
+}
+
+/// Refuses a rate that a variable cannot have.
+///
+/// # Errors
+/// The variable is no input, or the rate no finite number.
+pub(crate) fn check_rate(variable: &Variable, rate: f64) -> Result<(), Error> {
+    let name = &variable.name;
+    if variable.causality != Causality::Input {
+        return Err(Error::variable(format!("{name} has no rate to be set: it is no input")));
+    }
+    if !rate.is_finite() {
+        return Err(Error::variable(format!("the rate of {name} is {rate:?}: must be finite")));
+    }
+    Ok(())
+}
