@@ -14,7 +14,6 @@ use amontons::simulation::Simulation;
 use amontons::stability::critical_step;
 use judge::{LetOff, METHODS, Run, off};
 use proptest::prelude::*;
-use proptest::test_runner::RngSeed;
 use std::cell::Cell;
 use std::sync::Arc;
 
@@ -65,14 +64,6 @@ fn any_module() -> impl Strategy<Value = Module> {
         })
 }
 
-/// The same cases at each run, unless the environment has another `PROPTEST_RNG_SEED`.
-fn seed() -> RngSeed {
-    let given = std::env::var("PROPTEST_RNG_SEED").ok().and_then(|seed| seed.parse().ok());
-    let seed = given.unwrap_or(1991);
-    println!("PROPTEST_RNG_SEED={seed}");
-    RngSeed::Fixed(seed)
-}
-
 /// What random runs of one kind came to.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
@@ -103,13 +94,12 @@ impl Tally {
     }
 }
 
-/// That many cases, the same at each run.
+/// That many cases.
 fn config(cases: u32) -> ProptestConfig {
     ProptestConfig {
         cases,
         max_global_rejects: 1_000_000,
         failure_persistence: None,
-        rng_seed: seed(),
         ..ProptestConfig::default()
     }
 }

@@ -135,12 +135,15 @@ fn any_scene() -> impl Strategy<Value = usize> {
     prop::strategy::Union::new_weighted(weighted.collect())
 }
 
-/// The same cases at each run, unless the environment has another `PROPTEST_RNG_SEED`.
+/// The seed of the first sequences (`.cargo/config.toml`, or the environment).
 fn seed() -> u64 {
-    let given = std::env::var("PROPTEST_RNG_SEED").ok().and_then(|seed| seed.parse().ok());
-    let seed = given.unwrap_or(1991);
-    println!("PROPTEST_RNG_SEED={seed}");
-    seed
+    match Config::default().rng_seed {
+        RngSeed::Fixed(seed) => {
+            println!("PROPTEST_RNG_SEED={seed}");
+            seed
+        }
+        RngSeed::Random => panic!("PROPTEST_RNG_SEED is set by cargo; it is not here"),
+    }
 }
 
 #[test]
