@@ -432,3 +432,28 @@ fn a_brake_squeals_above_its_critical_friction_and_is_silent_below() {
         assert_eq!((states > 0, size > 1.6e-8), (squeals, squeals), "{mu}: {states}, {size}");
     }
 }
+
+// ---- drive: seen from the nut of its screw, a damped mass on a spring ----
+
+#[test]
+fn a_table_goes_at_the_speed_of_its_nut_and_gives_way_to_a_reaction() {
+    let (speed, mass, stiffness, damping, reaction) = (0.1, 4.0, 4e6, 400.0, -400.0);
+    let mut simulation = simulation(&scene("drive", &[]));
+    let slip = "contact.guide.slip_velocity";
+    simulation.advance_to(1e-3).unwrap();
+    assert_near(read(&mut simulation, slip), speed, 1e-15);
+    let variables = variables(simulation.scene());
+    let force = variables.iter().find(|variable| variable.name == "mass.table.fx").unwrap();
+    simulation.write(force, reaction).unwrap();
+    // m ü + c u̇ + k u = F from rest.
+    let decay = 0.5 * damping / mass;
+    let omega = (stiffness / mass - decay * decay).sqrt();
+    for t in [1e-4, 1e-3, 5e-3, 2e-2] {
+        simulation.advance_to(1e-3 + t).unwrap();
+        let gives_way = reaction / (mass * omega) * (-decay * t).exp() * (omega * t).sin();
+        assert_near(read(&mut simulation, slip), speed + gives_way, 1e-12);
+    }
+    simulation.advance_to(1.0).unwrap();
+    assert_near(read(&mut simulation, slip), speed, 1e-12);
+    assert_near(read(&mut simulation, "mass.table.x"), reaction / stiffness, 1e-15);
+}

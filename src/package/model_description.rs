@@ -6,7 +6,7 @@ use crate::scene::{Scene, Selection, Source};
 use crate::simulation::catalogue::{
     Causality, ENUMERATIONS, Kind, Template, UNITS, Variability, Variable, fmu_variables,
 };
-use crate::simulation::{fingerprint, read_scene};
+use crate::simulation::{feedthrough, fingerprint, read_scene};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
@@ -78,7 +78,7 @@ pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> 
                 scalar_variable(xml, scene, reference, variable);
             }
         });
-        structure(xml, &variables);
+        structure(xml, scene, &variables);
     });
     xml.finish()
 }
@@ -163,21 +163,28 @@ fn scalar_variable(xml: &mut Xml, scene: &Scene, reference: usize, variable: &Va
     });
 }
 
-/// Every output, and every one an unknown of the initialization that depends on anything.
-fn structure(xml: &mut Xml, variables: &[Variable]) {
-    let outputs: Vec<usize> = (1..)
-        .zip(variables)
-        .filter(|(_, variable)| variable.causality == Causality::Output)
-        .map(|(index, _)| index)
-        .collect();
+/// Every output with the inputs that act on it at once, and every one an unknown of the initialization that depends
+/// on anything.
+fn structure(xml: &mut Xml, scene: &Scene, variables: &[Variable]) {
+    let is_output = |(_, variable): &(_, &Variable)| variable.causality == Causality::Output;
+    let outputs: Vec<(usize, &Variable)> = (1..).zip(variables).filter(is_output).collect();
+    let index = |place: usize| ("index", place.to_string());
     xml.nest("ModelStructure", &[], |xml| {
-        for list in ["Outputs", "InitialUnknowns"] {
-            xml.nest(list, &[], |xml| {
-                for index in &outputs {
-                    xml.empty("Unknown", &[("index", index.to_string())]);
+        xml.nest("Outputs", &[], |xml| {
+            for &(place, output) in &outputs {
+                let mut attributes = vec![index(place)];
+                if let Some(inputs) = feedthrough(scene, variables, output) {
+                    let inputs: Vec<String> = inputs.iter().map(|i| (i + 1).to_string()).collect();
+                    attributes.push(("dependencies", inputs.join(" ")));
                 }
-            });
-        }
+                xml.empty("Unknown", &attributes);
+            }
+        });
+        xml.nest("InitialUnknowns", &[], |xml| {
+            for &(place, _) in &outputs {
+                xml.empty("Unknown", &[index(place)]);
+            }
+        });
     });
 }
 

@@ -32,6 +32,7 @@ pub const BUILTIN: &[Builtin] = &[
     Builtin { name: "hoffmann", text: include_str!("../../scenes/hoffmann.toml") },
     Builtin { name: "corner", text: include_str!("../../scenes/corner.toml") },
     Builtin { name: "disc_brake", text: include_str!("../../scenes/disc_brake.toml") },
+    Builtin { name: "drive", text: include_str!("../../scenes/drive.toml") },
 ];
 
 /// The built-in scene of that name.

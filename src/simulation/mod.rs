@@ -31,6 +31,8 @@ pub use batch::Batch;
 pub(crate) use batch::attempt;
 pub use catalogue::{Variable, variables};
 #[cfg(feature = "tools")]
+pub use derivatives::feedthrough;
+#[cfg(feature = "tools")]
 pub use effects::{Effect, effects};
 pub use fingerprint::fingerprint;
 pub(crate) use given::Given;

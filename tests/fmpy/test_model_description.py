@@ -4,6 +4,7 @@ import math
 
 import pytest
 from conftest import EFFECTS, SCENES
+from fmpy.fmi2 import fmi2OK
 
 RINGS = {"set1": 2, "set2": 2, "ring12": 12}
 
@@ -199,3 +200,45 @@ def test_the_names_that_scripts_rely_on_exist(unpacked, scene, modules):
 def test_a_variable_of_an_effect_is_there_where_the_effect_is_and_nowhere_else(unpacked, name):
     having = {scene for scene in EFFECTS if name in unpacked(scene).variables}
     assert having == set(OF_EFFECTS[name].split()) & set(EFFECTS)
+
+
+def dependencies(fmu):
+    """The inputs that each output says it depends on, by their names, of those that say so."""
+    names = [v.get("name") for v in fmu.xml.find("ModelVariables")]
+    return {
+        names[int(unknown.get("index")) - 1]: [names[int(i) - 1] for i in unknown.get("dependencies").split()]
+        for unknown in fmu.xml.find("ModelStructure/Outputs")
+        if unknown.get("dependencies") is not None
+    }
+
+
+@every_scene
+def test_an_input_acts_at_once_on_none_but_the_outputs_that_depend_on_it(instance, scene):
+    """Whatever the contacts do: inputs are changed by little and by much, in the midst of a motion."""
+    one = instance(scene).initialize()
+    stated = dependencies(one.fmu)
+    inputs = [v.get("name") for v in one.fmu.xml.find("ModelVariables") if v.get("causality") == "input"]
+    interval = one.fmu.description.defaultExperiment.stepSize
+    for step in range(1, 6):
+        one.advance([float(f"{step * interval:.12g}")], [])
+        for name in inputs:
+            (present,) = one.read([name])
+            before = dict(zip(stated, one.read(stated)))
+            for value in (present + 1e-3, 0.5 * present, 10.0 + present):
+                if one.Set({name: value}) != fmi2OK:
+                    continue
+                for output, after in zip(stated, one.read(stated)):
+                    assert name in stated[output] or after == before[output], (output, name, value)
+            assert one.Set({name: present}) == fmi2OK
+
+
+@every_scene
+def test_positions_and_velocities_need_no_input_and_a_slip_that_cannot_stop_the_surfaces_alone(unpacked, scene):
+    fmu = unpacked(scene)
+    stated = dependencies(fmu)
+    motion = [n for n in fmu.outputs if n.startswith(("module[", "mass."))]
+    assert motion and all(stated[name] == [] for name in motion)
+    slips = {n: stated.get(n) for n in fmu.outputs if n.endswith(".slip_velocity")}
+    frictionless = scene in ("none", "drive")
+    free = ["slider.velocity"] if frictionless or scene in ("sticking",) else None
+    assert set(map(str, slips.values())) == {str(free)}

@@ -11,12 +11,18 @@
 //! | `inputs` | what changes of inputs are changes of |
 //! | `slope` | ±µ of a contact that slides, as a function |
 //! | `energy` | the changes of the parts of the energy |
+//! | `feedthrough` | which inputs have one at all |
 //! | `growth` | those of growth rate and frequency |
 
 mod energy;
+#[cfg(feature = "tools")]
+mod feedthrough;
 mod growth;
 mod inputs;
 mod slope;
+
+#[cfg(feature = "tools")]
+pub use feedthrough::feedthrough;
 
 use super::catalogue::{Causality, Quantity};
 use super::{Simulation, Variable};
