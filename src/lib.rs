@@ -20,11 +20,14 @@
 //! | [`package`] | the FMU as an archive (feature `tools`) |
 //! | [`picture`] | charts, maps, moving mode shapes and structures as SVG or PNG (feature `tools`) |
 //! | [`report`] | claims, figures and tables as one HTML page (feature `tools`) |
+//! | [`check`] | what an FMU breaks, whoever made it (feature `tools`) |
 //!
 //! All quantities are in SI units.
 
 #[cfg(feature = "tools")]
 pub mod accuracy;
+#[cfg(feature = "tools")]
+pub mod check;
 pub mod contact;
 pub mod error;
 mod fmi2;

@@ -4,7 +4,7 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 16] = [
+const ROOMS: [&str; 17] = [
     "error",
     "output",
     "spectral",
@@ -21,6 +21,7 @@ const ROOMS: [&str; 16] = [
     "package",
     "picture",
     "report",
+    "check",
 ];
 
 /// Rooms that the sources under `path` name with `crate::room`.
@@ -60,9 +61,11 @@ fn unsafe_stays_in_the_c_interface() {
             let path = entry.unwrap().path();
             if path.is_dir() {
                 visit(&path);
-            } else if !path.components().any(|part| part.as_os_str() == "fmi2") {
+            } else if !path.components().any(|part| part.as_os_str() == "fmi2")
+                && !path.ends_with("check/run/library.rs")
+            {
                 let text = fs::read_to_string(&path).unwrap();
-                assert!(!text.contains("unsafe "), "{} is outside fmi2", path.display());
+                assert!(!text.contains("unsafe "), "{} calls no C", path.display());
             }
         }
     }

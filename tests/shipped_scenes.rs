@@ -437,7 +437,7 @@ fn a_brake_squeals_above_its_critical_friction_and_is_silent_below() {
 
 #[test]
 fn a_table_goes_at_the_speed_of_its_nut_and_gives_way_to_a_reaction() {
-    let (speed, mass, stiffness, damping, reaction) = (0.1, 4.0, 4e6, 400.0, -400.0);
+    let [speed, mass, stiffness, damping, reaction]: [f64; 5] = [0.1, 4.0, 4e6, 400.0, -400.0];
     let mut simulation = simulation(&scene("drive", &[]));
     let slip = "contact.guide.slip_velocity";
     simulation.advance_to(1e-3).unwrap();

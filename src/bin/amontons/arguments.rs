@@ -35,6 +35,11 @@ pub enum Command {
         #[command(subcommand)]
         command: Study,
     },
+    /// Examine an FMI 2.0 co-simulation FMU, whoever made it: archive, description, libraries, a run
+    Check(crate::check::Check),
+    /// Run the library of an unpacked FMU; `check` calls this
+    #[command(name = amontons::check::COMMAND, hide = true)]
+    RunLibrary(crate::check::RunLibrary),
     /// Compute the paper's figures and tables, its claims beside what comes out, as one HTML page
     Paper(crate::paper::Paper),
     /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files

@@ -2,6 +2,7 @@
 
 mod accuracy;
 mod arguments;
+mod check;
 mod draw;
 mod effects;
 mod export;
@@ -45,6 +46,8 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
         Command::Simulate(arguments) => simulate::run(arguments),
         Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Effects(arguments) => effects::run(arguments),
+        Command::Check(arguments) => check::run(arguments),
+        Command::RunLibrary(arguments) => check::run_library(arguments),
         Command::Paper(arguments) => paper::run(arguments),
         Command::Study { command } => study::run(command),
         Command::Scenes { command } => scenes::run(command.as_ref()),
@@ -54,6 +57,9 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
 fn exit_code(error: &(dyn std::error::Error + 'static)) -> u8 {
     if error.is::<Interrupted>() {
         return exit::INTERRUPTED;
+    }
+    if let Some(failed) = error.downcast_ref::<check::Failed>() {
+        return failed.exit_code();
     }
     match error.downcast_ref::<amontons::Error>() {
         Some(error) if error.is_argument() => exit::ARGUMENTS,

@@ -1,0 +1,232 @@
+//! Two scenes as one system: each runs for a communication step, then they exchange values.
+//!
+//! A *drive* gives the velocity of the slider of another scene and takes the reaction of that scene's contacts:
+//!
+//! ```text
+//! cargo run --release --example coupled -- set1 drive -o coupled.csv
+//! ```
+//!
+//! It is the run that a co-simulation tool makes of the two FMUs, by the same doubles, and shows how to couple a
+//! simulation with one's own code: give values, go on, read values.
+
+use amontons::output::Pending;
+use amontons::scene::{Experiment, Scene, find};
+use amontons::simulation::catalogue::{Causality, Kind};
+use amontons::simulation::{Simulation, Variable, assign, variables};
+use clap::Parser;
+use std::error::Error;
+use std::io::{BufWriter, Write, stdout};
+use std::path::PathBuf;
+
+/// The output of the drive, and the input of the scene that it goes into.
+pub const VELOCITY: [&str; 2] = ["contact.guide.slip_velocity", "slider.velocity"];
+/// The output of the scene, and the input of the drive that it goes into.
+pub const REACTION: [&str; 2] = ["slider.tangential_reaction", "mass.table.fx"];
+
+/// Couples a scene to a drive, which gives the slider's velocity and takes the reaction.
+#[derive(Parser)]
+pub struct Arguments {
+    /// A built-in scene or a scene file, with contacts on a slider
+    scene: String,
+    /// The drive, likewise
+    drive: String,
+    /// End of the run, s
+    #[arg(long, default_value_t = 0.1)]
+    stop_time: f64,
+    /// Communication step, s
+    #[arg(long, default_value_t = 1e-4)]
+    interval: f64,
+    /// A start value of the scene; may be repeated
+    #[arg(long, value_name = "NAME=VALUE", value_parser = start_value)]
+    set: Vec<(String, f64)>,
+    /// Exchange rates of change too: held values lose the inertia of masses that stick
+    #[arg(long)]
+    rates: bool,
+    /// When outputs are read
+    #[arg(long, value_enum, default_value_t = Rows::Before)]
+    rows: Rows,
+    /// CSV file to write; standard output if left out
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+}
+
+/// Outputs that follow inputs at once, as the slip velocity of a contact follows the slider's, are not the same before
+/// and after the inputs of the next step are given. Importers differ in which they show.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub enum Rows {
+    /// With the inputs of the step that has ended.
+    Before,
+    /// With the inputs of the step that begins.
+    After,
+}
+
+fn start_value(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.split_once('=').ok_or("must be NAME=VALUE")?;
+    Ok((name.to_owned(), value.parse().map_err(|error| format!("{value}: {error}"))?))
+}
+
+/// A simulation with one input and one output that are coupled.
+struct Part {
+    simulation: Simulation,
+    input: Variable,
+    output: Variable,
+}
+
+impl Part {
+    fn new(scene: Scene, [output, input]: [&str; 2]) -> Result<Self, Box<dyn Error>> {
+        let named = |name: &str| {
+            let found = variables(&scene).into_iter().find(|variable| variable.name == name);
+            found.ok_or_else(|| format!("{} has no variable {name}", scene.name))
+        };
+        let (input, output) = (named(input)?, named(output)?);
+        Ok(Self { simulation: Simulation::new(scene, 0.0)?, input, output })
+    }
+
+    fn give(&mut self, value: f64) -> Result<(), amontons::Error> {
+        self.simulation.write(&self.input, value)
+    }
+
+    fn read(&mut self) -> Result<f64, amontons::Error> {
+        self.simulation.read(&self.output)
+    }
+
+    /// Lets the input change by so much per second over the next step.
+    fn give_rate(&mut self, rate: f64) -> Result<(), amontons::Error> {
+        self.simulation.set_rate(&self.input, rate)
+    }
+
+    /// How fast the output changes now, per second.
+    fn rate(&mut self) -> Result<f64, amontons::Error> {
+        Ok(self.simulation.rates(&[&self.output])?[0])
+    }
+}
+
+/// A scene and its drive in motion.
+pub struct Coupled {
+    scene: Part,
+    drive: Part,
+}
+
+impl Coupled {
+    /// Both at 0 s in their initial positions, which are made with each other's outputs.
+    pub fn new(mut scene: Scene, mut drive: Scene) -> Result<Self, Box<dyn Error>> {
+        let parts = |scene: &Scene, drive: &Scene| -> Result<_, Box<dyn Error>> {
+            Ok(Self {
+                scene: Part::new(scene.clone(), [REACTION[0], VELOCITY[1]])?,
+                drive: Part::new(drive.clone(), [VELOCITY[0], REACTION[1]])?,
+            })
+        };
+        let mut coupled = parts(&scene, &drive)?;
+        // What one gives the other at the start can change what that one gives: once for each part, as importers do.
+        for _ in 0..2 {
+            assign(&mut scene, VELOCITY[1], coupled.drive.read()?)?;
+            assign(&mut drive, REACTION[1], coupled.scene.read()?)?;
+            coupled = parts(&scene, &drive)?;
+        }
+        Ok(coupled)
+    }
+
+    /// Gives both the outputs of the other for the next step, to be held or, with their rates of change, to go on from.
+    /// Both then go on at once (the parallel or Jacobi scheme).
+    pub fn exchange(&mut self, rates: bool) -> Result<(), amontons::Error> {
+        let Self { scene, drive } = self;
+        let (velocity, reaction) = (drive.read()?, scene.read()?);
+        scene.give(velocity)?;
+        drive.give(reaction)?;
+        if rates {
+            scene.give_rate(drive.rate()?)?;
+            drive.give_rate(scene.rate()?)?;
+        }
+        Ok(())
+    }
+
+    /// One communication step to time `target` (s).
+    pub fn advance_to(&mut self, target: f64) -> Result<(), amontons::Error> {
+        self.scene.simulation.advance_to(target)?;
+        self.drive.simulation.advance_to(target)
+    }
+
+    /// The present values of all outputs of both, in the order of [`Self::names`].
+    pub fn values(&mut self) -> Result<Vec<f64>, amontons::Error> {
+        let mut values = Vec::new();
+        for part in [&mut self.scene, &mut self.drive] {
+            for output in outputs(part.simulation.scene()) {
+                values.push(part.simulation.read(&output)?);
+            }
+        }
+        Ok(values)
+    }
+
+    /// The names of all outputs, those of the scene as `scene.` and those of the drive as `drive.`; with whether
+    /// they are whole numbers.
+    pub fn names(&self) -> Vec<(String, bool)> {
+        let parts = [("scene", &self.scene), ("drive", &self.drive)];
+        let named = parts.into_iter().flat_map(|(prefix, part)| {
+            outputs(part.simulation.scene()).into_iter().map(move |output| {
+                let is_whole = !matches!(output.template.kind, Kind::Real { .. });
+                (format!("{prefix}.{}", output.name), is_whole)
+            })
+        });
+        named.collect()
+    }
+}
+
+fn outputs(scene: &Scene) -> Vec<Variable> {
+    let is_output = |variable: &Variable| variable.causality == Causality::Output;
+    variables(scene).into_iter().filter(is_output).collect()
+}
+
+/// Runs what the command line asks for.
+pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let (mut scene, _) = find(&arguments.scene)?;
+    for (name, value) in &arguments.set {
+        assign(&mut scene, name, *value)?;
+    }
+    let experiment =
+        Experiment { stop_time: arguments.stop_time, output_interval: arguments.interval };
+    Scene { experiment, ..scene.clone() }.check()?;
+    let (drive, _) = find(&arguments.drive)?;
+    let mut coupled = Coupled::new(scene, drive)?;
+    let times = std::iter::once(0.0).chain(experiment.row_times().map(|(time, _)| time));
+    match &arguments.output {
+        None => write_run(arguments, &mut coupled, times, &mut BufWriter::new(stdout().lock())),
+        Some(path) => {
+            let mut file = Pending::create(path)?;
+            write_run(arguments, &mut coupled, times, &mut file)?;
+            Ok(file.complete()?)
+        }
+    }
+}
+
+/// Steps to all times (s) and writes a row for each.
+fn write_run(
+    arguments: &Arguments,
+    coupled: &mut Coupled,
+    times: impl Iterator<Item = f64>,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
+    let names = coupled.names();
+    write!(out, "time")?;
+    for (name, _) in &names {
+        write!(out, ",{name}")?;
+    }
+    writeln!(out)?;
+    for time in times {
+        coupled.advance_to(time)?;
+        let before = coupled.values()?;
+        coupled.exchange(arguments.rates)?;
+        let row = if arguments.rows == Rows::Before { before } else { coupled.values()? };
+        write!(out, "{time:?}")?;
+        for (value, (_, is_whole)) in row.into_iter().zip(&names) {
+            // The shortest decimals that read back as the same doubles.
+            if *is_whole { write!(out, ",{value}")? } else { write!(out, ",{value:?}")? }
+        }
+        writeln!(out)?;
+    }
+    Ok(out.flush()?)
+}
+
+#[allow(dead_code, reason = "tests call `run` itself")]
+fn main() -> Result<(), Box<dyn Error>> {
+    run(&Arguments::parse())
+}

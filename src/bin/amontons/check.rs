@@ -1,0 +1,120 @@
+//! `amontons check`, and the process in which it runs a library.
+
+use crate::interrupt::{self, Interrupted};
+use amontons::Error;
+use amontons::check::{self, Glibc, Options, Rule, Run};
+use clap::Args;
+use indicatif::{ProgressBar, ProgressStyle};
+use std::error;
+use std::fmt::{self, Write as _};
+use std::io::{Write, stdout};
+use std::path::PathBuf;
+use std::time::Duration;
+
+#[derive(Args)]
+#[command(
+    after_help = "Exit codes: 0 nothing found, 1 something found, 2 not readable as an FMU, 130 interrupted. \
+        A finding is a line: its rule, the file (and line), what is wrong. Lines of `note:` say what could not \
+        be examined.\n\nThe run takes place in a process of its own with limits of time, memory and file size. \
+        That is no sandbox: a library can do what its user can. --no-run reads files only.",
+    after_long_help = rules()
+)]
+pub struct Check {
+    /// The FMU
+    #[arg(required_unless_present = "rules")]
+    file: Option<PathBuf>,
+    /// List all rules
+    #[arg(long, conflicts_with = "file")]
+    rules: bool,
+    /// Read files only: nothing of the FMU is run
+    #[arg(long)]
+    no_run: bool,
+    /// How long the run may take, s
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = clap::value_parser!(u64).range(1..=86400),
+        conflicts_with = "no_run")]
+    timeout: u64,
+    /// The newest glibc that a library for Linux may need
+    #[arg(long, value_name = "VERSION", default_value_t)]
+    glibc: Glibc,
+}
+
+#[derive(Args)]
+pub struct RunLibrary {
+    folder: PathBuf,
+    library: String,
+    timeout: u64,
+}
+
+/// How an examination ends that is not without findings.
+#[derive(Debug)]
+pub enum Failed {
+    /// Rules are broken, so many times.
+    Found(usize),
+    /// It is no FMU.
+    Unreadable(Error),
+}
+
+impl Failed {
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Found(_) => 1,
+            Self::Unreadable(_) => 2,
+        }
+    }
+}
+
+impl fmt::Display for Failed {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Found(1) => f.write_str("1 finding"),
+            Self::Found(count) => write!(f, "{count} findings"),
+            Self::Unreadable(error) => error.fmt(f),
+        }
+    }
+}
+
+impl error::Error for Failed {}
+
+pub fn run(arguments: &Check) -> Result<(), Box<dyn error::Error>> {
+    let Some(file) = &arguments.file else {
+        stdout().lock().write_all(rules().as_bytes())?;
+        return Ok(());
+    };
+    let run = if arguments.no_run {
+        None
+    } else {
+        let timeout = Duration::from_secs(arguments.timeout);
+        Some(Run { program: std::env::current_exe()?, timeout })
+    };
+    let options = Options { glibc: arguments.glibc, run };
+    interrupt::listen();
+    let style = ProgressStyle::with_template("{spinner} {msg}").expect("the template is fixed");
+    let shown = ProgressBar::new_spinner().with_style(style);
+    let watch = &mut |stage: &str| {
+        shown.set_message(stage.to_owned());
+        shown.tick();
+        interrupt::stopped()
+    };
+    let report = check::check(file, &options, watch);
+    shown.finish_and_clear();
+    let report = report.map_err(Failed::Unreadable)?.ok_or(Interrupted)?;
+    write!(stdout().lock(), "{report}")?;
+    match report.count() {
+        0 => Ok(()),
+        count => Err(Failed::Found(count).into()),
+    }
+}
+
+pub fn run_library(arguments: &RunLibrary) -> Result<(), Box<dyn error::Error>> {
+    let timeout = Duration::from_secs(arguments.timeout);
+    Ok(check::run_library(&arguments.folder, &arguments.library, timeout)?)
+}
+
+/// All rules, a line each.
+fn rules() -> String {
+    let width = Rule::ALL.iter().map(|rule| rule.id().len()).max().unwrap_or(0);
+    Rule::ALL.iter().fold(String::new(), |mut text, rule| {
+        let _ = writeln!(text, "{:width$}  {}", rule.id(), rule.line());
+        text
+    })
+}

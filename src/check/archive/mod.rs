@@ -1,0 +1,161 @@
+//! The archive: how it is packed, and what is in it.
+
+mod reader;
+
+pub(super) use reader::{Archive, Entry};
+
+use super::report::Report;
+use super::rules::Rule;
+use std::collections::HashMap;
+use std::io;
+
+/// What an archive may unpack to, in bytes.
+const MOST_BYTES: u64 = 4 << 30;
+/// Above so many bytes the archive must not unpack to more than [`MOST_RATIO`] times its size.
+const FREE_BYTES: u64 = 256 << 20;
+const MOST_RATIO: u64 = 200;
+
+/// What FMI 2.0 and its layered standards put at the top level.
+const TOP_LEVEL: [&str; 8] = [
+    "modelDescription.xml",
+    "model.png",
+    "documentation/",
+    "sources/",
+    "binaries/",
+    "resources/",
+    "terminalsAndIcons/",
+    "extra/",
+];
+
+const UNIX_TYPE: u32 = 0o170_000;
+const UNIX_FILE: u32 = 0o100_000;
+const UNIX_FOLDER: u32 = 0o040_000;
+
+/// Examines headers, names and contents; whether the contents may be unpacked for more.
+pub(super) fn examine(archive: &Archive, report: &mut Report) -> bool {
+    for entry in &archive.entries {
+        header(entry, report);
+        name(entry, report);
+    }
+    duplicates(archive, report);
+    top_level(archive, report);
+    let total: u64 = archive.entries.iter().fold(0, |sum, entry| sum.saturating_add(entry.size));
+    if total > MOST_BYTES || total > FREE_BYTES && total / MOST_RATIO > archive.len() {
+        let message = format!(
+            "{} bytes would unpack to {total}; the limits are {MOST_BYTES}, and {MOST_RATIO} times the archive",
+            archive.len()
+        );
+        report.add(Rule::ZipBomb, "the archive", message);
+        return false;
+    }
+    for entry in &archive.entries {
+        let readable = matches!(entry.method, 0 | 8) && entry.flags & 1 == 0;
+        if readable && let Err(error) = archive.unpack(entry, &mut io::sink()) {
+            report.add(Rule::ZipDamaged, &entry.name, error);
+        }
+    }
+    true
+}
+
+fn header(entry: &Entry, report: &mut Report) {
+    if entry.zip64 {
+        report.add(
+            Rule::ZipVersion,
+            &entry.name,
+            "is a zip64 entry, which needs version 4.5 of zip; FMI allows 2.0",
+        );
+    } else if entry.version > 20 {
+        let (major, minor) = (entry.version / 10, entry.version % 10);
+        let message = format!("needs version {major}.{minor} of zip; FMI allows 2.0");
+        report.add(Rule::ZipVersion, &entry.name, message);
+    }
+    if entry.flags & 1 != 0 {
+        report.add(Rule::ZipMethod, &entry.name, "is encrypted");
+    } else if !matches!(entry.method, 0 | 8) {
+        let message = format!(
+            "is compressed by method {}; FMI allows deflate (8) and none (0)",
+            entry.method
+        );
+        report.add(Rule::ZipMethod, &entry.name, message);
+    }
+    if entry.flags & 8 != 0 {
+        let message = "has its sizes in a data descriptor behind the content; write them into the local header";
+        report.add(Rule::ZipDataDescriptor, &entry.name, message);
+    }
+    let kind = entry.mode.map_or(0, |mode| mode & UNIX_TYPE);
+    if !matches!(kind, 0 | UNIX_FILE | UNIX_FOLDER) {
+        let what =
+            if kind == 0o120_000 { "a symbolic link" } else { "neither a file nor a folder" };
+        report.add(Rule::ZipLink, &entry.name, format!("is {what}; pack the file itself"));
+    }
+}
+
+fn name(entry: &Entry, report: &mut Report) {
+    let name = &entry.name;
+    let drive = name.as_bytes().get(1) == Some(&b':');
+    let problem = if !entry.is_utf8 {
+        "is not in UTF-8"
+    } else if name.contains('\\') {
+        "has a backslash; folders are separated by /"
+    } else if name.starts_with('/') || drive {
+        "is an absolute path"
+    } else if name.split('/').any(|part| part == "..") {
+        "climbs out of the archive"
+    } else if name.trim_end_matches('/').split('/').any(|part| part.is_empty() || part == ".") {
+        "has an empty part"
+    } else if name.chars().any(char::is_control) {
+        "has a control character"
+    } else {
+        return;
+    };
+    report.add(Rule::ZipPath, name, format!("the name {problem}"));
+}
+
+/// Whether an entry may become a file below a folder of ours.
+pub(super) fn is_safe(entry: &Entry) -> bool {
+    let mut none = Report::default();
+    name(entry, &mut none);
+    none.findings.is_empty()
+        && entry.mode.is_none_or(|mode| matches!(mode & UNIX_TYPE, 0 | UNIX_FILE | UNIX_FOLDER))
+}
+
+fn duplicates(archive: &Archive, report: &mut Report) {
+    let mut seen: HashMap<String, &str> = HashMap::new();
+    for entry in &archive.entries {
+        let Some(first) = seen.insert(entry.name.to_lowercase(), &entry.name) else { continue };
+        let message = if first == entry.name {
+            "is there twice".to_owned()
+        } else {
+            format!("and {first} are one file where case does not count")
+        };
+        report.add(Rule::ZipDuplicate, &entry.name, message);
+    }
+}
+
+fn top_level(archive: &Archive, report: &mut Report) {
+    const DESCRIPTION: &str = "modelDescription.xml";
+    if archive.find(DESCRIPTION).is_none() {
+        let nested =
+            archive.entries.iter().find(|entry| entry.name.ends_with("/modelDescription.xml"));
+        let message = match nested {
+            Some(entry) => format!(
+                "is not at the top level but at {}; pack the folder's content, not the folder",
+                entry.name
+            ),
+            None => "is not there".to_owned(),
+        };
+        report.add(Rule::ModelDescriptionMissing, DESCRIPTION, message);
+        return;
+    }
+    for entry in &archive.entries {
+        let known = TOP_LEVEL.iter().any(|known| match known.strip_suffix('/') {
+            Some(_) => entry.name.starts_with(known),
+            None => entry.name == *known,
+        });
+        // What is no path inside the archive is told as that.
+        if !known && is_safe(entry) {
+            let message = "is nothing that FMI 2.0 has at the top level; files for the model belong in resources/";
+            report.add(Rule::ZipUnknownEntry, &entry.name, message);
+        }
+    }
+}

@@ -1,0 +1,144 @@
+//! The model description in types, as far as it can be read; what cannot is told where the schema is.
+
+use super::xml::Element;
+use super::xml::values::{boolean, count, double};
+use std::collections::HashMap;
+
+/// What a variable's value is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Kind {
+    Real,
+    Integer,
+    Boolean,
+    String,
+    Enumeration,
+}
+
+impl Kind {
+    pub(super) fn named(name: &str) -> Option<Self> {
+        Some(match name {
+            "Real" => Self::Real,
+            "Integer" => Self::Integer,
+            "Boolean" => Self::Boolean,
+            "String" => Self::String,
+            "Enumeration" => Self::Enumeration,
+            _ => return None,
+        })
+    }
+
+    /// The type whose functions read and write it, which is also that of its reference.
+    pub(super) fn base(self) -> Self {
+        if self == Self::Enumeration { Self::Integer } else { self }
+    }
+}
+
+/// A variable of one kind; others are left out.
+pub(super) struct Variable<'a> {
+    /// From 1, as the structure counts.
+    pub(super) index: usize,
+    pub(super) name: &'a str,
+    pub(super) reference: u32,
+    pub(super) causality: &'a str,
+    pub(super) variability: &'a str,
+    pub(super) states_initial: bool,
+    /// As stated, or else what the standard makes of it; none of inputs and the independent one.
+    pub(super) initial: Option<&'a str>,
+    pub(super) kind: Kind,
+    /// The element of the kind.
+    pub(super) element: &'a Element,
+    pub(super) declared: Option<&'a Element>,
+    pub(super) start: Option<&'a str>,
+}
+
+impl<'a> Variable<'a> {
+    fn read(index: usize, scalar: &'a Element, types: &HashMap<&str, &'a Element>) -> Option<Self> {
+        let (kind, element) =
+            scalar.children.iter().find_map(|child| Some((Kind::named(&child.name)?, child)))?;
+        let causality = scalar.attribute("causality").unwrap_or("local");
+        let variability = scalar.attribute("variability").unwrap_or("continuous");
+        let stated = scalar.attribute("initial");
+        let usual = match (causality, variability) {
+            ("input" | "independent", _) => None,
+            ("parameter", _) | (_, "constant") => Some("exact"),
+            _ => Some("calculated"),
+        };
+        let declared = element.attribute("declaredType").and_then(|name| types.get(name)).copied();
+        Some(Self {
+            index,
+            name: scalar.attribute("name")?,
+            reference: count(scalar.attribute("valueReference")?)?,
+            causality,
+            variability,
+            states_initial: stated.is_some(),
+            initial: stated.or(usual),
+            kind,
+            element,
+            declared,
+            start: element.attribute("start"),
+        })
+    }
+
+    /// An attribute of its own or of its type.
+    pub(super) fn attribute(&self, name: &str) -> Option<&'a str> {
+        let inherited = || self.declared?.children.first()?.attribute(name);
+        self.element.attribute(name).or_else(inherited)
+    }
+
+    pub(super) fn number(&self, name: &str) -> Option<f64> {
+        self.attribute(name).and_then(double)
+    }
+
+    /// Can its value be set from outside at some time?
+    pub(super) fn is_settable(&self) -> bool {
+        self.variability != "constant"
+            && (self.start.is_some() || matches!(self.causality, "input" | "parameter"))
+    }
+}
+
+/// What the rules ask of a model description.
+pub(super) struct Description<'a> {
+    pub(super) root: &'a Element,
+    pub(super) variables: Vec<Variable<'a>>,
+    /// The element for co-simulation, where there is one.
+    pub(super) simulation: Option<&'a Element>,
+}
+
+impl<'a> Description<'a> {
+    pub(super) fn new(root: &'a Element) -> Self {
+        let types = root.below("TypeDefinitions");
+        let types = types.iter().filter_map(|kind| Some((kind.attribute("name")?, kind))).collect();
+        let scalars =
+            root.below("ModelVariables").iter().filter(|child| child.name == "ScalarVariable");
+        let variables = (1..)
+            .zip(scalars)
+            .filter_map(|(index, scalar)| Variable::read(index, scalar, &types))
+            .collect();
+        Self { root, variables, simulation: root.child("CoSimulation") }
+    }
+
+    /// How many variables there are, with those that could not be read.
+    pub(super) fn count(&self) -> usize {
+        self.root.below("ModelVariables").len()
+    }
+
+    /// A capability of the co-simulation; false where it is not stated.
+    pub(super) fn can(&self, flag: &str) -> bool {
+        self.simulation.and_then(|simulation| boolean(simulation.attribute(flag)?)).unwrap_or(false)
+    }
+
+    /// The name of the library for co-simulation, if it is one that a file can have.
+    pub(super) fn identifier(&self) -> Option<&'a str> {
+        self.simulation?.attribute("modelIdentifier").filter(|name| is_identifier(name))
+    }
+
+    /// A number of the default experiment.
+    pub(super) fn experiment(&self, name: &str) -> Option<f64> {
+        self.root.child("DefaultExperiment")?.attribute(name).and_then(double)
+    }
+}
+
+/// Is it an identifier of C?
+pub(super) fn is_identifier(name: &str) -> bool {
+    let first = |c: char| c.is_ascii_alphabetic() || c == '_';
+    name.starts_with(first) && name.chars().all(|c| first(c) || c.is_ascii_digit())
+}

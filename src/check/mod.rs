@@ -1,0 +1,86 @@
+//! What an FMU of FMI 2.0 for co-simulation breaks, whoever made it: the archive, the model description, the
+//! libraries of all platforms, and a run of the one for this host.
+//!
+//! Nothing in an FMU is trusted: sizes are limited before anything is unpacked, nothing is written but into a
+//! private folder, and a library runs only in a process of its own that ends with its time.
+
+mod archive;
+mod binaries;
+mod declarations;
+mod description;
+mod options;
+mod report;
+mod rules;
+mod run;
+mod structure;
+mod variables;
+mod xml;
+
+pub use options::{Glibc, Options, Run};
+pub use report::{Finding, Report};
+pub use rules::Rule;
+pub use run::{COMMAND, Watch, run_library};
+
+use crate::Error;
+use archive::Archive;
+use description::Description;
+use std::fs;
+use std::path::Path;
+
+/// A larger file is not read.
+const MOST_BYTES: u64 = 2 << 30;
+
+/// Examines an FMU; none where `watch` has ended it.
+///
+/// # Errors
+/// The file cannot be read, or is no zip archive.
+pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<Report>, Error> {
+    let failed = |error| Error::file(path, &error);
+    let size = fs::metadata(path).map_err(failed)?.len();
+    if size > MOST_BYTES {
+        return Err(Error::package(format!(
+            "{} has {size} bytes; FMUs of up to {MOST_BYTES} are read",
+            path.display()
+        )));
+    }
+    let archive = Archive::read(fs::read(path).map_err(failed)?)?;
+    let mut report = Report::default();
+    if !archive::examine(&archive, &mut report) {
+        report.note("only the archive is examined: it is not unpacked");
+        return Ok(Some(report));
+    }
+    let library = files(&archive, options.glibc, &mut report);
+    if let (Some(library), Some(run)) = (library, &options.run)
+        && run::examine(&archive, &library, run, watch, &mut report)?.is_none()
+    {
+        return Ok(None);
+    }
+    Ok(Some(report))
+}
+
+/// Examines the model description and the libraries; the library to run.
+fn files(archive: &Archive, floor: Glibc, report: &mut Report) -> Option<String> {
+    let entry = archive.find(xml::PATH)?;
+    // What is damaged has been told.
+    let content = archive.content(entry, xml::MOST_BYTES).ok()?;
+    let root = xml::read(&content, report)?;
+    let description = Description::new(&root);
+    declarations::examine(&description, archive, report);
+    variables::examine(&description, report);
+    structure::examine(&description, report);
+    if description.simulation.is_none() {
+        report.note("there is no CoSimulation element: libraries are not examined");
+        return None;
+    }
+    let library = binaries::examine(&description, archive, floor, report);
+    let note = match (&library, binaries::HOST) {
+        (Some(_), _) if description.can("needsExecutionTool") => {
+            "it needs another program (needsExecutionTool)"
+        }
+        (Some(_), _) => return library,
+        (None, Some(folder)) => &format!("there is no usable library in binaries/{folder}/"),
+        (None, None) => "FMI 2.0 has no folder for this host",
+    };
+    report.note(format!("nothing is run: {note}"));
+    None
+}

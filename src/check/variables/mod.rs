@@ -1,0 +1,89 @@
+//! The variables, one by one and those that share a reference.
+
+mod aliases;
+mod names;
+mod starts;
+
+use super::description::{Description, Kind, Variable};
+use super::report::Report;
+use super::rules::Rule;
+
+pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
+    names::examine(description, report);
+    for variable in &description.variables {
+        roles(variable, report);
+        starts::examine(variable, report);
+        derivative(variable, description, report);
+    }
+    let mut independent =
+        description.variables.iter().filter(|variable| variable.causality == "independent");
+    if let Some(variable) = independent.nth(1) {
+        let message = format!("{} is a second independent variable", variable.name);
+        report.add(Rule::IndependentVariable, variable.element.place(), message);
+    }
+    aliases::examine(&description.variables, report);
+}
+
+/// Do causality, variability and initial go together (FMI 2.0, section 2.2.7)?
+fn roles(variable: &Variable<'_>, report: &mut Report) {
+    let Variable { name, causality, variability, initial, .. } = *variable;
+    let place = || variable.element.place();
+    if variability == "continuous" && variable.kind != Kind::Real {
+        let message = format!(
+            "{name} is of kind {:?} and continuous, which is also the default; state discrete, fixed or tunable",
+            variable.kind
+        );
+        report.add(Rule::ContinuousNotReal, place(), message);
+        return;
+    }
+    if causality == "independent" && variable.kind != Kind::Real {
+        report.add(
+            Rule::IndependentVariable,
+            place(),
+            format!("{name} is independent but not a Real"),
+        );
+        return;
+    }
+    let right: &[&str] = match (causality, variability) {
+        ("parameter", "fixed" | "tunable") | ("output" | "local", "constant") => &["exact"],
+        ("calculatedParameter" | "local", "fixed" | "tunable") => &["calculated", "approx"],
+        ("input", "discrete" | "continuous") | ("independent", "continuous") => &[],
+        ("output" | "local", "discrete" | "continuous") => &["calculated", "exact", "approx"],
+        _ => {
+            let message =
+                format!("{name}: causality {causality} does not go with variability {variability}");
+            report.add(Rule::CausalityVariability, place(), message);
+            return;
+        }
+    };
+    let message = match initial {
+        Some(initial) if right.is_empty() => {
+            format!("{name}: causality {causality} takes no initial ({initial})")
+        }
+        Some(initial) if !right.contains(&initial) => {
+            format!(
+                "{name}: initial {initial} does not go with causality {causality} and variability {variability}"
+            )
+        }
+        _ => return,
+    };
+    if variable.states_initial {
+        report.add(Rule::CausalityVariability, place(), message);
+    }
+}
+
+fn derivative(variable: &Variable<'_>, description: &Description<'_>, report: &mut Report) {
+    let Some(stated) = variable.element.attribute("derivative") else { return };
+    let Some(index) = stated.trim_ascii().parse::<usize>().ok() else { return };
+    let state = description.variables.iter().find(|other| other.index == index);
+    let problem = match state {
+        _ if index == 0 || index > description.count() => {
+            format!("there are variables 1 to {}", description.count())
+        }
+        _ if index == variable.index => "that is the variable itself".to_owned(),
+        Some(state) if state.kind != Kind::Real => format!("{} is not a Real", state.name),
+        _ => return,
+    };
+    let message = format!("{} is the derivative of variable {stated}: {problem}", variable.name);
+    report.add(Rule::DerivativeIndex, variable.element.place(), message);
+}

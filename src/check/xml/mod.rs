@@ -1,0 +1,39 @@
+//! The model description as XML: readable, and of the schema's shape.
+
+mod schema;
+mod shape;
+mod tree;
+pub(super) mod values;
+
+pub(super) use tree::{Element, MOST_BYTES};
+
+use super::report::Report;
+use super::rules::Rule;
+
+/// Where it stands in an FMU.
+pub(super) const PATH: &str = "modelDescription.xml";
+
+/// The root element of an FMI 2.0 model description; none where there is nothing to go on with.
+pub(super) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
+    let root = tree::read(bytes, report)?;
+    if root.name != "fmiModelDescription" {
+        let message = format!("the root element is <{}>, not <fmiModelDescription>", root.name);
+        report.add(Rule::FmiVersion, root.place(), message);
+        return None;
+    }
+    match root.attribute("fmiVersion") {
+        Some("2.0") | None => {}
+        Some(version) => {
+            let message =
+                format!("fmiVersion is {version}; of FMI 2.0, whatever its revision, it is 2.0");
+            report.add(Rule::FmiVersion, root.place(), message);
+            if !version.starts_with("2.0") {
+                report
+                    .note(format!("this is an FMU of version {version}; only FMI 2.0 is examined"));
+                return None;
+            }
+        }
+    }
+    shape::examine(&root, "", report);
+    Some(root)
+}

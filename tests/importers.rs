@@ -1,0 +1,221 @@
+//! Importers of others on FMUs of ours: FMPy, fmi-rs, libcosimpy and ecospy run Set 1 and the ring of twelve, alone and
+//! coupled to the drive, and get the doubles that a run without an importer has. What runs are the examples in
+//! `examples/importers/`; each says itself whether its run is equal, and must deny it of wrong ones.
+#![cfg(feature = "tools")]
+
+#[path = "../examples/coupled.rs"]
+mod coupled;
+#[path = "../examples/importers/fmi_rs.rs"]
+mod fmi_rs_example;
+mod program;
+mod python;
+
+use clap::Parser;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+use tempfile::TempDir;
+
+const AMONTONS: &str = env!("CARGO_BIN_EXE_amontons");
+const INTERVAL: &str = "1e-4";
+
+/// Which scenes are run, to which time (s), and with which start value: contacts stick and slip then.
+const RUNS: [[&str; 3]; 2] =
+    [["set1", "0.1", "initial.module[1].v2=0.3"], ["ring12", "0.02", "initial.module[7].v1=-0.5"]];
+
+/// With what a scene is run.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Way {
+    Alone,
+    Coupled,
+    /// Coupled, with rates of change exchanged too.
+    WithRates,
+}
+
+/// The ways of importers that hand no derivatives on.
+const HELD: &[Way] = &[Way::Alone, Way::Coupled];
+
+/// FMUs, and runs without an importer, in a folder of their own.
+struct Bench {
+    folder: TempDir,
+    /// When the coupled run without an importer reads outputs.
+    rows: &'static str,
+}
+
+impl Bench {
+    fn new(rows: &'static str) -> Self {
+        Self { folder: program::folder(), rows }
+    }
+
+    fn path(&self, name: &str) -> PathBuf {
+        self.folder.path().join(name)
+    }
+
+    fn amontons(&self, arguments: &[&str]) {
+        let output = program::run(AMONTONS, self.folder.path(), arguments);
+        assert!(output.status.success(), "{arguments:?}: {}", program::text(&output.stderr));
+    }
+
+    /// Writes `set1.fmu` and so on.
+    fn export(&self, scene: &str) -> String {
+        let file = format!("{scene}.fmu");
+        self.amontons(&["export", scene, "-o", &file]);
+        file
+    }
+
+    /// The arguments of an example for a run, and those of the CSV file that it is to be compared with.
+    fn prepare(&self, [scene, stop_time, set]: [&str; 3], way: Way) -> Vec<String> {
+        let mut arguments = vec![self.export(scene)];
+        let reference = format!("{scene}-{way:?}.csv");
+        let experiment = ["--stop-time", stop_time, "--set", set];
+        if way != Way::Alone {
+            let rates = (way == Way::WithRates).then_some("--rates");
+            arguments.extend(["--drive".into(), self.export("drive")]);
+            arguments.extend(rates.map(str::to_owned));
+            let output = self.path(&reference);
+            let start = ["coupled", scene, "drive", "--interval", INTERVAL, "--rows", self.rows];
+            let end = ["-o", output.to_str().unwrap()];
+            let coupled = start.into_iter().chain(rates).chain(experiment).chain(end);
+            coupled::run(&coupled::Arguments::parse_from(coupled)).unwrap();
+        } else {
+            let start = ["simulate", scene, "--output-interval", INTERVAL, "-o", &reference];
+            self.amontons(&start.into_iter().chain(experiment).collect::<Vec<_>>());
+        }
+        let rest = ["--interval", INTERVAL, "--compare", &reference];
+        arguments.extend(experiment.into_iter().chain(rest).map(str::to_owned));
+        arguments
+    }
+
+    /// The rows of a run without an importer, as text.
+    fn rows(&self, reference: &str) -> Vec<Vec<String>> {
+        let text = std::fs::read_to_string(self.path(reference)).unwrap();
+        text.lines().map(|line| line.split(',').map(str::to_owned).collect()).collect()
+    }
+}
+
+/// An importer's example: says whether a run is equal to the one that it is compared with, and how many values.
+type Example<'a> = &'a dyn Fn(&Bench, &[String]) -> Option<usize>;
+
+/// Runs an example in Python.
+fn python(script: &str, bench: &Bench, arguments: &[String]) -> Option<usize> {
+    let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/importers");
+    let mut command = Command::new(python::interpreter());
+    command.arg("-B").arg(examples.join(script)).args(arguments).current_dir(&bench.folder);
+    let output = command.output().unwrap();
+    let said = format!("{}{}", program::text(&output.stdout), program::text(&output.stderr));
+    let verdict = said.lines().find_map(|line| line.split_once(" to the last bit: "));
+    let verdict =
+        verdict.unwrap_or_else(|| panic!("{script} {arguments:?}: {}\n{said}", output.status)).1;
+    let values = verdict.strip_prefix("yes, all ").and_then(|rest| rest.strip_suffix(" values"));
+    assert_eq!(output.status.code(), Some(i32::from(values.is_none())), "{said}");
+    println!("{said}");
+    values.map(|values| values.parse().unwrap())
+}
+
+/// Runs the example in Rust.
+fn rust(bench: &Bench, arguments: &[String]) -> Option<usize> {
+    // Its paths are relative to the folder of the other examples' runs.
+    let path = |argument: &String| match Path::new(argument).extension() {
+        Some(end) if end == "fmu" || end == "csv" => bench.path(argument).display().to_string(),
+        _ => argument.clone(),
+    };
+    let arguments = std::iter::once("fmi_rs".to_owned()).chain(arguments.iter().map(path));
+    fmi_rs_example::run(&fmi_rs_example::Arguments::parse_from(arguments)).unwrap()
+}
+
+/// The example gets the doubles of the runs without an importer: all rows but the `unread` first ones, and all columns
+/// but those of contact states if `states` are not read.
+fn assert_equal(example: Example, bench: &Bench, ways: &[Way], unread: usize, states: bool) {
+    for run in RUNS {
+        for &way in ways {
+            let arguments = bench.prepare(run, way);
+            let rows = bench.rows(arguments.last().unwrap());
+            assert_moves(&rows);
+            let is_read = |name: &&String| *name != "time" && (states || !name.ends_with(".state"));
+            let columns = rows[0].iter().filter(is_read).count();
+            assert!(columns > 12);
+            let values = (rows.len() - 1 - unread) * columns;
+            assert_eq!(example(bench, &arguments), Some(values), "{arguments:?}");
+        }
+    }
+}
+
+/// More than uniform sliding: contacts change their states, and a slider that is driven its velocity.
+fn assert_moves(rows: &[Vec<String>]) {
+    let column = |end: &str| {
+        let place = rows[0].iter().position(|name| name.ends_with(end))?;
+        Some(rows[1..].iter().map(move |row| row[place].parse::<f64>().unwrap()))
+    };
+    assert!(column("statistics.state_changes").unwrap().last().unwrap() > 3.0);
+    if let Some(velocity) = column("drive.contact.guide.slip_velocity") {
+        let (low, high) = velocity.fold((1.0_f64, 0.0_f64), |(l, h), v| (l.min(v), h.max(v)));
+        assert!(high - low > 1e-3, "{low} {high}");
+    }
+}
+
+/// The example denies that a scene which is stiffer by a thousandth, and one without numbers, are equal.
+fn assert_rejected(example: Example, bench: &Bench) {
+    for &way in HELD {
+        let mut arguments = bench.prepare(RUNS[0], way);
+        assert!(example(bench, &arguments).is_some());
+
+        let shown = program::run(AMONTONS, bench.folder.path(), &["scenes", "show", "set1"]);
+        let text = program::text(&shown.stdout);
+        assert!(text.contains("k6 = 250e3 "));
+        std::fs::write(bench.path("stiff.toml"), text.replace("k6 = 250e3 ", "k6 = 250.25e3 "))
+            .unwrap();
+        bench.amontons(&["export", "stiff.toml", "-o", "stiff.fmu"]);
+        arguments[0] = "stiff.fmu".into();
+        assert_eq!(example(bench, &arguments), None);
+
+        arguments[0] = "set1.fmu".into();
+        let reference = arguments.last().unwrap();
+        let rows: Vec<String> = bench
+            .rows(reference)
+            .iter()
+            .enumerate()
+            .map(|(i, row)| {
+                if i == 0 {
+                    row.join(",")
+                } else {
+                    format!("{}{}", row[0], ",nan".repeat(row.len() - 1))
+                }
+            })
+            .collect();
+        std::fs::write(bench.path(reference), rows.join("\n")).unwrap();
+        assert_eq!(example(bench, &arguments), None);
+    }
+}
+
+macro_rules! importer {
+    ($name:ident, $example:expr, $ways:expr, rows: $rows:literal, unread: $unread:literal, states: $states:literal) => {
+        mod $name {
+            use super::*;
+
+            #[test]
+            #[ignore = "some seconds: an importer of another house"]
+            fn gets_the_doubles_of_the_program() {
+                assert_equal(&$example, &Bench::new($rows), $ways, $unread, $states);
+            }
+
+            #[test]
+            #[ignore = "some seconds: an importer of another house"]
+            fn is_not_content_with_another_run() {
+                assert_rejected(&$example, &Bench::new($rows));
+            }
+        }
+    };
+}
+
+/// Runs the example in Python of that name.
+fn script(name: &'static str) -> impl Fn(&Bench, &[String]) -> Option<usize> {
+    move |bench, arguments| python(name, bench, arguments)
+}
+
+const ALL: &[Way] = &[Way::Alone, Way::Coupled, Way::WithRates];
+
+importer!(fmpy, script("fmpy_example.py"), ALL, rows: "before", unread: 0, states: true);
+importer!(fmi_rs, rust, HELD, rows: "before", unread: 0, states: true);
+// Initializes with its first step, so there is nothing to be read before; and reads no enumerations.
+importer!(libcosimpy, script("libcosimpy_example.py"), HELD, rows: "before", unread: 1, states: false);
+// Shows outputs with the inputs of the step that begins; reads no enumerations.
+importer!(ecospy, script("ecospy_example.py"), HELD, rows: "after", unread: 0, states: false);
