@@ -12,7 +12,7 @@ mod python;
 
 use clap::Parser;
 use std::path::{Path, PathBuf};
-use std::process::Command;
+use std::process::{Command, Output};
 use tempfile::TempDir;
 
 const AMONTONS: &str = env!("CARGO_BIN_EXE_amontons");
@@ -95,12 +95,17 @@ impl Bench {
 /// An importer's example: says whether a run is equal to the one that it is compared with, and how many values.
 type Example<'a> = &'a dyn Fn(&Bench, &[String]) -> Option<usize>;
 
-/// Runs an example in Python.
-fn python(script: &str, bench: &Bench, arguments: &[String]) -> Option<usize> {
+/// Runs an example in Python, whatever comes of it.
+fn output(script: &str, bench: &Bench, arguments: &[String]) -> Output {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/importers");
     let mut command = Command::new(python::interpreter());
     command.arg("-B").arg(examples.join(script)).args(arguments).current_dir(&bench.folder);
-    let output = command.output().unwrap();
+    command.output().unwrap()
+}
+
+/// Runs an example in Python to its verdict.
+fn python(script: &str, bench: &Bench, arguments: &[String]) -> Option<usize> {
+    let output = output(script, bench, arguments);
     let said = format!("{}{}", program::text(&output.stdout), program::text(&output.stderr));
     let verdict = said.lines().find_map(|line| line.split_once(" to the last bit: "));
     let verdict =
@@ -219,3 +224,24 @@ importer!(fmi_rs, rust, HELD, rows: "before", unread: 0, states: true);
 importer!(libcosimpy, script("libcosimpy_example.py"), HELD, rows: "before", unread: 1, states: false);
 // Shows outputs with the inputs of the step that begins; reads no enumerations.
 importer!(ecospy, script("ecospy_example.py"), HELD, rows: "after", unread: 0, states: false);
+
+/// ecos simulates an FMU that refuses with zeros, and libcosim ends the process: the examples say what is wrong.
+#[test]
+#[ignore = "some seconds: importers of other houses"]
+fn an_fmu_that_refuses_or_is_not_there_is_told() {
+    let bench = Bench::new("after");
+    let drive = ["--drive".to_owned(), bench.export("drive")];
+    let run = |script: &str, fmu: &str, set: &str| {
+        let arguments = [fmu, "--stop-time", "1e-3", "--set", set].map(str::to_owned);
+        output(script, &bench, &[&arguments[..], &drive].concat())
+    };
+    let set1 = bench.export("set1");
+    let above_critical = run("ecospy_example.py", &set1, "integrator.step=0.01");
+    program::assert_refused(&above_critical, 1, &["set1.fmu refused to start"]);
+    let misspelt = run("ecospy_example.py", &set1, "friction.coeficient=0.5");
+    program::assert_refused(&misspelt, 1, &["friction.coeficient"]);
+    for script in ["ecospy_example.py", "libcosimpy_example.py"] {
+        let missing = run(script, "nowhere.fmu", "friction.coefficient=0.5");
+        program::assert_refused(&missing, 1, &["there is no file nowhere.fmu"]);
+    }
+}
