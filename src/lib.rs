@@ -20,6 +20,7 @@
 //! | [`package`] | the FMU as an archive (feature `tools`) |
 //! | [`picture`] | charts, maps, moving mode shapes and structures as SVG or PNG (feature `tools`) |
 //! | [`report`] | claims, figures and tables as one HTML page (feature `tools`) |
+//! | [`documentation`] | what an FMU says of itself: its pages, its icon, a reference run (feature `tools`) |
 //! | [`check`] | what an FMU breaks, whoever made it (feature `tools`) |
 //!
 //! All quantities are in SI units.
@@ -29,6 +30,8 @@ pub mod accuracy;
 #[cfg(feature = "tools")]
 pub mod check;
 pub mod contact;
+#[cfg(feature = "tools")]
+pub mod documentation;
 pub mod error;
 mod fmi2;
 pub mod integrator;

@@ -119,6 +119,11 @@ fn roles_are_those_that_the_scene_gives() {
 }
 
 #[test]
+fn the_files_of_a_cross_check_lead_fmpy_to_their_doubles() {
+    pytest("test_cross_check.py");
+}
+
+#[test]
 fn communication_steps_do_not_change_the_doubles() {
     pytest("test_communication_steps.py");
 }

@@ -3,13 +3,11 @@
 //! The same scene and version give the same bytes: no time of day, no machine in them. Where
 //! `SOURCE_DATE_EPOCH` is set, it is the time that the FMU carries.
 
-mod accuracy_page;
 mod archive;
 mod date;
 mod library;
 mod model_description;
 
-pub use accuracy_page::accuracy_page;
 pub use library::PLATFORM;
 pub use model_description::{identifier, model_description};
 
@@ -19,12 +17,26 @@ use crate::scene::{Scene, Source};
 use archive::Archive;
 use date::Date;
 
-/// The FMU of a scene; `source` is what it was read from, and `page`, if there is one, is the page (HTML) at
-/// which its documentation begins.
+/// What an FMU says of itself, for people.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Documentation {
+    /// The page (HTML) at which the documentation begins.
+    pub index: String,
+    /// The page on what accuracy costs, where that was asked for.
+    pub accuracy: Option<String>,
+    /// What importers show as its icon (PNG), where there is one.
+    pub icon: Option<Vec<u8>>,
+}
+
+/// The FMU of a scene; `source` is what it was read from. An FMU that is for people has a documentation.
 ///
 /// # Errors
 /// `SOURCE_DATE_EPOCH` is set to something that is not a time.
-pub fn fmu(scene: &Scene, source: &Source, page: Option<&str>) -> Result<Vec<u8>, Error> {
+pub fn fmu(
+    scene: &Scene,
+    source: &Source,
+    documentation: Option<&Documentation>,
+) -> Result<Vec<u8>, Error> {
     let date = Date::from_environment()?;
     let library = format!("binaries/{PLATFORM}/{}.{}", identifier(&scene.name), library::EXTENSION);
     let mut archive = Archive::new(date)?;
@@ -34,11 +46,21 @@ pub fn fmu(scene: &Scene, source: &Source, page: Option<&str>) -> Result<Vec<u8>
     for (name, table) in &source.tables {
         archive.add(&format!("resources/{name}"), table.as_bytes())?;
     }
-    if let Some(page) = page {
-        archive.add("documentation/index.html", page.as_bytes())?;
+    if let Some(Documentation { index, accuracy, icon }) = documentation {
+        if let Some(icon) = icon {
+            archive.add("model.png", icon)?;
+        }
+        archive.add("documentation/index.html", index.as_bytes())?;
+        if let Some(accuracy) = accuracy {
+            archive.add("documentation/accuracy.html", accuracy.as_bytes())?;
+        }
     }
     archive.add("documentation/licenses/LICENSE-MIT.txt", include_bytes!("../../LICENSE-MIT"))?;
     archive
         .add("documentation/licenses/LICENSE-APACHE.txt", include_bytes!("../../LICENSE-APACHE"))?;
+    archive.add(
+        "documentation/licenses/THIRD-PARTY.txt",
+        include_bytes!("../../licenses/THIRD-PARTY.txt"),
+    )?;
     archive.finish()
 }

@@ -10,6 +10,10 @@ use crate::simulation::{feedthrough, fingerprint, read_scene};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
+/// Of what the FMU carries; the scene is its author's.
+const LICENSE: &str =
+    "MIT OR Apache-2.0; texts, and those of what it is linked with, in documentation/licenses";
+
 /// The name of the model as a C identifier, which the library's file must have too.
 #[must_use]
 pub fn identifier(name: &str) -> String {
@@ -32,12 +36,13 @@ pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> 
         ("guid", fingerprint(source)),
         ("description", scene.description.clone()),
         ("version", env!("CARGO_PKG_VERSION").to_owned()),
+        ("license", LICENSE.to_owned()),
         ("generationTool", concat!("Amontons ", env!("CARGO_PKG_VERSION")).to_owned()),
         ("variableNamingConvention", "structured".to_owned()),
         ("numberOfEventIndicators", "0".to_owned()),
     ];
     if let Some(date) = date {
-        root.insert(6, ("generationDateAndTime", date.to_string()));
+        root.insert(7, ("generationDateAndTime", date.to_string()));
     }
     xml.declaration();
     xml.nest("fmiModelDescription", &root, |xml| {

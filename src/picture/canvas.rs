@@ -28,7 +28,8 @@ const FONT: &str = "sans-serif";
 const SVG_UNIT: u32 = 10;
 /// Bitmaps have two pixels a px, for screens and print, each the mean of two by two.
 const PNG_UNIT: u32 = 4;
-const PNG_REDUCED: u32 = 2;
+/// Small ones have half a pixel a px, the mean of four by four.
+const SMALL_UNIT: u32 = 2;
 
 pub(super) type Point = [f64; 2];
 
@@ -53,6 +54,16 @@ pub(super) trait Drawing {
     fn height(&self) -> f64;
 
     fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure>;
+}
+
+/// The drawing as the text of an SVG, for what embeds it.
+pub(super) fn svg_text(drawing: &impl Drawing) -> Result<String, Error> {
+    svg(drawing).map_err(|failure| cannot_draw_titled(drawing.title(), &failure))
+}
+
+/// The drawing as a PNG half as wide as an SVG of it, px.
+pub(super) fn small_png(drawing: &impl Drawing) -> Result<Vec<u8>, Error> {
+    bitmap(drawing, SMALL_UNIT, 2).map_err(|failure| cannot_draw_titled(drawing.title(), &failure))
 }
 
 /// Draws and writes as the path's ending asks.
@@ -97,12 +108,20 @@ fn svg(drawing: &impl Drawing) -> Result<String, Failure> {
 }
 
 fn png(drawing: &impl Drawing) -> Result<Vec<u8>, Failure> {
-    let (width, height) = size(drawing, PNG_UNIT);
+    bitmap(drawing, PNG_UNIT, 1)
+}
+
+/// A PNG that was drawn with so many pixels a px and then halved so often.
+fn bitmap(drawing: &impl Drawing, unit: u32, halvings: u32) -> Result<Vec<u8>, Failure> {
+    let (width, height) = size(drawing, unit);
     let mut pixels = vec![0; 3 * width as usize * height as usize];
-    paint(drawing, BitMapBackend::with_buffer(&mut pixels, (width, height)), PNG_UNIT, true)?;
-    let reduced = reduce(&pixels, 3 * width as usize);
-    let [width, height] = [width, height].map(|length| (length / PNG_REDUCED) as usize);
-    encoded(width, height, &reduced, None)
+    paint(drawing, BitMapBackend::with_buffer(&mut pixels, (width, height)), unit, true)?;
+    let [mut width, mut height] = [width, height].map(|length| length as usize);
+    for _ in 0..halvings {
+        pixels = reduce(&pixels, 3 * width);
+        (width, height) = (width / 2, height / 2);
+    }
+    encoded(width, height, &pixels, None)
 }
 
 /// A PNG of a byte for each pixel's place in a palette, or of three bytes for its colour.

@@ -12,9 +12,11 @@ mod colours;
 mod file;
 mod image;
 mod legend;
+mod locus;
 mod map;
 mod mode_shapes;
 mod moving;
+mod number;
 mod palette;
 mod structure;
 
@@ -23,7 +25,9 @@ pub(crate) use colours::{COLOURS, scale};
 
 pub use chart::{Band, Chart, Lane, Mark, Panel, Raster, Series, Stretch, Style};
 pub use file::check_name;
+pub use locus::locus_chart;
 pub use map::{Class, Map};
 pub use mode_shapes::{ModeShape, ModeShapes};
+pub use number::{prefixed, significant};
 pub use palette::PALETTE;
 pub use structure::{Link, LinkKind, MassMark, SliderMark, Structure};

@@ -7,6 +7,9 @@ use quick_xml::escape::escape;
 use std::fmt::Write as _;
 use uuid::Uuid;
 
+/// Of all pages: colours on light and dark ground, texts, tables, frames of figures.
+pub(crate) const BASE_STYLE: &str = include_str!("page/base.css");
+/// Of reports: claims, and figures that answer.
 const STYLE: &str = include_str!("page/page.css");
 /// A module is strict and its names are its own, so its parts need no wrapper.
 const SCRIPT: &str = concat!(
@@ -21,7 +24,7 @@ const SCRIPT: &str = concat!(
 );
 
 /// Text as it stands between tags and in attributes.
-pub(super) fn text(plain: &str) -> String {
+pub(crate) fn text(plain: &str) -> String {
     escape(plain).into_owned()
 }
 
@@ -37,7 +40,7 @@ pub(super) fn page(page: &Page) -> Result<String, Error> {
          <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'nonce-{nonce}'; \
          style-src 'nonce-{nonce}'; img-src data:; base-uri 'none'; form-action 'none'\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
-         <title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style nonce=\"{nonce}\">\n{STYLE}</style>\n\
+         <title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style nonce=\"{nonce}\">\n{BASE_STYLE}{STYLE}</style>\n\
          </head>\n<body>\n{body}<script type=\"module\" nonce=\"{nonce}\">\n{SCRIPT}</script>\n</body>\n</html>\n",
         text(&page.title),
     ))
@@ -73,7 +76,7 @@ fn body(page: &Page) -> Result<String, Error> {
 }
 
 /// A string takes all that is written to it.
-pub(super) fn add(html: &mut String, what: std::fmt::Arguments<'_>) {
+pub(crate) fn add(html: &mut String, what: std::fmt::Arguments<'_>) {
     html.write_fmt(what).expect("a string takes all");
 }
 
@@ -198,7 +201,7 @@ fn cell(cell: &Cell) -> String {
 }
 
 /// A table in a box of its own that scrolls where it is wider than the page. The caption and the cells are HTML.
-pub(super) fn plain_table(
+pub(crate) fn plain_table(
     html: &mut String,
     id: &str,
     caption: &str,

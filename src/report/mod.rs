@@ -14,6 +14,9 @@ mod markup;
 mod summary;
 mod thin;
 
+pub(crate) use markup::{BASE_STYLE, add, plain_table, text};
+pub(crate) use thin::envelope;
+
 use crate::Error;
 use crate::output::Pending;
 use crate::picture::{Chart, Map};

@@ -18,9 +18,15 @@ pub(super) fn kept(series: &Series, logarithmic: bool) -> Vec<usize> {
     let points = Scaled::new(&series.points, logarithmic);
     match series.style {
         Style::Dots => points.coarsest_needed(Scaled::one_in_each_cell),
-        _ if is_ascending(&series.points) => points.lowest_and_highest(),
+        _ if is_ascending(&series.points) => points.lowest_and_highest(BINS),
         _ => points.coarsest_needed(Scaled::apart),
     }
+}
+
+/// Of points along x, to seven digits, the lowest and the highest in each of so many parts of the x axis.
+pub(crate) fn envelope(points: &[Point], bins: f64) -> Vec<Point> {
+    let kept = Scaled::new(points, false).lowest_and_highest(bins);
+    kept.into_iter().map(|place| points[place].map(rounded)).collect()
 }
 
 /// Does x never go back?
@@ -62,7 +68,7 @@ impl Scaled {
     }
 
     /// Of each part of the x axis the lowest and the highest point, and where the curve breaks there, that it does.
-    fn lowest_and_highest(&self) -> Vec<usize> {
+    fn lowest_and_highest(&self, bins: f64) -> Vec<usize> {
         let mut kept = Vec::new();
         let mut part = Part::default();
         let mut current = 0.0;
@@ -71,7 +77,7 @@ impl Scaled {
                 part.gap = Some(place);
                 continue;
             }
-            let bin = (x * BINS).floor();
+            let bin = (x * bins).floor();
             if bin > current {
                 std::mem::take(&mut part).keep(&mut kept);
                 current = bin;

@@ -6,10 +6,10 @@ use crate::{Failure, check_effect, configured, progress, require_constant_fricti
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
 use amontons::model::{LumpedModel, equilibrium};
-use amontons::picture::{self, Chart, Mark, Panel, Series, Style};
+use amontons::picture::{self, Chart, locus_chart};
 use amontons::scene::Scene;
 use amontons::stability::candidates::equilibrium_ranges;
-use amontons::stability::locus::{Locus, Root, locus};
+use amontons::stability::locus::{Locus, locus};
 use amontons::sweep::range::MAX_VALUES;
 use amontons::sweep::{FRICTION, axis};
 use indicatif::ProgressBar;
@@ -173,13 +173,6 @@ impl Family<'_> {
 
     /// Fig. 2(a) and (b): real and imaginary parts of λ/2π.
     fn chart(&self) -> Chart {
-        let panel = |y_label: &str, part: fn(&Root) -> f64, marks, zero_line| Panel {
-            y_label: y_label.to_owned(),
-            series: self.curves(part),
-            marks,
-            zero_line,
-            ..Panel::default()
-        };
         let states = Joined(&self.states);
         let title = match self.other {
             None => format!("{}: eigenvalues in state {states}", self.scene.name),
@@ -187,53 +180,9 @@ impl Family<'_> {
                 format!("{}: eigenvalues in state {states}, by {other}", self.scene.name)
             }
         };
-        let [critical, merging] = self.marks();
-        Chart {
-            title,
-            x_label: axis(self.scene, self.name),
-            panels: vec![
-                panel("Re λ / 2π [Hz]", |root| root.lambda.re / TAU, critical, true),
-                panel("Im λ / 2π [Hz]", |root| root.lambda.im / TAU, merging, false),
-            ],
-            ..Chart::default()
-        }
-    }
-
-    /// One colour a mode or, in a family, one a member.
-    fn curves(&self, part: fn(&Root) -> f64) -> Vec<Series> {
-        let mut curves = Vec::new();
-        for (place, Member { at, locus, .. }) in self.members.iter().enumerate() {
-            for (mode, branch) in locus.branches.iter().enumerate() {
-                let (label, colour) = match self.other.zip(*at) {
-                    Some((other, at)) => (format!("{other} = {at}"), place),
-                    None => (format!("mode {}", mode + 1), mode),
-                };
-                let points = locus.values.iter().zip(branch);
-                curves.push(Series {
-                    label: Some(label),
-                    points: points.map(|(&x, root)| [x, part(root)]).collect(),
-                    colour,
-                    style: Style::Line,
-                    labels: Vec::new(),
-                });
-            }
-        }
-        curves
-    }
-
-    /// Where modes begin to grow, and where they merge; not for a family, which has too many.
-    fn marks(&self) -> [Vec<Mark>; 2] {
-        let [Member { locus, .. }] = &self.members[..] else { return [Vec::new(), Vec::new()] };
-        let mark = |x: f64, label: String| Mark { x, label: Some(label) };
-        let critical = locus.crossings.iter().map(|c| mark(c.value, significant(c.value, 5)));
-        let merging = locus.coalescences.iter().map(|c| {
-            let [a, b] = c.modes.map(|mode| mode + 1);
-            mark(c.value, format!("{a}–{b}: {}", significant(c.value, 5)))
-        });
-        // Double modes begin to grow at one place, which is marked once.
-        let mut critical: Vec<Mark> = critical.collect();
-        critical.dedup_by(|a, b| a.label == b.label);
-        [critical, merging.collect()]
+        let label = |at: Option<f64>| Some(format!("{} = {}", self.other?, at?));
+        let loci = self.members.iter().map(|member| (label(member.at), &member.locus));
+        locus_chart(title, axis(self.scene, self.name), &loci.collect::<Vec<_>>())
     }
 }
 

@@ -65,6 +65,9 @@ pub struct Export {
     /// Put the table of `amontons accuracy` into the FMU's documentation, without times
     #[arg(long)]
     pub with_accuracy: bool,
+    /// Write a reference run beside the FMU, as the FMI cross-check has it: NAME_ref.csv, NAME_ref.opt, NAME_in.csv
+    #[arg(long)]
+    pub with_reference: bool,
 }
 
 #[derive(Args)]

@@ -3,7 +3,6 @@
 mod accuracy;
 mod arguments;
 mod check;
-mod draw;
 mod effects;
 mod export;
 mod interrupt;

@@ -1,9 +1,8 @@
 //! `amontons scenes`, and how every command finds its scene.
 
 use crate::arguments::Scenes;
-use crate::draw;
 use amontons::Error;
-use amontons::picture;
+use amontons::picture::{self, Structure};
 use amontons::scene::{self, BUILTIN, Scene};
 use amontons::simulation::{Simulation, warnings};
 use std::error;
@@ -25,7 +24,7 @@ pub fn run(command: Option<&Scenes>) -> Result<(), Box<dyn error::Error>> {
         Some(Scenes::Draw { scene, output }) => {
             picture::check_name(output)?;
             let (scene, _) = scene::find(scene)?;
-            draw::picture(&scene).write(output)?;
+            Structure::from(&scene).write(output)?;
         }
         Some(Scenes::Schema) => out.write_all(scene::schema().as_bytes())?,
     }

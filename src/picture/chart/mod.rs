@@ -101,6 +101,16 @@ impl Chart {
         canvas::write(&layout, path)
     }
 
+    /// The text of an SVG, as [`write`](Self::write) writes it.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write), but for files.
+    pub fn svg(&self) -> Result<String, Error> {
+        let layout = Layout::of(self)
+            .map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
+        canvas::svg_text(&layout)
+    }
+
     /// Refuses what [`write`](Self::write) could not draw.
     pub(crate) fn check(&self) -> Result<(), Error> {
         let layout = Layout::of(self);

@@ -2,22 +2,22 @@
 
 mod bundle;
 mod course;
+mod icon;
 mod labels;
 mod legend;
 mod place;
 mod plane;
 mod plot;
+mod scene;
 mod sheet;
 mod symbols;
 mod text;
 
 use super::canvas::{self, Failure};
 use crate::Error;
+use icon::Icon;
 use sheet::Sheet;
 use std::path::Path;
-
-/// More are not to be told apart in one picture.
-const MOST: usize = 40;
 
 /// Masses and what joins them. Masses have no places of their own: they are found from the
 /// directions of what joins them, so lengths in the picture mean nothing.
@@ -100,14 +100,36 @@ impl Structure {
         canvas::write(&Sheet::of(self), path)
     }
 
+    /// The text of an SVG, as [`write`](Self::write) writes it.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write), but for files.
+    pub fn svg(&self) -> Result<String, Error> {
+        self.check().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
+        canvas::svg_text(&Sheet::of(self))
+    }
+
+    /// A square PNG of 450 pixels without any text, which shows what there is as an icon.
+    ///
+    /// # Errors
+    /// As [`svg`](Self::svg).
+    pub fn icon(&self) -> Result<Vec<u8>, Error> {
+        self.check().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
+        canvas::small_png(&Icon::of(self))
+    }
+
+    /// The most masses that one picture tells apart.
+    pub const MOST_MASSES: usize = 40;
+
     fn check(&self) -> Result<(), Failure> {
         let count = self.masses.len();
         if count == 0 {
             return Err(Failure("a structure has at least one mass".into()));
         }
-        if count > MOST {
+        let most = Self::MOST_MASSES;
+        if count > most {
             return Err(Failure(format!(
-                "there are {count} masses, but such a picture is for up to {MOST} masses"
+                "there are {count} masses, but such a picture is for up to {most} masses"
             )));
         }
         let there = |what: &str, mass: usize| {

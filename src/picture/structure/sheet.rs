@@ -18,7 +18,7 @@ const MARGIN: f64 = 20.0;
 const TITLE_ROW: f64 = 28.0;
 const TEXT_ROW: f64 = 22.0;
 
-const FIRST: Style =
+pub(super) const FIRST: Style =
     Style { values: true, size: 15.0, margin: 90.0, amplitude: 6.0, largest: 0.24 };
 /// Tried in turn after the first, until every label has a place at what it speaks of.
 const STYLES: [Style; 2] = [

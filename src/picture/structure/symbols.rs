@@ -44,6 +44,18 @@ impl Shape {
         }
     }
 
+    /// Larger by a factor, about the origin, ink included.
+    pub(super) fn enlarged(&self, factor: f64) -> Self {
+        let large = |points: &[Point]| points.iter().map(|&point| scaled(point, factor)).collect();
+        match self {
+            Self::Line(points, colour, width) => Self::Line(large(points), *colour, width * factor),
+            Self::Area(corners, colour) => Self::Area(large(corners), *colour),
+            Self::Dot(at, radius, colour) => {
+                Self::Dot(scaled(*at, factor), radius * factor, *colour)
+            }
+        }
+    }
+
     pub(super) fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure> {
         match self {
             Self::Line(points, colour, width) => canvas.line(points, *colour, *width, &[]),

@@ -1,9 +1,8 @@
 //! The picture of `amontons accuracy`.
 
 use super::Report;
-use crate::draw::prefixed;
 use amontons::accuracy::{Errors, Rung, short};
-use amontons::picture::{Chart, Panel, Series, Style};
+use amontons::picture::{Chart, Panel, Series, Style, prefixed};
 use amontons::scene::Method;
 
 impl Report<'_> {

@@ -2,7 +2,7 @@
 
 use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, show, stopped};
 use amontons::accuracy::{Choice, Compared, Row, Rung, Study, short};
-use amontons::package;
+use amontons::documentation::accuracy_page;
 use amontons::scene::Scene;
 use std::error::Error;
 
@@ -10,7 +10,7 @@ use std::error::Error;
 pub struct Measured {
     /// What a tolerance was kept by.
     pub choice: Option<Choice>,
-    /// The page for the documentation.
+    /// The page on accuracy for the documentation.
     pub page: Option<String>,
 }
 
@@ -72,7 +72,7 @@ fn page(
             }
         }
     }
-    Ok(package::accuracy_page(study, &rows, &notes))
+    Ok(accuracy_page(study, &rows, &notes))
 }
 
 /// Why a method and a step were taken, in lines.

@@ -1,21 +1,22 @@
 //! `amontons export`.
 
 mod measured;
+mod written;
 
 use crate::arguments::Export;
 use crate::scenes;
 use amontons::Error;
 use amontons::accuracy::Choice;
+use amontons::documentation::{Subject, documentation};
 use amontons::integrator::tidy;
 use amontons::model::{Equilibrium, LumpedModel};
-use amontons::output::{Pending, check_folder};
+use amontons::output::check_folder;
 use amontons::package;
 use amontons::scene::{self, Method, Scene, Selection, Structure};
 use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::critical_step;
 use measured::Measured;
-use std::io::Write;
 use std::path::PathBuf;
 
 pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
@@ -43,10 +44,15 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
         }
     }
     let simulation = scenes::start(&scene)?;
-    let fmu = package::fmu(&scene, &source, page.as_deref())?;
-    let mut file = Pending::create(&path)?;
-    file.write_all(&fmu).map_err(|error| Error::file(&path, &error))?;
-    file.complete()?;
+    let run = written::run(&scene)?;
+    let subject = Subject { scene: &scene, source: &source, start: &simulation, run: &run };
+    let fmu = package::fmu(&scene, &source, Some(&documentation(subject, page)?))?;
+    let check = arguments.with_reference.then(|| written::check(&scene)).transpose()?;
+    written::write(&path, &fmu)?;
+    let beside = check.as_ref().map_or_else(Vec::new, |check| written::files(check, &path));
+    for (path, text) in &beside {
+        written::write(path, text.as_bytes())?;
+    }
     println!("{}: {}", scene.name, scene.description);
     print_contents(&scene, &simulation)?;
     if let (Some(choice), Some(tolerance)) = (&choice, arguments.tolerance) {
@@ -54,6 +60,16 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     }
     print_equilibrium(&scene, simulation.reference());
     println!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
+    let mut label = "reference";
+    for (path, text) in &beside {
+        println!("  {label:13}  {} ({} kB)", path.display(), text.len().div_ceil(1000));
+        label = "";
+    }
+    if let Some(left_out @ 1..) = check.map(|check| check.left_out) {
+        eprintln!(
+            "note: the last {left_out} outputs are not in the reference, whose size is limited"
+        );
+    }
     Ok(())
 }
 

@@ -1,6 +1,6 @@
 //! Attractors as tables and legends have them.
 
-use crate::draw::prefixed;
+use amontons::picture::prefixed;
 use amontons::scene::Scene;
 use amontons::simulation::variables;
 use amontons::study::{Ending, Kind, unit};

@@ -1,17 +1,20 @@
-//! `amontons scenes draw`: the picture of a scene's structure.
+//! The structure of a scene: masses, springs, dampers and contacts with their values.
 
-use amontons::picture::{Link, LinkKind, MassMark, SliderMark, Structure};
-use amontons::scene::{self, Module, Network, Scene};
+use super::{Link, LinkKind, MassMark, SliderMark, Structure};
+use crate::picture::prefixed;
+use crate::scene::{self, Module, Network, Scene};
 use std::f64::consts::FRAC_PI_2;
 
 /// Masses, springs, dampers and contacts with their values; springs and dampers of zero left out.
-pub fn picture(scene: &Scene) -> Structure {
-    let structure = match &scene.structure {
-        scene::Structure::Ring(modules) => ring(scene, modules),
-        scene::Structure::Network(parts) => network(scene, parts),
-    };
-    let title = if scene.description.is_empty() { &scene.name } else { &scene.description };
-    Structure { title: title.clone(), ..structure }
+impl From<&Scene> for Structure {
+    fn from(scene: &Scene) -> Self {
+        let structure = match &scene.structure {
+            scene::Structure::Ring(modules) => ring(scene, modules),
+            scene::Structure::Network(parts) => network(scene, parts),
+        };
+        let title = if scene.description.is_empty() { &scene.name } else { &scene.description };
+        Self { title: title.clone(), ..structure }
+    }
 }
 
 /// Of k1 … k6 of a ring.
@@ -111,22 +114,4 @@ fn kilograms(mass: f64) -> String {
         1e3.. => prefixed(mass * 1e-3, "t"),
         _ => prefixed(mass * 1e3, "g"),
     }
-}
-
-/// A value to six digits, as "55 kN/m"; tenths of a unit as "0.3 kg".
-pub fn prefixed(value: f64, unit: &str) -> String {
-    let digits = format!("{value:.5e}");
-    let (mantissa, power) = digits.split_once('e').unwrap_or((&digits, "0"));
-    let power: i32 = power.parse().unwrap_or(0);
-    let group = if power == -1 { 0 } else { power.div_euclid(3) };
-    let place = usize::try_from(group + 3).ok();
-    let text = match place.and_then(|place| ["n", "µ", "m", "", "k", "M", "G"].get(place)) {
-        // Read as a decimal, the number has no digits of a division.
-        Some(prefix) => {
-            let number = format!("{mantissa}e{}", power - 3 * group).parse().unwrap_or(value);
-            format!("{number} {prefix}{unit}")
-        }
-        None => format!("{value:e} {unit}"),
-    };
-    text.replace('-', "−")
 }

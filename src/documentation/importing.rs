@@ -1,0 +1,152 @@
+//! What an importer does with the FMU.
+
+use super::markup;
+use crate::scene::{Scene, Selection};
+use crate::simulation::catalogue::{Causality, Quantity, Variable, fmu_variables};
+
+/// Of each kind so many are named.
+const NAMED: usize = 4;
+
+pub(super) fn section(scene: &Scene) -> String {
+    let mut html = String::from(
+        "<p>It is an FMI 2.0 co-simulation FMU: it steps by itself, so an importer gives communication steps of any \
+         length and no solver.</p>\n<h3>FMPy</h3>\n",
+    );
+    let experiment = scene.experiment;
+    let (stop, interval) = (experiment.stop_time, experiment.output_interval);
+    let file = file(scene);
+    let outputs = outputs(scene);
+    let plot = outputs.first().map_or("time", |variable| &*variable.name);
+    let python = format!(
+        "from fmpy import simulate_fmu\n\
+         result = simulate_fmu(\"{file}\", stop_time={stop:?}, output_interval={interval:?})\n\
+         print(result[\"time\"][-1], result[\"{plot}\"][-1])"
+    );
+    markup::listing(&mut html, "Python", &python);
+    html.push_str("<p><code>pip install fmpy</code> brings it. Or from the command line:</p>\n");
+    let shell = format!(
+        "fmpy validate {file}\n\
+         fmpy simulate {file} --interface-type CoSimulation --stop-time {stop:?} \\\n    \
+         --output-interval {interval:?} --output-file result.csv"
+    );
+    markup::listing(&mut html, "Command line", &shell);
+    let mut words = vec![
+        "In OMSimulator, libcosim, ecos, Simulink, Dymola and other tools: add it as an FMU for co-simulation, and \
+         take an output interval as the communication step. What they need is in the FMU: states that are saved and \
+         restored, inputs interpolated by their derivatives, derivatives of outputs, directional derivatives."
+            .to_owned(),
+    ];
+    if let Selection::Auto { tolerance } = scene.selection {
+        words.push(format!(
+            "The importer's tolerance chooses method and step; without one it is {tolerance:e}."
+        ));
+    }
+    markup::paragraphs(&mut html, &words);
+    html.push_str("<h3>What to try</h3>\n");
+    let mut pairs = Vec::new();
+    for (what, list) in [
+        (
+            "During a run",
+            tried(
+                scene,
+                &[
+                    Quantity::SliderVelocity,
+                    Quantity::OwnVelocity,
+                    Quantity::FrictionCoefficient,
+                    Quantity::OwnFriction,
+                    Quantity::ExternalForce,
+                ],
+            ),
+        ),
+        (
+            "Before it",
+            tried(
+                scene,
+                &[
+                    Quantity::InitialVelocity,
+                    Quantity::Stiffness,
+                    Quantity::DampingBeta,
+                    Quantity::DamperDamping,
+                    Quantity::IntegratorStep,
+                ],
+            ),
+        ),
+    ] {
+        if !list.is_empty() {
+            pairs.push((what, list.join(", ")));
+        }
+    }
+    pairs.push((
+        "To be watched",
+        outputs.iter().map(|v| v.name.clone()).collect::<Vec<_>>().join(", "),
+    ));
+    if let Some(text) = coupling(scene) {
+        pairs.push(("To be coupled", text));
+    }
+    markup::facts(&mut html, &pairs);
+    html
+}
+
+/// The FMU's name, unless that of the scene is none for Python and a shell.
+fn file(scene: &Scene) -> String {
+    let plain = |c: char| c.is_ascii_alphanumeric() || "_.-".contains(c);
+    let name = if scene.name.chars().all(plain) { &*scene.name } else { "FILE" };
+    format!("{name}.fmu")
+}
+
+/// The first settable variable of each of these kinds that the scene has, with its value.
+fn tried(scene: &Scene, kinds: &[Quantity]) -> Vec<String> {
+    let variables = fmu_variables(scene);
+    let first = |quantity: &Quantity| {
+        let is_it = |v: &&Variable| v.template.quantity == *quantity && v.is_settable();
+        let variable = variables.iter().find(is_it)?;
+        let value = crate::simulation::read_scene(scene, variable)?;
+        Some(format!("{} (now {value:?})", variable.name))
+    };
+    kinds.iter().filter_map(first).take(NAMED).collect()
+}
+
+/// Outputs that tell most: a displacement, forces and the state of the first contact.
+fn outputs(scene: &Scene) -> Vec<Variable> {
+    let variables = fmu_variables(scene);
+    let kinds = [
+        Quantity::Displacement,
+        Quantity::Velocity,
+        Quantity::NormalForce,
+        Quantity::FrictionForce,
+        Quantity::ContactState,
+    ];
+    let first = |quantity: &Quantity| {
+        variables
+            .iter()
+            .find(|v| v.causality == Causality::Output && v.template.quantity == *quantity)
+            .cloned()
+    };
+    kinds.iter().filter_map(first).collect()
+}
+
+/// How another FMU is to be joined to it.
+fn coupling(scene: &Scene) -> Option<String> {
+    let variables = fmu_variables(scene);
+    let name = |quantity: Quantity, causality: Causality| {
+        let found =
+            variables.iter().find(|v| v.template.quantity == quantity && v.causality == causality);
+        found.map(|variable| variable.name.clone())
+    };
+    let velocity = name(Quantity::SliderVelocity, Causality::Input)
+        .or_else(|| name(Quantity::OwnVelocity, Causality::Input));
+    let reaction = name(Quantity::TangentialReaction, Causality::Output)
+        .or_else(|| name(Quantity::FrictionForce, Causality::Output));
+    if let (Some(velocity), Some(reaction)) = (velocity, reaction) {
+        return Some(format!(
+            "a drive gives {velocity} and takes {reaction}; a communication step well below the period of the motion \
+             keeps the two together"
+        ));
+    }
+    let force = name(Quantity::ExternalForce, Causality::Input)?;
+    let moved = name(Quantity::Velocity, Causality::Output)?;
+    Some(format!(
+        "another FMU gives {force} and takes {moved}; a communication step well below the period of the motion keeps \
+         the two together"
+    ))
+}

@@ -1,0 +1,64 @@
+//! Root loci as charts: real and imaginary parts of λ/2π over a parameter.
+
+use super::{Chart, Mark, Panel, Series, Style, significant};
+use crate::stability::locus::{Locus, Root};
+use std::f64::consts::TAU;
+
+/// The chart of one locus or of a family of them. In a family each has a label and a colour; a locus alone has one a
+/// mode, and marks where modes begin to grow and where they merge.
+#[must_use]
+pub fn locus_chart(title: String, x_label: String, loci: &[(Option<String>, &Locus)]) -> Chart {
+    let panel = |y_label: &str, part: fn(&Root) -> f64, marks, zero_line| Panel {
+        y_label: y_label.to_owned(),
+        series: curves(loci, part),
+        marks,
+        zero_line,
+        ..Panel::default()
+    };
+    let [critical, merging] = marks(loci);
+    Chart {
+        title,
+        x_label,
+        panels: vec![
+            panel("Re λ / 2π [Hz]", |root| root.lambda.re / TAU, critical, true),
+            panel("Im λ / 2π [Hz]", |root| root.lambda.im / TAU, merging, false),
+        ],
+        ..Chart::default()
+    }
+}
+
+fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Series> {
+    let mut curves = Vec::new();
+    for (place, (label, locus)) in loci.iter().enumerate() {
+        for (mode, branch) in locus.branches.iter().enumerate() {
+            let (label, colour) = match label {
+                Some(label) => (label.clone(), place),
+                None => (format!("mode {}", mode + 1), mode),
+            };
+            let points = locus.values.iter().zip(branch);
+            curves.push(Series {
+                label: Some(label),
+                points: points.map(|(&x, root)| [x, part(root)]).collect(),
+                colour,
+                style: Style::Line,
+                labels: Vec::new(),
+            });
+        }
+    }
+    curves
+}
+
+/// Where modes begin to grow, and where they merge; not for a family, which has too many.
+fn marks(loci: &[(Option<String>, &Locus)]) -> [Vec<Mark>; 2] {
+    let [(_, locus)] = loci else { return [Vec::new(), Vec::new()] };
+    let mark = |x: f64, label: String| Mark { x, label: Some(label) };
+    let critical = locus.crossings.iter().map(|c| mark(c.value, significant(c.value, 5)));
+    let merging = locus.coalescences.iter().map(|c| {
+        let [a, b] = c.modes.map(|mode| mode + 1);
+        mark(c.value, format!("{a}–{b}: {}", significant(c.value, 5)))
+    });
+    // Double modes begin to grow at one place, which is marked once.
+    let mut critical: Vec<Mark> = critical.collect();
+    critical.dedup_by(|a, b| a.label == b.label);
+    [critical, merging.collect()]
+}
