@@ -135,7 +135,8 @@ struct Fmu {
 impl Fmu {
     fn new(name: &str, text: &str) -> Self {
         let scene = parse(name, text).expect("it is a scene");
-        let bytes = package::fmu(&scene, &text.into(), None).expect("it can be packaged");
+        let bytes = package::fmu(&scene, &text.into(), None, package::Library::carried())
+            .expect("it can be packaged");
         let folder = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).expect("there is room");
         let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).expect("it is an archive");
         archive.extract(folder.path()).expect("there is room");

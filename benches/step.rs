@@ -240,7 +240,9 @@ fn paid_once() {
             black_box(Simulation::new(scene.clone(), 0.0).expect("it is possible"));
         };
         let mut package = || {
-            size = package::fmu(&scene, &set.text.into(), None).expect("it can be packaged").len();
+            size = package::fmu(&scene, &set.text.into(), None, package::Library::carried())
+                .expect("it can be packaged")
+                .len();
         };
         let times = shortest(20, &mut [&mut simulate, &mut package]);
         let [simulation, fmu] = [0, 1].map(|i| nanoseconds(times[i], 1));

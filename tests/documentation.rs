@@ -7,12 +7,13 @@ use amontons::documentation::{cross_check, reference_run};
 use amontons::picture::Structure;
 use amontons::scene::{BUILTIN, Scene, builtin, parse};
 use amontons::simulation::catalogue::fmu_variables;
-use program::{folder, text};
+use program::{assert_refused, folder, run, text};
 use std::fs;
 use std::io::{Cursor, Read};
 use std::ops::ControlFlow::{Break, Continue};
 use std::path::Path;
-use std::process::Command;
+
+const PROGRAM: &str = env!("CARGO_BIN_EXE_amontons");
 
 /// The files in an FMU.
 struct Fmu(zip::ZipArchive<Cursor<Vec<u8>>>);
@@ -45,8 +46,7 @@ fn export(folder: &Path, scene: &str, arguments: &[&str]) -> Fmu {
 }
 
 fn amontons(folder: &Path, arguments: &[&str]) -> String {
-    let mut command = Command::new(env!("CARGO_BIN_EXE_amontons"));
-    let output = command.args(arguments).current_dir(folder).output().unwrap();
+    let output = run(PROGRAM, folder, arguments);
     assert!(output.status.success(), "{arguments:?}\n{}", text(&output.stderr));
     text(&output.stdout)
 }
@@ -187,7 +187,7 @@ fn every_variable_is_in_the_page_with_what_the_model_description_says() {
             ] {
                 let said = says(key, value);
                 assert!(format!(" {xml}").contains(&said), "{name}: {said} is not in {xml}");
-                assert_eq!(value.is_empty(), !xml.contains(&format!("{key}=\"")), "{name}: {key}");
+                assert_eq!(said.is_empty(), !xml.contains(&format!("{key}=\"")), "{name}: {key}");
             }
         }
         // By kind each is there too: as many as the captions say.
@@ -242,26 +242,31 @@ fn the_values_of_the_reference_run_are_the_doubles_of_the_program() {
     }
 }
 
-/// The values are the paper's, and those of closed forms that `scenes/README.md` derives.
+/// Values of µ and the frequencies there are the paper's (README, "Will it squeal?"), and those of closed forms that
+/// `scenes/README.md` derives: Hoffmann's µ, and 3 − √6, where modes of the disc brake merge.
 #[test]
 fn the_page_says_whether_a_scene_squeals_and_from_which_friction_on() {
     let folder = folder();
-    for (scene, words) in [
-        (
-            "set1",
-            &["Yes, it squeals", "at 219.38 Hz", "(state Sl-Sl)", "µ = 1.18361 (begins at 220"][..],
-        ),
-        ("set2", &["Small disturbances decay", "µ = 2.06257 (begins at 171"]),
-        ("hoffmann", &["Yes, it squeals", "µ = 0.255"]),
-        ("disc_brake", &["Yes, it squeals", "at 11"]),
-        ("den_hartog", &["stands still", "which this is not"]),
-        ("belt", &["the contact slides", "no mode grows"]),
+    let page = |scene: &str| export(folder.path(), scene, &[]).page();
+    let has = |page: &str, words: &[&str]| {
+        words.iter().for_each(|word| assert!(page.contains(word), "{word} is not in the page"));
+    };
+    for (scene, verdict, friction, hertz) in [
+        ("set1", "Yes, it squeals", "1.18361", 220.0),
+        ("set2", "Small disturbances decay", "2.06257", 172.0),
     ] {
-        let page = export(folder.path(), scene, &[]).page();
-        for word in words {
-            assert!(page.contains(word), "{scene}: {word} is not in the page");
-        }
+        let page = page(scene);
+        has(&page, &[verdict, "both contacts slide (state Sl-Sl)", "mode 6\n", "this scene\n"]);
+        let begins = page.split_once(&format!("µ = {friction} (begins at ")).unwrap().1;
+        let frequency: f64 = begins.split_once(" Hz").unwrap().0.parse().unwrap();
+        assert_eq!(frequency.round(), hertz, "{scene}");
     }
+    has(&page("hoffmann"), &["Yes, it squeals", "the contact slides", "µ = 0.2559"]);
+    let merging = format!("1–3: {:.5}", 3.0 - 6.0_f64.sqrt());
+    has(&page("disc_brake"), &["Yes, it squeals", "(state Sl-R-Sl)", &merging]);
+    has(&page("den_hartog"), &["what the contact rubs on stands still", "which this is not"]);
+    has(&page("belt"), &["the contact slides", "no mode grows"]);
+    has(&page("corner"), &["nothing can move"]);
 }
 
 #[test]
@@ -297,16 +302,25 @@ fn whole(scene: &Scene) -> amontons::documentation::ReferenceRun {
 /// An operation is about a nanosecond: a degree of freedom of a ring takes 2.1 of them a step.
 #[test]
 fn a_long_experiment_is_run_as_far_as_a_count_goes_and_that_is_said() {
-    let text = builtin("set1").unwrap().text.replacen("stop_time = 6.0", "stop_time = 1e6", 1);
-    let run = whole(&parse("long", &text).unwrap());
-    assert!(!run.whole);
-    let intervals = (5e8 / (2.1 * 8.0 / 1e-6) / 2e-4_f64).floor();
-    assert_eq!(run.rows.len(), intervals as usize + 1);
-    assert_eq!(run.rows.last().unwrap().0, intervals * 2e-4);
-    let short = whole(&builtin("set1").unwrap().scene());
-    assert!(short.whole && short.experiment.stop_time == 6.0);
+    let set1 = builtin("set1").unwrap().text;
+    let over = |stop: &str, interval: &str| {
+        let text = set1.replacen("stop_time = 6.0", &format!("stop_time = {stop}"), 1);
+        let text =
+            text.replacen("output_interval = 2.0e-4", &format!("output_interval = {interval}"), 1);
+        whole(&parse("set1", &text).unwrap())
+    };
+    let long = over("1e5", "2e-3");
+    assert!(!long.whole);
+    let intervals = (5e8 / (2.1 * 8.0 / 1e-6) / 2e-3_f64).floor();
+    assert_eq!(long.rows.len(), intervals as usize + 1);
+    assert_eq!(long.rows.last().unwrap().0, intervals * 2e-3);
     // As far as both go they are one run.
-    assert_eq!(run.rows[..30_000], short.rows[..30_000]);
+    let short = over("6.0", "2e-3");
+    assert!(short.whole && short.experiment.stop_time == 6.0 && short.rows.len() == 3001);
+    assert_eq!(long.rows[..3001], short.rows[..]);
+    // Nor are there more rows than an export may hold.
+    let fine = over("6.0", "1e-5");
+    assert!(!fine.whole && fine.rows.len() == 100_001 && fine.rows[100_000].0 == 1.0);
     // A person may end it.
     let mut heard = 0;
     let ended = reference_run(&builtin("set1").unwrap().scene(), &mut |_| {
@@ -357,13 +371,19 @@ fn the_files_of_a_cross_check_keep_its_rules() {
             let times: Vec<f64> =
                 lines.map(|line| line.split(',').next().unwrap().parse().unwrap()).collect();
             assert!(times.is_sorted() && times[0] == 0.0);
-            assert_eq!(times[times.len() - 1], option("StopTime"));
+            // One row of inputs is held; outputs go from the start to the end.
+            let end = if causality == "input" { 0.0 } else { option("StopTime") };
+            assert_eq!(times[times.len() - 1], end);
             let known = fmu_variables(&built);
             let of =
                 known.iter().filter(|v| format!("{:?}", v.causality).to_lowercase() == causality);
             assert!(of.map(|v| &*v.name).eq(names[1..].iter().copied()), "{scene}: {causality}");
         }
     }
+    // Whoever cannot have the one does not get the others.
+    let output =
+        run(PROGRAM, folder.path(), &["export", "set1", "--with-reference", "-o", "no/a.fmu"]);
+    assert_refused(&output, 1, &["there is no folder no"]);
     // Without inputs there is nothing to give.
     let text = format!("{FREE}[inputs]\nforces = \"none\"\n");
     let none = cross_check(&parse("free", &text).unwrap(), &mut |_| Continue(()));

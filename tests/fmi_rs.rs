@@ -2,7 +2,7 @@
 //! doubles of the library itself. So does Set 1 with its stability watched.
 #![cfg(feature = "tools")]
 
-use amontons::package;
+use amontons::package::{self, Library};
 use amontons::scene::{Scene, builtin, parse};
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::simulation::{Simulation, Variable, variables, write_scene};
@@ -31,7 +31,11 @@ fn scene(text: &str) -> Scene {
 fn fmu(text: &str) -> (TempDir, PathBuf) {
     let folder = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let path = folder.path().join("set1.fmu");
-    std::fs::write(&path, package::fmu(&scene(text), &text.into(), None).unwrap()).unwrap();
+    std::fs::write(
+        &path,
+        package::fmu(&scene(text), &text.into(), None, Library::carried()).unwrap(),
+    )
+    .unwrap();
     (folder, path)
 }
 

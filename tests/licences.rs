@@ -68,8 +68,7 @@ fn linked() -> Vec<(String, String)> {
 }
 
 fn crates() -> Vec<Crate> {
-    let metadata =
-        cargo(&["metadata", "--locked", "--format-version", "1", "--filter-platform", TARGETS[0]]);
+    let metadata = cargo(&["metadata", "--locked", "--format-version", "1"]);
     let metadata: Value = serde_json::from_str(&metadata).unwrap();
     let packages = metadata["packages"].as_array().unwrap();
     let of = |(name, version): (String, String)| {

@@ -7,7 +7,7 @@ mod program;
 
 use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};
 use amontons::model::LumpedModel;
-use amontons::package;
+use amontons::package::{self, Library};
 use amontons::scene::{BUILTIN, Method, Scene, builtin};
 use amontons::simulation::{Simulation, assign, step_warning, variables};
 use amontons::stability::locus::{Locus, locus};
@@ -81,7 +81,9 @@ fn every_scene_packages_starts_runs_and_has_a_step_that_goes_with_it() {
     for builtin in BUILTIN {
         let scene = builtin.scene();
         assert!(
-            package::fmu(&scene, &builtin.text.into(), None).unwrap().starts_with(b"PK"),
+            package::fmu(&scene, &builtin.text.into(), None, Library::carried())
+                .unwrap()
+                .starts_with(b"PK"),
             "{}",
             builtin.name
         );

@@ -57,7 +57,7 @@ pub fn cross_check(scene: &Scene, watch: Watch<'_>) -> Result<Option<CrossCheck>
         row(&mut simulation, time, &outputs, &mut reference)?;
     }
     let inputs: Vec<&Variable> = of(Causality::Input).collect();
-    let inputs = (!inputs.is_empty()).then(|| held(scene, &inputs, experiment.stop_time));
+    let inputs = (!inputs.is_empty()).then(|| held(scene, &inputs));
     Ok(Some(CrossCheck { reference, options: options(scene, experiment), inputs, left_out }))
 }
 
@@ -100,17 +100,15 @@ fn row(
     Ok(())
 }
 
-/// Inputs at the start and at the end.
-fn held(scene: &Scene, inputs: &[&Variable], stop: f64) -> String {
+/// Inputs in one row, which importers hold. Between two rows they weigh both, and w u + (1 − w) u is not u to the last
+/// bit.
+fn held(scene: &Scene, inputs: &[&Variable]) -> String {
     let mut text = header(inputs);
-    for time in [0.0, stop] {
-        add(&mut text, format_args!("{time:?}"));
-        for variable in inputs {
-            add(&mut text, format_args!(",{:?}", read_scene(scene, variable).unwrap_or(0.0)));
-        }
-        text.push('\n');
+    text.push_str("0.0");
+    for variable in inputs {
+        add(&mut text, format_args!(",{:?}", read_scene(scene, variable).unwrap_or(0.0)));
     }
-    text
+    text + "\n"
 }
 
 fn options(scene: &Scene, experiment: Experiment) -> String {

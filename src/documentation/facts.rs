@@ -4,7 +4,7 @@ use super::Subject;
 use crate::model::LumpedModel;
 use crate::scene::{Method, Scene, Structure};
 use crate::simulation::catalogue::{Causality, fmu_variables};
-use crate::stability::critical_step;
+use crate::stability::{CriticalStep, critical_step};
 
 /// Of so many contacts the normal force is told.
 const MOST_FORCES: usize = 12;
@@ -23,7 +23,11 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
     facts.push(("Method", method(subject)));
     if acting.method == Method::ForwardIncrement {
         let critical = critical_step(&model, acting.friction_coefficient);
-        let critical = critical.map_or_else(|error| error.to_string(), |step| step.to_string());
+        let told = |critical: CriticalStep| match scene.contact_count() {
+            0 => format!("{:.4e} s", critical.step),
+            _ => critical.to_string(),
+        };
+        let critical = critical.map_or_else(|error| error.to_string(), told);
         facts.push(("Critical step", critical));
     }
     if !scene.signals.is_empty() {
@@ -44,10 +48,10 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
     let variables = fmu_variables(scene);
     let of = |causality| variables.iter().filter(|v| v.causality == causality).count();
     let counts = format!(
-        "{} inputs, {} outputs, {} parameters; SI units throughout",
-        of(Causality::Input),
-        of(Causality::Output),
-        of(Causality::Parameter)
+        "{}, {}, {}; SI units throughout",
+        counted(of(Causality::Input), "input", "inputs"),
+        counted(of(Causality::Output), "output", "outputs"),
+        counted(of(Causality::Parameter), "parameter", "parameters")
     );
     facts.push(("Variables", counts));
     facts
@@ -63,12 +67,16 @@ fn structure(scene: &Scene, model: &LumpedModel) -> String {
         Structure::Ring(modules) => {
             format!("a ring of {}", counted(modules.len(), "module", "modules"))
         }
-        Structure::Network(network) => format!(
-            "a network of {}, {} and {}",
-            counted(network.masses.len(), "mass", "masses"),
-            counted(network.springs.len(), "spring", "springs"),
-            counted(network.dampers.len(), "damper", "dampers")
-        ),
+        Structure::Network(network) => {
+            let mut parts = vec![counted(network.masses.len(), "mass", "masses")];
+            if !network.springs.is_empty() {
+                parts.push(counted(network.springs.len(), "spring", "springs"));
+            }
+            if !network.dampers.is_empty() {
+                parts.push(counted(network.dampers.len(), "damper", "dampers"));
+            }
+            format!("a network of {}", parts.join(", "))
+        }
     };
     format!(
         "{parts}: {}, {}",

@@ -1,6 +1,6 @@
 //! What an importer does with the FMU.
 
-use super::markup;
+use super::{can_squeal, markup};
 use crate::scene::{Scene, Selection};
 use crate::simulation::catalogue::{Causality, Quantity, Variable, fmu_variables};
 
@@ -135,6 +135,7 @@ fn coupling(scene: &Scene) -> Option<String> {
     };
     let velocity = name(Quantity::SliderVelocity, Causality::Input)
         .or_else(|| name(Quantity::OwnVelocity, Causality::Input));
+    let velocity = velocity.filter(|_| can_squeal(scene));
     let reaction = name(Quantity::TangentialReaction, Causality::Output)
         .or_else(|| name(Quantity::FrictionForce, Causality::Output));
     if let (Some(velocity), Some(reaction)) = (velocity, reaction) {

@@ -39,7 +39,8 @@ pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error
         let last = rows.last().map_or(0.0, |row| row.0);
         markup::paragraphs(&mut html, &[format!("The run ends at {last} s: {failure}.")]);
     }
-    if rows.len() > 1 {
+    // Where all is locked and nothing touches, nothing moves.
+    if rows.len() > 1 && !run.variables.is_empty() {
         let svg = chart(scene, run).svg()?;
         markup::figure(
             &mut html,

@@ -1,5 +1,6 @@
 //! A run of the scene: its own experiment, as far as an export may take.
 
+use super::can_squeal;
 use crate::Error;
 use crate::accuracy::Watch;
 use crate::integrator::Cost;
@@ -56,7 +57,7 @@ pub fn reference_run(scene: &Scene, watch: Watch<'_>) -> Result<Option<Reference
             }
         }
     }
-    let (variables, rows) = shown(outputs, &rows);
+    let (variables, rows) = shown(&outputs, &rows);
     Ok(Some(ReferenceRun { experiment, whole, variables, rows, failure }))
 }
 
@@ -90,7 +91,9 @@ fn outputs(scene: &Scene) -> Vec<Variable> {
         outputs.extend(of(Quantity::Velocity).take(moving));
     } else {
         outputs.extend(of(Quantity::NormalForce).take(1));
-        outputs.extend(of(Quantity::FrictionForce).take(1));
+        if can_squeal(scene) {
+            outputs.extend(of(Quantity::FrictionForce).take(1));
+        }
     }
     outputs
 }
@@ -100,10 +103,7 @@ fn read(simulation: &mut Simulation, outputs: &[Variable]) -> Result<Vec<f64>, E
 }
 
 /// What is shown of the rows: the displacement that moves most, and what else there is of it or of a contact.
-fn shown(
-    outputs: Vec<Variable>,
-    rows: &[(f64, Vec<f64>)],
-) -> (Vec<Variable>, Vec<(f64, Vec<f64>)>) {
+fn shown(outputs: &[Variable], rows: &[(f64, Vec<f64>)]) -> (Vec<Variable>, Vec<(f64, Vec<f64>)>) {
     let is = |quantity: Quantity| move |v: &Variable| v.template.quantity == quantity;
     let displacements = outputs.iter().filter(|v| is(Quantity::Displacement)(v)).count();
     let span = |column: usize| {

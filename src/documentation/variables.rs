@@ -1,5 +1,6 @@
 //! The variables of an FMU: by kind, so that those of many equal parts are read at once, and one by one.
 
+use crate::fmi2::STRICT;
 use crate::report::{add, plain_table, text};
 use crate::scene::Scene;
 use crate::simulation::catalogue::{Causality, Kind, Per, Variability, Variable, fmu_variables};
@@ -133,6 +134,8 @@ fn starts(scene: &Scene, kind: &[&Variable]) -> String {
         Some([low.min(value), high.max(value)])
     });
     match reach {
+        // The one that no scene has.
+        None if kind[0].template.kind == Kind::Boolean => STRICT.to_string(),
         None => String::new(),
         Some([low, high]) if low == high => number(low),
         Some([low, high]) => format!("{} to {}", number(low), number(high)),

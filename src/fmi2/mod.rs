@@ -21,6 +21,14 @@ mod logger;
 mod resources;
 mod types;
 
+/// Of which sources this library is: a program is not built around one of others.
+#[allow(non_upper_case_globals, unsafe_code)]
+// SAFETY: no other library has anything of this name.
+#[unsafe(no_mangle)]
+static amontons_sources: [u8; SOURCES.len()] = *SOURCES.first_chunk().unwrap();
+
+const SOURCES: &[u8] = concat!("amontons sources ", env!("AMONTONS_SOURCES")).as_bytes();
+
 #[cfg(feature = "tools")]
 pub(crate) use instance::{SCENE_FILE, STRICT};
 #[cfg(feature = "tools")]

@@ -1,10 +1,36 @@
-//! The library that goes into every FMU; `build.rs` made it from this same crate.
+//! The libraries that this program carries, for its FMUs; `build/` made or found them.
 
-/// The library itself.
-pub(super) const BYTES: &[u8] = include_bytes!(env!("AMONTONS_FMU_LIBRARY"));
+include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
 
-/// The platform that the library is for, as FMI names it; `build.rs` refuses others.
-pub const PLATFORM: &str = "linux64";
+/// What an FMU brings for one platform: this same crate, as a shared library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Library {
+    /// The platform, as FMI names it: `linux64`, `win64`.
+    pub platform: &'static str,
+    /// The end of the library's file name.
+    pub extension: &'static str,
+    pub(super) bytes: &'static [u8],
+}
 
-/// The end of the library's file name.
-pub(super) const EXTENSION: &str = "so";
+impl Library {
+    /// All that this program carries, by their platforms' names.
+    #[must_use]
+    pub fn carried() -> &'static [Self] {
+        CARRIED
+    }
+
+    /// The one for a platform.
+    ///
+    /// # Errors
+    /// This program carries none for it: how to get one that does.
+    pub fn of(platform: &str) -> Result<Self, String> {
+        CARRIED.iter().find(|library| library.platform == platform).copied().ok_or_else(|| {
+            let carried: Vec<&str> = CARRIED.iter().map(|library| library.platform).collect();
+            format!(
+                "this program carries the library for {} alone; those of a release carry linux64 and win64, as does \
+                 one built by release/make or with AMONTONS_FMU_LIBRARIES (README, Platforms)",
+                carried.join(" and ")
+            )
+        })
+    }
+}

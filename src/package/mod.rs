@@ -8,7 +8,7 @@ mod date;
 mod library;
 mod model_description;
 
-pub use library::PLATFORM;
+pub use library::Library;
 pub use model_description::{identifier, model_description};
 
 use crate::Error;
@@ -29,6 +29,7 @@ pub struct Documentation {
 }
 
 /// The FMU of a scene; `source` is what it was read from. An FMU that is for people has a documentation.
+/// It runs on the platforms of `libraries`.
 ///
 /// # Errors
 /// `SOURCE_DATE_EPOCH` is set to something that is not a time.
@@ -36,12 +37,15 @@ pub fn fmu(
     scene: &Scene,
     source: &Source,
     documentation: Option<&Documentation>,
+    libraries: &[Library],
 ) -> Result<Vec<u8>, Error> {
     let date = Date::from_environment()?;
-    let library = format!("binaries/{PLATFORM}/{}.{}", identifier(&scene.name), library::EXTENSION);
     let mut archive = Archive::new(date)?;
     archive.add("modelDescription.xml", model_description(scene, source, date).as_bytes())?;
-    archive.add(&library, library::BYTES)?;
+    for Library { platform, extension, bytes } in libraries {
+        let name = identifier(&scene.name);
+        archive.add(&format!("binaries/{platform}/{name}.{extension}"), bytes)?;
+    }
     archive.add(&format!("resources/{SCENE_FILE}"), source.text.as_bytes())?;
     for (name, table) in &source.tables {
         archive.add(&format!("resources/{name}"), table.as_bytes())?;

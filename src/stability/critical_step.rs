@@ -15,6 +15,7 @@
 //! both friction and single dampers a mode of the scheme is compared to that of the physics with the
 //! same k and c, whose shape may differ.
 
+use super::complex::{from_polar, modulus, root};
 use super::damped_step;
 use super::frequency_bound::{FrequencyBound, Sizes};
 use crate::Error;
@@ -184,7 +185,7 @@ fn mode_limit(damping: Damping, square: Complex<f64>) -> f64 {
         return if square.re > 0.0 { real_limit(damping, sizes) } else { f64::INFINITY };
     }
     let rate = square * damping.beta + damping.alpha;
-    largest(2.0 / square.norm().sqrt(), |step| is_admissible(step, rate, square))
+    largest(2.0 / modulus(square).sqrt(), |step| is_admissible(step, rate, square))
 }
 
 /// The largest step below `end` up to which all steps fulfil a condition: on a grid, then refined.
@@ -209,14 +210,14 @@ fn is_admissible(step: f64, rate: Complex<f64>, square: Complex<f64>) -> bool {
     let numerical =
         roots(square * (step * step) + rate * step - 2.0, Complex::new(1.0, 0.0) - rate * step);
     let growth = physical.iter().fold(0.0, |growth, lambda| f64::max(growth, lambda.re));
-    let size = physical.iter().fold(0.0, |size, lambda| f64::max(size, lambda.norm()));
-    let factor = numerical.iter().fold(0.0, |factor, z| f64::max(factor, z.norm()));
-    factor.ln() <= step * (growth + INVENTED_GROWTH * size)
+    let size = physical.iter().fold(0.0, |size, lambda| f64::max(size, modulus(*lambda)));
+    let factor = numerical.iter().fold(0.0, |factor, z| f64::max(factor, modulus(*z)));
+    libm::log(factor) <= step * (growth + INVENTED_GROWTH * size)
 }
 
 /// The roots of x² + b x + c = 0.
 fn roots(b: Complex<f64>, c: Complex<f64>) -> [Complex<f64>; 2] {
-    let root = (b * b - c * 4.0).sqrt();
+    let root = root(b * b - c * 4.0);
     [(-b + root) * 0.5, (-b - root) * 0.5]
 }
 
@@ -229,7 +230,7 @@ fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> 
         return false;
     }
     let on_circle = |size: f64, angle: u32| {
-        Complex::from_polar(size, std::f64::consts::PI * f64::from(angle) / f64::from(ANGLES))
+        from_polar(size, std::f64::consts::PI * f64::from(angle) / f64::from(ANGLES))
     };
     // Single dampers add to c anything up to their size, in any direction.
     let added = [1.0, 0.25, 0.0625].into_iter().flat_map(|part| {

@@ -1,5 +1,6 @@
 //! The quadratic eigenvalue problem (λ² M̃ + λ C̃ + K̃) u = 0 at its full size (paper, eq. 6), for any C̃.
 
+use super::complex::modulus;
 use super::eigenvalues::eigenvalues;
 #[cfg(feature = "tools")]
 use super::modes::{Eigenpair, eigenpairs};
@@ -31,7 +32,7 @@ pub(super) fn all_eigenvalues(reduced: &ReducedMatrices) -> Result<Vec<Complex<f
 /// Without what rounding makes of zeros: a motion that nothing holds has λ = 0 twice, which it parts by
 /// the root of itself; a mode that no damper sees neither grows nor decays.
 fn cleaned(value: Complex<f64>) -> Complex<f64> {
-    if value.norm() <= 1e-7 {
+    if modulus(value) <= 1e-7 {
         Complex::ZERO
     } else if value.re.abs() <= 1e-13 {
         Complex::new(0.0, value.im)

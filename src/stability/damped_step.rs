@@ -12,6 +12,7 @@
 //! Where friction makes them unsymmetric, modes may grow because the physics does. Then every z is
 //! compared with the eigenvalue λ of the physics that is nearest to ln z / h, as for Rayleigh damping.
 
+use super::complex::{logarithm, modulus};
 use super::critical_step::{INVENTED_GROWTH, largest};
 use crate::Error;
 use crate::model::ReducedMatrices;
@@ -27,14 +28,14 @@ pub(super) fn limit(reduced: &ReducedMatrices) -> Result<(f64, bool), Error> {
     let inverse = reduced.mass.clone().try_inverse().ok_or_else(failed)?;
     let (k, c) = (&inverse * &reduced.stiffness, &inverse * &reduced.damping);
     let rates = eigenvalues(&companion(&(&k * 0.25), &(&c * 0.5))).ok_or_else(failed)?;
-    let real = |rate: &Complex<f64>| rate.im.abs() <= 1e-7 * rate.norm();
+    let real = |rate: &Complex<f64>| rate.im.abs() <= 1e-7 * modulus(*rate);
     let fastest = rates.iter().filter(|rate| real(rate)).fold(0.0, |most, r| f64::max(most, r.re));
     let through_minus_one = 1.0 / fastest;
     if is_symmetric(&reduced.stiffness) && is_symmetric(&reduced.damping) {
         return Ok((through_minus_one, false));
     }
     let physical = eigenvalues(&companion(&-&k, &-&c)).ok_or_else(failed)?;
-    let size_of = physical.iter().fold(0.0, |size, lambda| f64::max(size, lambda.norm()));
+    let size_of = physical.iter().fold(0.0, |size, lambda| f64::max(size, modulus(*lambda)));
     let end = through_minus_one.min(2.0 / size_of);
     let step = largest(end, |h| {
         // z = 1 + h s.
@@ -47,13 +48,13 @@ pub(super) fn limit(reduced: &ReducedMatrices) -> Result<(f64, bool), Error> {
 /// Does the scheme's mode z grow no faster than the physics?
 fn is_admissible(z: Complex<f64>, h: f64, physical: &[Complex<f64>]) -> bool {
     // Inside the circle nothing grows; divergence is the physics' own.
-    if z.norm() <= 1.0 || (z.re > 0.0 && z.im.abs() <= 1e-9 * z.norm()) {
+    if modulus(z) <= 1.0 || (z.re > 0.0 && z.im.abs() <= 1e-9 * modulus(z)) {
         return true;
     }
-    let rate = z.ln() / h;
-    let distance = |lambda: &Complex<f64>| (lambda - rate).norm();
+    let rate = logarithm(z) / h;
+    let distance = |lambda: &Complex<f64>| modulus(lambda - rate);
     let nearest = physical.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)));
-    nearest.is_some_and(|lambda| rate.re <= lambda.re.max(0.0) + INVENTED_GROWTH * lambda.norm())
+    nearest.is_some_and(|lambda| rate.re <= lambda.re.max(0.0) + INVENTED_GROWTH * modulus(*lambda))
 }
 
 /// The matrix [[0, 1], [a, b]], whose eigenvalues λ solve λ² u = (a + λ b) u.

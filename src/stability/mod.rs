@@ -2,6 +2,7 @@
 //!
 //! | file | what it finds |
 //! | --- | --- |
+//! | `complex` | modulus, root and logarithm of a complex number, the same on each machine |
 //! | `critical_step` | the largest step of the explicit scheme |
 //! | `damped_step` | the same for a state with single dampers |
 //! | `frequency_bound` | bounds over all contact states |
@@ -21,6 +22,7 @@
 //! The critical step and the eigenvalues of one state go into the library inside an FMU; all else needs the
 //! feature `tools`.
 
+mod complex;
 mod critical_step;
 mod damped_step;
 mod frequency_bound;

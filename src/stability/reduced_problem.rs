@@ -6,6 +6,7 @@
 //! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not. With single
 //! dampers there are no such σ; `damped_modes` then solves the problem at its full size.
 
+use super::complex::{modulus, root};
 use super::eigenvalues::eigenvalues;
 use crate::Error;
 use crate::contact::{ContactState, Joined};
@@ -42,7 +43,7 @@ pub(super) fn rounding(operator: &DMatrix<f64>) -> f64 {
 /// a motion which strains no spring as one that is not quite zero. Where two real ones do merge, this
 /// moves the place by the square of that little.
 pub(super) fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
-    if sigma.norm() <= floor {
+    if modulus(sigma) <= floor {
         return Complex::new(0.0, 0.0);
     }
     let is_real = sigma.im.abs() <= 1e-7 * sigma.re.abs();
@@ -109,7 +110,7 @@ pub(super) enum Kind {
 impl Kind {
     pub(super) fn of(eigenvalue: Complex<f64>) -> Self {
         // Below this part of |λ| an imaginary part is what rounding leaves of zero.
-        if eigenvalue.im.abs() <= 1e-9 * eigenvalue.norm() {
+        if eigenvalue.im.abs() <= 1e-9 * modulus(eigenvalue) {
             Self::Real
         } else if eigenvalue.im > 0.0 {
             Self::Oscillating
@@ -122,8 +123,8 @@ impl Kind {
 /// The roots of λ² + (α + β σ) λ + σ = 0, without cancellation.
 pub(super) fn quadratic_roots(model: &LumpedModel, sigma: Complex<f64>) -> [Complex<f64>; 2] {
     let half = (sigma * model.damping.beta + model.damping.alpha) * -0.5;
-    let root = (half * half - sigma).sqrt();
+    let root = root(half * half - sigma);
     // The larger of the two, then the other from their product σ.
     let larger = if (half.conj() * root).re >= 0.0 { half + root } else { half - root };
-    if larger.norm() == 0.0 { [larger; 2] } else { [larger, sigma / larger] }
+    if larger == Complex::ZERO { [larger; 2] } else { [larger, sigma / larger] }
 }

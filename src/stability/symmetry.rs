@@ -134,7 +134,11 @@ pub(super) fn module_of_wave(model: &LumpedModel, k: usize, modules: usize) -> L
     let diagonal: Vec<f64> = (0..MODULE_DOFS).map(|dof| model.mass.get(dof, dof)).collect();
     let entries = (0..MODULE_DOFS).flat_map(|row| {
         model.stiffness.row(row).map(move |(column, value)| {
-            (row, column % MODULE_DOFS, value * turn(k * (column / MODULE_DOFS), modules).cos())
+            (
+                row,
+                column % MODULE_DOFS,
+                value * libm::cos(turn(k * (column / MODULE_DOFS), modules)),
+            )
         })
     });
     LumpedModel {

@@ -22,9 +22,9 @@ def table(path):
     return Table(columns[0], dict(zip(names[1:], columns[1:])))
 
 
-@pytest.fixture(params=SCENES)
-def exported(request, amontons, tmp_path):
-    fmu = tmp_path / f"{request.param}.fmu"
+@pytest.fixture(scope="module", params=SCENES)
+def exported(request, amontons, tmp_path_factory):
+    fmu = tmp_path_factory.mktemp("exported") / f"{request.param}.fmu"
     amontons("export", EFFECTS.get(request.param, request.param), "-o", fmu, "--with-reference")
     return fmu
 

@@ -53,9 +53,9 @@ def test_fmpy_gets_the_doubles_of_the_program_in_every_scene(
     expected = native(scene, stop_time, stop_time / 500)
     assert list(expected.columns) == unpacked(scene).outputs
     assert len(expected.times) == 501
-    # It moves.
+    # It moves, but for the drive, which waits for a reaction.
     moving = [name for name, column in expected.columns.items() if np.ptp(column) > 0.0]
-    assert moving
+    assert bool(moving) == (scene != "drive")
     assert_same(expected, imported(scene, stop_time, stop_time / 500))
 
 

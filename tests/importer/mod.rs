@@ -3,7 +3,7 @@
 pub mod sanitized;
 
 use crate::python;
-use amontons::package::{self, PLATFORM};
+use amontons::package::{self, Library};
 use amontons::scene::{builtin, parse};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Variable, fingerprint, variables};
@@ -157,10 +157,11 @@ fn unpack(
         text = text.replacen("[integrator]", "[integrator]\nmethod = \"event-driven\"", 1);
     }
     let scene = parse(name, &text).expect("it is a scene");
-    let bytes = package::fmu(&scene, &text.as_str().into(), None).expect("it can be packaged");
+    let bytes = package::fmu(&scene, &text.as_str().into(), None, Library::carried())
+        .expect("it can be packaged");
     let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).expect("it is an archive");
     archive.extract(place).expect("there is room");
-    let file = place.join("binaries").join(PLATFORM).join(format!("{name}.so"));
+    let file = place.join("binaries").join("linux64").join(format!("{name}.so"));
     if let Some(other) = library {
         fs::copy(other, &file).expect("there is room");
     }

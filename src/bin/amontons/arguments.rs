@@ -1,7 +1,9 @@
 //! What the command line understands.
 
+use crate::export::platforms;
 use crate::study::arguments::Study;
 use amontons::Error;
+use amontons::package::Library;
 use amontons::scene::{Method, Preset, Rule, Scene, Selection};
 use amontons::sweep::range::grid;
 use clap::{Args, Parser, Subcommand, ValueEnum};
@@ -68,6 +70,8 @@ pub struct Export {
     /// Write a reference run beside the FMU, as the FMI cross-check has it: NAME_ref.csv, NAME_ref.opt, NAME_in.csv
     #[arg(long)]
     pub with_reference: bool,
+    #[arg(long, value_name = "PLATFORM,…", value_delimiter = ',', value_parser = Library::of, help = platforms_help())]
+    pub platform: Vec<Library>,
 }
 
 #[derive(Args)]
@@ -185,6 +189,13 @@ pub enum Scenes {
     },
     /// Print the JSON Schema of scene files, with which editors check and complete them
     Schema,
+}
+
+fn platforms_help() -> String {
+    let carried = platforms(Library::carried());
+    format!(
+        "The platforms that the FMU is to run on [default: all that this program carries: {carried}]"
+    )
 }
 
 pub fn positive(text: &str) -> Result<f64, String> {

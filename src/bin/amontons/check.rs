@@ -11,14 +11,13 @@ use std::io::{Write, stdout};
 use std::path::PathBuf;
 use std::time::Duration;
 
+const NOTES: &str = "Exit codes: 0 nothing found, 1 something found, 2 not readable as an FMU, 130 \
+interrupted. A finding is a line: its rule, the file (and line), what is wrong. Lines that begin with note: \
+say what could not be examined.\n\nThe run takes place in a process of its own with limits of time, memory \
+and file size. That is no sandbox: a library can do what its user can. --no-run reads files only.";
+
 #[derive(Args)]
-#[command(
-    after_help = "Exit codes: 0 nothing found, 1 something found, 2 not readable as an FMU, 130 interrupted. \
-        A finding is a line: its rule, the file (and line), what is wrong. Lines of `note:` say what could not \
-        be examined.\n\nThe run takes place in a process of its own with limits of time, memory and file size. \
-        That is no sandbox: a library can do what its user can. --no-run reads files only.",
-    after_long_help = rules()
-)]
+#[command(after_help = NOTES, after_long_help = format!("{NOTES}\n\nRules:\n{}", rules()))]
 pub struct Check {
     /// The FMU
     #[arg(required_unless_present = "rules")]

@@ -69,8 +69,13 @@ pub(super) fn examine(
         };
         let beside: Vec<_> = entries.into_iter().filter(|beside| beside.name != path).collect();
         let file = Library { path: &path, platform, archive, beside: &beside };
-        if file.examine(&content, floor, report) && HOST == Some(folder) {
+        if !file.examine(&content, floor, report) {
+            continue;
+        }
+        if HOST == Some(folder) {
             host = Some(path);
+        } else {
+            report.note(format!("{path} is read, not run: it is for another system than this"));
         }
     }
     host
@@ -145,10 +150,10 @@ impl Library<'_> {
             let beside = |name: &str| self.beside_exports(name);
             match part {
                 File::Elf32(file) => {
-                    elf::examine(file, self.platform, (self.path, floor), &beside, report)
+                    elf::examine(file, self.platform, (self.path, floor), &beside, report);
                 }
                 File::Elf64(file) => {
-                    elf::examine(file, self.platform, (self.path, floor), &beside, report)
+                    elf::examine(file, self.platform, (self.path, floor), &beside, report);
                 }
                 _ => {}
             }

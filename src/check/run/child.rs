@@ -58,6 +58,7 @@ impl Rounds<'_> {
         }
         self.repeated(&library, &first);
         self.locations(&library);
+        journal.at("unloading it");
         drop(library);
         growth::watch(self);
         Some(())
@@ -307,13 +308,13 @@ impl Rounds<'_> {
         self.journal.at("fmi2GetFMUstate");
         let state = self.called("fmi2GetFMUstate", instance.save())?;
         self.steps(&instance, middle, self.plan.steps)?;
-        self.from_state(&instance, &state, first, Rule::StateDiffers)?;
+        self.resume(&instance, &state, first, Rule::StateDiffers)?;
         if self.plan.serializes_states {
             self.journal.at("fmi2SerializeFMUstate");
             let bytes = self.called("fmi2SerializeFMUstate", instance.serialize(&state))?;
             self.journal.at("fmi2DeSerializeFMUstate");
             let copy = self.called("fmi2DeSerializeFMUstate", instance.deserialize(&bytes))?;
-            self.from_state(&instance, &copy, first, Rule::SerializedStateDiffers)?;
+            self.resume(&instance, &copy, first, Rule::SerializedStateDiffers)?;
             self.journal.at("fmi2FreeFMUstate");
             self.called("fmi2FreeFMUstate", instance.free(copy))?;
         }
@@ -321,7 +322,7 @@ impl Rounds<'_> {
         self.called("fmi2FreeFMUstate", instance.free(state))
     }
 
-    fn from_state(
+    fn resume(
         &self,
         instance: &Instance<'_>,
         state: &State,

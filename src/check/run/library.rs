@@ -102,7 +102,10 @@ impl Library {
         // SAFETY: as above.
         #[cfg(not(unix))]
         let library = unsafe { libloading::Library::new(path) };
-        library.map(Self).map_err(|error| error.to_string())
+        library.map(Self).map_err(|error| {
+            // The loader's own words are the cause.
+            std::error::Error::source(&error).map_or(error.to_string(), ToString::to_string)
+        })
     }
 
     /// A function of the type that the standard gives it.

@@ -53,9 +53,13 @@ pub(super) fn examine(
     let mut child = start(folder.path(), library, options).map_err(|error| failed(&error))?;
     let end = wait(&mut child, folder.path(), options.timeout, watch);
     let left = process::end_group(child.id());
-    let read = |name: &str| fs::read(folder.path().join(name)).unwrap_or_default();
-    let told = journal::read(&String::from_utf8_lossy(&read(JOURNAL)), library, report);
-    let output = String::from_utf8_lossy(&read(OUTPUT)).trim().to_owned();
+    let read = |name: &str| {
+        let text = fs::read(folder.path().join(name)).unwrap_or_default();
+        // The folder has another name in every run.
+        String::from_utf8_lossy(&text).replace(&*folder.path().to_string_lossy(), "/…")
+    };
+    let told = journal::read(&read(JOURNAL), library, report);
+    let output = read(OUTPUT).trim().to_owned();
     let stage = &told.stage;
     let said = if output.is_empty() {
         String::new()

@@ -7,6 +7,7 @@ mod starts;
 use super::description::{Description, Kind, Variable};
 use super::report::Report;
 use super::rules::Rule;
+use super::xml::{CAUSALITIES, VARIABILITIES};
 
 pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
     names::examine(description, report);
@@ -49,6 +50,8 @@ fn roles(variable: &Variable<'_>, report: &mut Report) {
         ("calculatedParameter" | "local", "fixed" | "tunable") => &["calculated", "approx"],
         ("input", "discrete" | "continuous") | ("independent", "continuous") => &[],
         ("output" | "local", "discrete" | "continuous") => &["calculated", "exact", "approx"],
+        // What is no word of FMI is told as that.
+        _ if !CAUSALITIES.contains(&causality) || !VARIABILITIES.contains(&variability) => return,
         _ => {
             let message =
                 format!("{name}: causality {causality} does not go with variability {variability}");

@@ -5,6 +5,7 @@ mod shape;
 mod tree;
 pub(super) mod values;
 
+pub(super) use schema::{CAUSALITIES, VARIABILITIES};
 pub(super) use tree::{Element, MOST_BYTES};
 
 use super::report::Report;

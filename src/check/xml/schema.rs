@@ -45,6 +45,11 @@ const fn either(names: &'static [&'static str]) -> Child {
 
 const KINDS: &[&str] = &["Real", "Integer", "Boolean", "String", "Enumeration"];
 
+pub(in crate::check) const CAUSALITIES: &[&str] =
+    &["parameter", "calculatedParameter", "input", "output", "local", "independent"];
+pub(in crate::check) const VARIABILITIES: &[&str] =
+    &["constant", "fixed", "tunable", "discrete", "continuous"];
+
 const UNKNOWN: &[(&str, Type, bool)] = &[
     ("index", Count, true),
     ("dependencies", Counts, false),
@@ -200,23 +205,8 @@ pub(super) static ELEMENTS: &[Kind] = &[
             ("name", Text, true),
             ("valueReference", Count, true),
             ("description", Text, false),
-            (
-                "causality",
-                Word(&[
-                    "parameter",
-                    "calculatedParameter",
-                    "input",
-                    "output",
-                    "local",
-                    "independent",
-                ]),
-                false,
-            ),
-            (
-                "variability",
-                Word(&["constant", "fixed", "tunable", "discrete", "continuous"]),
-                false,
-            ),
+            ("causality", Word(CAUSALITIES), false),
+            ("variability", Word(VARIABILITIES), false),
             ("initial", Word(&["exact", "approx", "calculated"]), false),
             ("canHandleMultipleSetPerTimeInstant", Boolean, false),
         ],

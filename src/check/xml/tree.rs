@@ -5,6 +5,7 @@ use crate::check::report::Report;
 use crate::check::rules::Rule;
 use quick_xml::events::{BytesStart, Event};
 use quick_xml::{Reader, XmlVersion};
+use std::fmt;
 
 pub(in crate::check) const MOST_BYTES: u64 = 256 << 20;
 const MOST_ELEMENTS: usize = 4_000_000;
@@ -230,8 +231,8 @@ impl Parser<'_> {
     }
 }
 
-fn malformed(error: impl ToString) -> Problem {
-    (Rule::XmlMalformed, error.to_string())
+fn malformed(error: impl fmt::Display) -> Problem {
+    (Rule::XmlMalformed, format!("{error}"))
 }
 
 fn is_name(name: &str) -> bool {

@@ -11,7 +11,7 @@ use amontons::documentation::{Subject, documentation};
 use amontons::integrator::tidy;
 use amontons::model::{Equilibrium, LumpedModel};
 use amontons::output::check_folder;
-use amontons::package;
+use amontons::package::{self, Library};
 use amontons::scene::{self, Method, Scene, Selection, Structure};
 use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Causality, fmu_variables};
@@ -46,7 +46,9 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     let simulation = scenes::start(&scene)?;
     let run = written::run(&scene)?;
     let subject = Subject { scene: &scene, source: &source, start: &simulation, run: &run };
-    let fmu = package::fmu(&scene, &source, Some(&documentation(subject, page)?))?;
+    let libraries = libraries(&arguments.platform);
+    let documentation = documentation(subject, page)?;
+    let fmu = package::fmu(&scene, &source, Some(&documentation), &libraries)?;
     let check = arguments.with_reference.then(|| written::check(&scene)).transpose()?;
     written::write(&path, &fmu)?;
     let beside = check.as_ref().map_or_else(Vec::new, |check| written::files(check, &path));
@@ -55,6 +57,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     }
     println!("{}: {}", scene.name, scene.description);
     print_contents(&scene, &simulation)?;
+    println!("  platform       {}", platforms(&libraries));
     if let (Some(choice), Some(tolerance)) = (&choice, arguments.tolerance) {
         print_choice(choice, &scene, tolerance);
     }
@@ -71,6 +74,20 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
         );
     }
     Ok(())
+}
+
+/// Those of the platforms asked for, or all; in one order, so that the FMU does not tell in which they were named.
+fn libraries(asked: &[Library]) -> Vec<Library> {
+    Library::carried()
+        .iter()
+        .filter(|library| asked.is_empty() || asked.contains(library))
+        .copied()
+        .collect()
+}
+
+/// Their names, for people.
+pub fn platforms(libraries: &[Library]) -> String {
+    libraries.iter().map(|library| library.platform).collect::<Vec<_>>().join(", ")
 }
 
 /// Why the method and the step were taken.
@@ -95,7 +112,9 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     let model = LumpedModel::from(acting);
     let kind = match &scene.structure {
         Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
-        Structure::Network(network) => format!("network of {} masses", network.masses.len()),
+        Structure::Network(network) => {
+            format!("network of {}", counted(network.masses.len(), "mass", "masses"))
+        }
     };
     println!(
         "  structure      {kind}: {}, {}",
@@ -125,7 +144,6 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     if !scene.signals.is_empty() {
         println!("  signals        {}", scene.signals.len());
     }
-    println!("  platform       {}", package::PLATFORM);
     Ok(())
 }
 

@@ -1,0 +1,52 @@
+//! The library for the platform that the program is built for. Cargo does not install a cdylib beside a binary, and
+//! cannot yet hand one to it; the library is this same crate without the feature `tools`, so the build does not
+//! recurse.
+
+use std::env;
+use std::path::{Path, PathBuf};
+use std::process::Command;
+
+/// Builds the library; its path.
+pub fn library(out: &Path) -> PathBuf {
+    let target = env::var("TARGET").expect("cargo sets it");
+    let target_dir = out.join("fmu");
+    let mut cargo = Command::new(env::var_os("CARGO").expect("cargo sets it"));
+    cargo
+        .args(["rustc", "--lib", "--crate-type", "cdylib", "--profile", "fmu"])
+        .args(["--no-default-features", "--locked", "--target", &target, "--target-dir"])
+        .arg(&target_dir);
+    // Set by `cargo clippy` for its own run; the library is compiled, not linted.
+    cargo.env_remove("RUSTC_WORKSPACE_WRAPPER");
+    // Describes the outer build; the inner one gets its own.
+    for (name, _) in env::vars_os() {
+        let inherited = name.to_string_lossy();
+        if inherited.starts_with("CARGO_FEATURE_") || inherited.starts_with("CARGO_CFG_") {
+            cargo.env_remove(name);
+        }
+    }
+    let mut flags: Vec<String> = env::var("CARGO_ENCODED_RUSTFLAGS")
+        .unwrap_or_default()
+        .split('\x1f')
+        .filter(|flag| !flag.is_empty())
+        .map(str::to_owned)
+        .collect();
+    if target.contains("-linux-") {
+        // An undefined symbol fails here, not in an importer; Windows' linkers refuse them by themselves.
+        flags.push("-Clink-arg=-Wl,-z,defs".to_owned());
+    }
+    // Messages of panics name source files; where this machine keeps them is not for an FMU to tell.
+    let home = |name: &str| env::var_os("HOME").map(|home| Path::new(&home).join(name));
+    let cargo_home = env::var_os("CARGO_HOME").map(PathBuf::from).or_else(|| home(".cargo"));
+    let sources = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
+    for (path, name) in
+        [(cargo_home, "cargo"), (sources, "amontons"), (Some(target_dir.clone()), "target")]
+    {
+        flags.extend(path.map(|path| format!("--remap-path-prefix={}={name}", path.display())));
+    }
+    cargo.env("CARGO_ENCODED_RUSTFLAGS", flags.join("\x1f"));
+    let status = cargo.status().expect("cargo can be started");
+    assert!(status.success(), "the library that goes into an FMU does not compile");
+
+    let name = if target.contains("-windows-") { "amontons.dll" } else { "libamontons.so" };
+    target_dir.join(&target).join("fmu").join(name)
+}

@@ -1,0 +1,64 @@
+//! Which sources the library inside an FMU is made of, in one word. The library says it, and so a program is
+//! never built around a library of other sources.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use uuid::Uuid;
+
+/// All that the library's code depends on.
+const SOURCES: [&str; 15] = [
+    "Cargo.toml",
+    "Cargo.lock",
+    "build.rs",
+    "build",
+    "modelDescription",
+    "src/lib.rs",
+    "src/error.rs",
+    "src/scene",
+    "src/contact",
+    "src/model",
+    "src/stability",
+    "src/integrator",
+    "src/simulation",
+    "src/fmi2",
+    "scenes",
+];
+
+/// A word of 36 characters that changes with any of the sources.
+pub fn digest() -> String {
+    let mut files = Vec::new();
+    for path in SOURCES {
+        println!("cargo::rerun-if-changed={path}");
+        find(Path::new(path), &mut files);
+    }
+    // By text, not by parts: the same order where paths are written with backslashes.
+    let mut files: Vec<(String, PathBuf)> = files
+        .into_iter()
+        .map(|file| (file.display().to_string().replace('\\', "/"), file))
+        .collect();
+    files.sort();
+    let mut all = Vec::new();
+    for (name, file) in files {
+        let mut content = read(&file);
+        // Git may check out text with Windows' line ends.
+        content.retain(|&byte| byte != b'\r');
+        all.extend(format!("{name}\n{}\n", content.len()).into_bytes());
+        all.extend(content);
+    }
+    Uuid::new_v5(&Uuid::NAMESPACE_OID, &all).to_string()
+}
+
+fn find(path: &Path, files: &mut Vec<PathBuf>) {
+    if path.is_file() {
+        files.push(path.to_owned());
+        return;
+    }
+    let entries = fs::read_dir(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    for entry in entries {
+        find(&entry.expect("a folder's entry can be read").path(), files);
+    }
+}
+
+fn read(path: &Path) -> Vec<u8> {
+    fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}

@@ -1,0 +1,265 @@
+/* A model of one state, x' = rate (u - x), for FMI 2.0; with -DFAULT_... it breaks one rule. */
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <unistd.h>
+
+typedef void *component;
+typedef const char *text;
+typedef struct {
+    void (*logger)(void *, text, int, text, text, ...);
+    void *(*allocate)(size_t, size_t);
+    void (*release)(void *);
+    void (*finished)(void *, int);
+    void *environment;
+} callbacks;
+
+enum { OK = 0, ERROR = 3 };
+
+typedef struct {
+    double x, u, rate;
+    int count;
+} state;
+
+typedef struct {
+    state now;
+    int fresh;
+    callbacks calls;
+} instance;
+
+#define GUID "{4c1c4b2e-58d6-4c25-8b0e-2f0a3f1f6f11}"
+#define EXPORT __attribute__((visibility("default")))
+
+static const state START = {0.5, 1.5,
+#ifdef FAULT_start
+                            0.75,
+#else
+                            0.25,
+#endif
+                            0};
+
+#ifdef FAULT_crash_at_load
+__attribute__((constructor)) static void begin(void) { abort(); }
+#endif
+#ifdef FAULT_crash_at_exit
+__attribute__((constructor)) static void begin(void) { atexit(abort); }
+#endif
+#ifdef FAULT_load
+static __thread char large[1 << 22] __attribute__((tls_model("initial-exec")));
+EXPORT char *where(void) { return large; }
+#endif
+#ifdef FAULT_undefined
+extern int defined_nowhere(void);
+#endif
+
+EXPORT text fmi2GetTypesPlatform(void) {
+#ifdef FAULT_types
+    return "standard32";
+#else
+    return "default";
+#endif
+}
+
+EXPORT text fmi2GetVersion(void) {
+#ifdef FAULT_version
+    return "2.1";
+#else
+    return "2.0";
+#endif
+}
+
+EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, const callbacks *calls, int visible,
+                                 int logging) {
+    (void)visible;
+    (void)logging;
+    if (kind != 1 || name == NULL || location == NULL) return NULL;
+#ifndef FAULT_guid
+    if (strcmp(guid, GUID) != 0) return NULL;
+#endif
+#ifdef FAULT_refuses
+    calls->logger(calls->environment, name, ERROR, "logStatusError", "%s", "the licence is missing");
+    return NULL;
+#endif
+#ifdef FAULT_null
+    if (calls->allocate == NULL) return NULL;
+#endif
+#ifdef FAULT_null_crash
+    calls->release(calls->allocate(1, 1));
+#endif
+#ifdef FAULT_location
+    if (strncmp(location, "file:///", 8) != 0) return NULL;
+#endif
+#ifdef FAULT_space
+    if (strchr(location, '%') != NULL) return NULL;
+#endif
+#ifdef FAULT_leak
+    { volatile char *lost = malloc(1024); lost[0] = 1; }
+#endif
+#ifdef FAULT_leak_pages
+    mmap(NULL, 8192, PROT_READ, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+#endif
+#ifdef FAULT_memory
+    for (;;) memset(malloc(1 << 24), 1, 1 << 24);
+#endif
+#ifdef FAULT_fork
+    if (fork() == 0) { for (;;) sleep(1000); }
+#endif
+#ifdef FAULT_prints
+    printf("hello \033[31m from the library\n");
+    fflush(stdout);
+#endif
+#ifdef FAULT_undefined
+    if (visible == 77) return (component)(size_t)defined_nowhere();
+#endif
+    instance *made = calloc(1, sizeof *made);
+    made->now = START;
+    made->calls = *calls;
+    return made;
+}
+
+EXPORT void fmi2FreeInstance(component c) {
+#ifdef FAULT_free_null
+    ((volatile instance *)c)->fresh = 1;
+#endif
+    free(c);
+}
+
+EXPORT int fmi2SetupExperiment(component c, int has_tolerance, double tolerance, double start, int has_stop, double stop) {
+    (void)c; (void)has_tolerance; (void)tolerance; (void)start; (void)has_stop; (void)stop;
+    return OK;
+}
+
+EXPORT int fmi2EnterInitializationMode(component c) { (void)c; return OK; }
+EXPORT int fmi2ExitInitializationMode(component c) { (void)c; return OK; }
+EXPORT int fmi2Terminate(component c) { (void)c; return OK; }
+
+EXPORT int fmi2Reset(component c) {
+#ifdef FAULT_reset
+    ((instance *)c)->now.count = 0;
+#else
+    ((instance *)c)->now = START;
+#endif
+    return OK;
+}
+
+EXPORT int fmi2DoStep(component c, double time, double step, int keep) {
+    (void)time;
+    (void)keep;
+    instance *self = c;
+#ifdef FAULT_hang
+    for (;;) sleep(1);
+#endif
+#ifdef FAULT_crash
+    *(volatile int *)8 = 1;
+#endif
+#ifdef FAULT_exit
+    exit(3);
+#endif
+#ifdef FAULT_fails
+    self->calls.logger(self->calls.environment, "x", ERROR, "logStatusError", "no convergence");
+    return ERROR;
+#endif
+    self->now.x += (self->now.u - self->now.x) * self->now.rate * step / (1 + self->now.rate * step);
+#ifdef FAULT_nan
+    if (self->now.count == 3) self->now.x = 0.0 / 0.0;
+#endif
+    self->now.count += 1;
+    return OK;
+}
+
+EXPORT int fmi2GetReal(component c, const unsigned *which, size_t count, double *values) {
+    const state *now = &((instance *)c)->now;
+    for (size_t i = 0; i < count; i++) {
+        double all[] = {0, now->x, now->rate * (now->u - now->x), now->u, now->rate, 9.81};
+        values[i] = all[which[i]];
+    }
+    return OK;
+}
+
+EXPORT int fmi2GetInteger(component c, const unsigned *which, size_t count, int *values) {
+    for (size_t i = 0; i < count; i++) values[i] = which[i] == 0 ? ((instance *)c)->now.count : 2;
+    return OK;
+}
+
+EXPORT int fmi2GetBoolean(component c, const unsigned *which, size_t count, int *values) {
+    (void)which;
+    for (size_t i = 0; i < count; i++) values[i] = ((instance *)c)->now.x != 0;
+    return OK;
+}
+
+EXPORT int fmi2GetString(component c, const unsigned *which, size_t count, text *values) {
+    (void)c;
+    (void)which;
+    for (size_t i = 0; i < count; i++) values[i] = "a < b";
+    return OK;
+}
+
+EXPORT int fmi2SetReal(component c, const unsigned *which, size_t count, const double *values) {
+    state *now = &((instance *)c)->now;
+    for (size_t i = 0; i < count; i++) {
+        if (which[i] == 3) now->u = values[i];
+        if (which[i] == 4) now->rate = values[i];
+    }
+    return OK;
+}
+
+EXPORT int fmi2GetFMUstate(component c, void **saved) {
+    if (*saved == NULL) *saved = malloc(sizeof(state));
+    *(state *)*saved = ((instance *)c)->now;
+    return OK;
+}
+
+EXPORT int fmi2SetFMUstate(component c, void *saved) {
+#ifndef FAULT_state
+    ((instance *)c)->now = *(state *)saved;
+#endif
+    return OK;
+}
+
+EXPORT int fmi2FreeFMUstate(component c, void **saved) {
+    (void)c;
+    free(*saved);
+    *saved = NULL;
+    return OK;
+}
+
+EXPORT int fmi2SerializedFMUstateSize(component c, void *saved, size_t *size) {
+    (void)c;
+    (void)saved;
+    *size = sizeof(state);
+    return OK;
+}
+
+EXPORT int fmi2SerializeFMUstate(component c, void *saved, char *bytes, size_t size) {
+    (void)c;
+    memcpy(bytes, saved, size);
+    return OK;
+}
+
+EXPORT int fmi2DeSerializeFMUstate(component c, const char *bytes, size_t size, void **saved) {
+    (void)c;
+    *saved = malloc(size);
+    memcpy(*saved, bytes, size);
+#ifdef FAULT_serialized
+    ((state *)*saved)->x += 1e-9;
+#endif
+    return OK;
+}
+
+#define REFUSED(name) EXPORT int name(void) { return ERROR; }
+REFUSED(fmi2SetDebugLogging)
+REFUSED(fmi2SetInteger)
+REFUSED(fmi2SetBoolean)
+REFUSED(fmi2SetString)
+#ifndef FAULT_function
+REFUSED(fmi2GetDirectionalDerivative)
+#endif
+REFUSED(fmi2SetRealInputDerivatives)
+REFUSED(fmi2GetRealOutputDerivatives)
+REFUSED(fmi2CancelStep)
+REFUSED(fmi2GetStatus)
+REFUSED(fmi2GetRealStatus)
+REFUSED(fmi2GetIntegerStatus)
+REFUSED(fmi2GetBooleanStatus)
+REFUSED(fmi2GetStringStatus)

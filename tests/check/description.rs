@@ -1,0 +1,216 @@
+//! Model descriptions that break one rule.
+
+use super::fmu::{assert_breaks, sound};
+
+const EDITS: &[(&str, &str, &str)] = &[
+    ("xml-malformed", "</ModelStructure>", ""),
+    ("xml-malformed", "name=\"rate\"", "name=\"rate\" name=\"rate\""),
+    ("xml-malformed", "a &lt; b", "a &nonsense; b"),
+    ("xml-encoding", "encoding=\"UTF-8\"", "encoding=\"ISO-8859-1\""),
+    ("xml-dtd", "<fmiModelDescription", "<!DOCTYPE a [<!ENTITY b \"c\">]><fmiModelDescription"),
+    ("fmi-version", "fmiVersion=\"2.0\"", "fmiVersion=\"2.0.4\""),
+    ("fmi-version", "fmiVersion=\"2.0\"", "fmiVersion=\"3.0\""),
+    ("xml-element", "<LogCategories>", "<LogCategory/><LogCategories>"),
+    ("xml-element", "<Real/>", "<Annotations><Tool name=\"a\"/></Annotations><Real/>"),
+    ("xml-element", "<Real/>", "<Real/><Real/>"),
+    ("xml-element", "<Real/>", "<Real>1</Real>"),
+    ("attribute-unknown", "<Real/>", "<Real colour=\"red\"/>"),
+    ("attribute-missing", "modelName=\"decay\" ", ""),
+    (
+        "attribute-value",
+        "canGetAndSetFMUstate=\"true\"",
+        "canGetAndSetFMUstate=\"true\" canInterpolateInputs=\"yes\"",
+    ),
+    ("attribute-value", "factor=\"1000\"", "factor=\"1,000\""),
+    ("attribute-value", "causality=\"independent\"", "causality=\"none\""),
+    ("not-finite", "max=\"5\"", "max=\"INF\""),
+    ("not-finite", "factor=\"1000\"", "factor=\"1e999\""),
+    ("guid-empty", "guid=\"{4c1c4b2e-58d6-4c25-8b0e-2f0a3f1f6f11}\"", "guid=\"\""),
+    ("generation-date", "23:59:59Z", "23:59:59+01:00"),
+    ("generation-date", "2024-12-31T", "2024-13-31T"),
+    ("capability-flags", "canGetAndSetFMUstate=\"true\" ", ""),
+    ("source-file-missing", "\"decay.c\"", "\"other.c\""),
+    ("default-experiment", "stopTime=\"1\"", "stopTime=\"0\""),
+    ("default-experiment", "stepSize=\"0.0625\"", "stepSize=\"0\""),
+    ("default-experiment", "tolerance=\"1e-6\"", "tolerance=\"-1e-6\""),
+    ("category-duplicate", "logStatusError", "logAll"),
+    ("unit-duplicate", "<Unit name=\"m/s\">", "<Unit name=\"m\"/><Unit name=\"m/s\">"),
+    ("unit-undeclared", "<Real start=\"0.25\"", "<Real unit=\"1/s\" start=\"0.25\""),
+    (
+        "display-unit-undeclared",
+        "<Real unit=\"m\" displayUnit=\"mm\"/>",
+        "<Real unit=\"m\" displayUnit=\"cm\"/>",
+    ),
+    (
+        "type-duplicate",
+        "<SimpleType name=\"Mode\">",
+        "<SimpleType name=\"Mode\"><Boolean/></SimpleType><SimpleType name=\"Mode\">",
+    ),
+    ("type-undeclared", "<String start", "<String declaredType=\"Label\" start"),
+    ("type-kind", "<String start", "<String declaredType=\"Length\" start"),
+    ("type-name", "name=\"position\"", "name=\"Length\""),
+    ("enumeration", "name=\"on\" value=\"2\"", "name=\"off\" value=\"2\""),
+    ("enumeration", "name=\"off\" value=\"1\"", "name=\"off\" value=\"2\""),
+    ("name-duplicate", "name=\"position\"", "name=\"x\""),
+    ("name-structured", "name=\"module[1].u\"", "name=\"module 1.u\""),
+    (
+        "causality-variability",
+        "causality=\"output\" variability=\"continuous\" initial=\"calculated\"",
+        "causality=\"output\" variability=\"fixed\" initial=\"calculated\"",
+    ),
+    (
+        "causality-variability",
+        "causality=\"input\" variability=\"continuous\"",
+        "causality=\"input\" variability=\"continuous\" initial=\"exact\"",
+    ),
+    (
+        "causality-variability",
+        "causality=\"parameter\" variability=\"tunable\"",
+        "causality=\"parameter\" variability=\"continuous\"",
+    ),
+    (
+        "continuous-not-real",
+        "name=\"count\" valueReference=\"0\" causality=\"output\" variability=\"discrete\"",
+        "name=\"count\" valueReference=\"0\" causality=\"output\"",
+    ),
+    (
+        "independent-variable",
+        "name=\"position\" valueReference=\"1\"",
+        "name=\"position\" valueReference=\"1\" causality=\"independent\"",
+    ),
+    ("start-missing", " start=\"1.5\"", ""),
+    ("start-missing", "<String start=\"a &lt; b\"/>", "<String/>"),
+    (
+        "start-forbidden",
+        "<Real declaredType=\"Length\"/>",
+        "<Real declaredType=\"Length\" start=\"1\"/>",
+    ),
+    ("start-forbidden", "<Real/>", "<Real start=\"0\"/>"),
+    ("start-outside-bounds", "start=\"1.5\"", "start=\"5.5\""),
+    ("start-outside-bounds", "start=\"1.5\"", "start=\"-0.1\""),
+    (
+        "start-outside-bounds",
+        "<Enumeration declaredType=\"Mode\" start=\"2\"/>",
+        "<Enumeration declaredType=\"Mode\" start=\"3\"/>",
+    ),
+    (
+        "start-outside-bounds",
+        "<Real unit=\"m\" min=\"0\" max=\"5\" start=\"1.5\"/>",
+        "<Real declaredType=\"Length\" start=\"11\"/>",
+    ),
+    ("bounds-order", "min=\"0\" max=\"5\"", "min=\"5\" max=\"0\""),
+    ("bounds-order", "min=\"-10\" max=\"10\"", "min=\"10\" max=\"-10\""),
+    ("nominal-value", "nominal=\"0.5\"", "nominal=\"0\""),
+    ("alias-settable", "name=\"rate\" valueReference=\"4\"", "name=\"rate\" valueReference=\"3\""),
+    ("alias-unit", "<Real unit=\"m\" displayUnit=\"mm\"/>", "<Real unit=\"m/s\"/>"),
+    (
+        "alias-start",
+        "name=\"g\" valueReference=\"5\" variability=\"constant\" initial=\"exact\">\n      <Real start=\"9.81\"/>",
+        "name=\"g\" valueReference=\"5\" variability=\"constant\" initial=\"exact\">\n      <Real start=\"9.8\"/>",
+    ),
+    (
+        "derivative-index",
+        "<Real unit=\"m/s\" derivative=\"2\"/>",
+        "<Real unit=\"m/s\" derivative=\"99\"/>",
+    ),
+    (
+        "derivative-index",
+        "<Real unit=\"m/s\" derivative=\"2\"/>",
+        "<Real unit=\"m/s\" derivative=\"3\"/>",
+    ),
+    (
+        "unknown-index",
+        "<Unknown index=\"8\" dependencies=\"\"/>",
+        "<Unknown index=\"8\"/><Unknown index=\"13\"/>",
+    ),
+    (
+        "unknown-index",
+        "<Unknown index=\"8\" dependencies=\"\"/>",
+        "<Unknown index=\"8\"/><Unknown index=\"8\"/>",
+    ),
+    ("outputs-list", "      <Unknown index=\"8\" dependencies=\"\"/>\n", ""),
+    (
+        "outputs-list",
+        "<Unknown index=\"8\" dependencies=\"\"/>",
+        "<Unknown index=\"8\"/><Unknown index=\"10\"/>",
+    ),
+    (
+        "derivatives-list",
+        "<Unknown index=\"3\" dependencies=\"2\"/>",
+        "<Unknown index=\"3\"/><Unknown index=\"4\"/>",
+    ),
+    ("initial-unknowns-list", "      <Unknown index=\"3\"/>\n", ""),
+    (
+        "initial-unknowns-list",
+        "      <Unknown index=\"3\"/>\n",
+        "      <Unknown index=\"3\"/><Unknown index=\"4\"/>\n",
+    ),
+    (
+        "initial-unknowns-order",
+        "      <Unknown index=\"2\"/>\n      <Unknown index=\"3\"/>\n",
+        "      <Unknown index=\"3\"/>\n      <Unknown index=\"2\"/>\n",
+    ),
+    ("dependencies-index", "dependencies=\"2\"", "dependencies=\"0\""),
+    (
+        "dependencies-kind",
+        "dependenciesKind=\"dependent constant\"",
+        "dependenciesKind=\"dependent\"",
+    ),
+    ("dependencies-kind", "dependencies=\"2\"", "dependenciesKind=\"constant\""),
+    ("library-missing", "modelIdentifier=\"decay\"", "modelIdentifier=\"decline\""),
+    ("model-identifier", "modelIdentifier=\"decay\"", "modelIdentifier=\"my-decay\""),
+];
+
+#[test]
+fn each_fault_of_a_model_description_is_found_by_its_rule_alone() {
+    for (rule, from, to) in EDITS {
+        assert_breaks(rule, &sound().edit(from, to).pack(), &["--no-run"]);
+    }
+}
+
+#[test]
+fn a_finding_says_the_line() {
+    let printed = assert_breaks(
+        "start-outside-bounds",
+        &sound().edit("start=\"1.5\"", "start=\"9\"").pack(),
+        &["--no-run"],
+    );
+    assert!(printed.starts_with("start-outside-bounds modelDescription.xml:49: "), "{printed}");
+}
+
+#[test]
+fn names_without_a_convention_may_be_anything_but_lines() {
+    let flat = sound()
+        .edit("variableNamingConvention=\"structured\"", "variableNamingConvention=\"flat\"");
+    let odd = flat.clone().edit("\"module[1].u\"", "\"module 1: u\"");
+    assert_eq!(super::fmu::check(&odd.pack(), &["--no-run"]).1, "");
+    assert_breaks("name-flat", &flat.edit("\"module[1].u\"", "\"u&#10;v\"").pack(), &["--no-run"]);
+}
+
+#[test]
+fn xml_without_an_end_in_sight_is_not_read_further() {
+    let deep = format!("{}{}", "<a>".repeat(100_000), "</a>".repeat(100_000));
+    assert_breaks("xml-limits", &sound().edit("<Real/>", &deep).pack(), &["--no-run"]);
+}
+
+#[test]
+fn bytes_that_are_no_text_are_told() {
+    let mut files = sound();
+    let xml = &mut files.0[0].1;
+    let at = xml.windows(5).position(|bytes| bytes == b"decay").unwrap();
+    xml[at] = 0xff;
+    assert_breaks("xml-encoding", &files.pack(), &["--no-run"]);
+}
+
+#[test]
+fn a_model_for_model_exchange_alone_is_no_fault() {
+    let exchange = sound()
+        .edit("<CoSimulation", "<ModelExchange")
+        .edit("</CoSimulation>", "</ModelExchange>")
+        .edit("canHandleVariableCommunicationStepSize=\"true\" ", "");
+    let (code, printed) = super::fmu::check(&exchange.pack(), &[]);
+    assert_eq!(
+        (code, printed.as_str()),
+        (0, "note: there is no CoSimulation element: libraries are not examined\n")
+    );
+}

@@ -1,0 +1,123 @@
+//! Libraries that break one rule, by what they are and by what they do.
+
+use super::fmu::{LIBRARY, assert_breaks, check, compile, library, sound, with_library};
+
+fn broken(rule: &str, flags: &[&str]) {
+    assert_breaks(rule, &with_library(library(flags)).pack(), &["--no-run"]);
+}
+
+#[test]
+fn each_fault_of_a_library_file_is_found_by_its_rule_alone() {
+    broken("function-missing", &["-DFAULT_function"]);
+    broken("symbol-undefined", &["-DFAULT_undefined"]);
+    broken("run-path", &["-Wl,-rpath,/home/builder/lib"]);
+    broken("executable-stack", &["-Wl,-z,execstack"]);
+}
+
+#[test]
+fn libraries_and_folders_are_of_their_platforms() {
+    let so = library(&[]);
+    let text = with_library(b"#!/bin/sh\n".to_vec());
+    assert_breaks("library-format", &text.pack(), &["--no-run"]);
+    let mut program = so.clone();
+    program[16] = 2;
+    assert_breaks("library-format", &with_library(program).pack(), &["--no-run"]);
+    let mut arm = so.clone();
+    arm[18..20].copy_from_slice(&183_u16.to_le_bytes());
+    assert_breaks("library-format", &with_library(arm).pack(), &["--no-run"]);
+    let windows = sound().rename(LIBRARY, "binaries/win64/decay.dll");
+    assert_breaks("library-format", &windows.pack(), &["--no-run"]);
+    assert_breaks(
+        "library-missing",
+        &sound().rename(LIBRARY, "binaries/linux64/other.so").pack(),
+        &[],
+    );
+    assert_breaks(
+        "platform-folder",
+        &sound().add("binaries/linux/decay.so", &so).pack(),
+        &["--no-run"],
+    );
+    let (code, printed) = check(&sound().add("binaries/aarch64-linux/decay.so", &so).pack(), &[]);
+    assert_eq!(code, 0, "{printed}");
+    assert!(printed.starts_with("note: binaries/aarch64-linux/ "), "{printed}");
+}
+
+#[test]
+fn other_libraries_are_the_systems_or_beside_it() {
+    let folder = super::program::folder();
+    let helper = compile(
+        "int helper(void) { return 1; }",
+        &["-fvisibility=default", "-Wl,-soname,libhelper.so"],
+    );
+    let path = folder.path().join("libhelper.so");
+    std::fs::write(&path, &helper).unwrap();
+    let link = ["-Wl,--no-as-needed", path.to_str().unwrap()];
+    let alone = with_library(library(&link));
+    assert_breaks("needed-library", &alone.pack(), &["--no-run"]);
+    // Beside it, but the loader does not look there.
+    let beside = alone.add("binaries/linux64/libhelper.so", &helper);
+    assert_breaks("needed-library", &beside.pack(), &["--no-run"]);
+    let found = with_library(library(&[link[0], link[1], "-Wl,-rpath,$ORIGIN"]));
+    let found = found.add("binaries/linux64/libhelper.so", &helper);
+    assert_eq!(check(&found.pack(), &[]), (0, String::new()));
+}
+
+#[test]
+fn a_newer_glibc_than_asked_for_is_told() {
+    let printed = assert_breaks("glibc-floor", &sound().pack(), &["--no-run", "--glibc", "2.1"]);
+    assert!(printed.contains("needs glibc 2."), "{printed}");
+}
+
+#[test]
+fn each_fault_of_a_run_is_found_by_its_rule_alone() {
+    for (rule, fault, words) in [
+        ("load", "load", "TLS"),
+        ("types-platform", "types", "standard32"),
+        ("version", "version", "2.1"),
+        ("instantiate", "refuses", "the licence is missing"),
+        ("wrong-guid", "guid", "guid"),
+        ("null-callbacks", "null", "NULL"),
+        ("resource-location", "location", "location file:/…/fmu/resources no instance"),
+        ("resource-location", "space", "%20"),
+        ("call-failed", "fails", "no convergence"),
+        ("start-differs", "start", "rate begins with 0.75; the model description's start is 0.25"),
+        ("output-not-finite", "nan", "x is NaN at 0.25 s"),
+        ("reset-differs", "reset", "x is "),
+        ("state-differs", "state", "x is "),
+        ("serialized-state-differs", "serialized", "x is "),
+        ("memory-growth", "leak", "grows by 1"),
+        ("memory-growth", "leak_pages", "grows by 8192"),
+        ("prints", "prints", "hello \\u{1b}[31m from"),
+        ("crash", "crash", "fmi2DoStep at 0 s (SIGSEGV)"),
+        ("crash", "crash_at_load", "loading it (SIGABRT)"),
+        ("crash", "crash_at_exit", "unloading it (SIGABRT)"),
+        ("crash", "free_null", "fmi2FreeInstance(NULL)"),
+        ("crash", "null_crash", "NULL for the memory callbacks"),
+        ("exit", "exit", "fmi2DoStep at 0 s (exit code 3)"),
+        ("leaves-processes", "fork", "leaves a process"),
+    ] {
+        let flag = format!("-DFAULT_{fault}");
+        let fmu = with_library(library(&[&flag]));
+        // What differs after a state may be its serialized copy too.
+        let fmu =
+            if fault == "state" { fmu.edit(" canSerializeFMUstate=\"true\"", "") } else { fmu };
+        let printed = assert_breaks(rule, &fmu.pack(), &[]);
+        assert!(printed.contains(words), "{fault}: {printed}");
+        assert_eq!(printed.lines().count(), 1, "{printed}");
+    }
+}
+
+#[test]
+fn a_library_that_does_not_come_back_is_ended() {
+    let fmu = with_library(library(&["-DFAULT_hang"])).pack();
+    let printed = assert_breaks("time-limit", &fmu, &["--timeout", "1"]);
+    assert!(printed.contains("is not done after 1 s, in fmi2DoStep at 0 s"), "{printed}");
+}
+
+#[test]
+#[ignore = "fills 2 GiB of memory"]
+fn a_library_that_takes_all_memory_is_ended() {
+    let printed =
+        assert_breaks("memory-limit", &with_library(library(&["-DFAULT_memory"])).pack(), &[]);
+    assert!(printed.contains("2 GiB"), "{printed}");
+}
