@@ -8,9 +8,8 @@ import tools
 GLIBC = (2, 17)
 # glibc's own, and the loader.
 LINUX = {"libc.so.6", "libm.so.6", "libpthread.so.0", "libdl.so.2", "librt.so.1", "ld-linux-x86-64.so.2"}
-# Not hypot: nalgebra takes it for the derivative of the growth rate.
 INEXACT = re.compile(
-    r"(a?(sin|cos|tan)h?|sincos|atan2|exp(2|10|m1)?|log(2|10|1p)?|pow|cbrt|erfc?|[lt]gamma)f?"
+    r"(a?(sin|cos|tan)h?|sincos|atan2|exp(2|10|m1)?|log(2|10|1p)?|pow|cbrt|hypot|erfc?|[lt]gamma)f?"
 )
 # Part of Windows 10 and later.
 WINDOWS = re.compile(

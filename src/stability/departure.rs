@@ -2,6 +2,7 @@
 //! before a contact leaves sliding.
 
 use super::modes::{Mode, largest};
+use super::singular_values::SingularValues;
 use crate::contact::ContactState;
 use crate::model::{Contact, Equilibrium, LumpedModel};
 use nalgebra::{Complex, DMatrix, DVector};
@@ -89,8 +90,7 @@ fn normal_force_amplitudes(model: &LumpedModel, slopes: &[f64], mode: &Mode) -> 
         }
     }
     // Least squares, because contacts that carry the same load twice leave their shares open.
-    let least_squares = forces.svd(true, true);
-    let rank_at = 1e-10 * least_squares.singular_values.max();
-    let solved = least_squares.solve(&rest, rank_at).ok()?;
+    let found = SingularValues::of(forces)?;
+    let solved = found.least_squares(&rest, 1e-10 * found.most());
     Some(solved.iter().map(|force| force.norm()).collect())
 }

@@ -9,6 +9,7 @@
 //! eigenvalue without coalescing (those of equal parts) part by the eigenvalues of −(Yᴴ P' Z)⁻¹ Yᴴ dP Z, Y and Z being
 //! all such vectors.
 
+use super::singular_values::SingularValues;
 use crate::contact::ContactState;
 use crate::model::{Direction, LumpedModel, SparseMatrix};
 use nalgebra::{Complex, DMatrix};
@@ -75,7 +76,7 @@ pub fn eigenvalue_change(
     let along = |matrix: &Matrix| left.ad_mul(&(matrix * &right));
     let gain = along(&by_eigenvalue);
     // Where two modes coalesce, left and right vectors are at right angles.
-    let weakest = gain.singular_values().min();
+    let weakest = SingularValues::of(gain.clone())?.least();
     if weakest <= COALESCENCE * by_eigenvalue.norm() {
         return None;
     }
@@ -129,14 +130,12 @@ fn pairs(direction: &Direction) -> impl Iterator<Item = (&(usize, f64), &(usize,
     direction.0.iter().flat_map(|row| direction.0.iter().map(move |column| (row, column)))
 }
 
-/// The vectors, by columns, that a singular matrix takes to nothing from the left and from the right, by its singular
-/// values; at least one each.
+/// The vectors, by columns, that a singular matrix takes to nothing from the left and from the right; at least one
+/// each.
 fn null_spaces(matrix: Matrix) -> Option<(Matrix, Matrix)> {
-    let found = matrix.try_svd(true, true, f64::EPSILON, 0)?;
-    let (left, right) = (found.u?, found.v_t?.adjoint());
-    let sizes = &found.singular_values;
-    let least = sizes.min();
-    let is_nothing = |size: f64| size <= f64::max(NOTHING * sizes.max(), least);
-    let places: Vec<usize> = (0..sizes.len()).filter(|&i| is_nothing(sizes[i])).collect();
-    Some((left.select_columns(&places), right.select_columns(&places)))
+    let left = SingularValues::of(matrix.adjoint())?;
+    let right = SingularValues::of(matrix)?;
+    let nothing = NOTHING * right.most();
+    let count = right.values().iter().filter(|&&value| value <= nothing).count().max(1);
+    Some((left.least_vectors(count), right.least_vectors(count)))
 }

@@ -42,6 +42,7 @@ mod damped_modes;
 mod eigenvalue_change;
 mod eigenvalues;
 mod reduced_problem;
+mod singular_values;
 mod spectrum;
 mod symmetry;
 
