@@ -1,5 +1,5 @@
-//! On which platforms an FMU runs, and that a release runs where it says: the release itself is made, installed and
-//! used, its Windows library through wine.
+//! On which platforms an FMU runs, and that a release's libraries run where it says, those for
+//! Windows through wine.
 #![cfg(feature = "tools")]
 
 mod program;
@@ -18,12 +18,12 @@ const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 /// The platforms of an FMU, from the names of its files.
 fn platforms(fmu: &Path) -> Vec<String> {
     let archive = zip::ZipArchive::new(File::open(fmu).unwrap()).unwrap();
-    let mut names: Vec<String> = archive
-        .file_names()
-        .filter_map(|name| {
-            Some(name.unwrap().strip_prefix("binaries/")?.split_once('/')?.0.to_owned())
-        })
-        .collect();
+    let platform = |name: &str| {
+        let (platform, _) = name.strip_prefix("binaries/")?.split_once('/')?;
+        Some(platform.to_owned())
+    };
+    let mut names: Vec<String> =
+        archive.file_names().filter_map(|name| platform(&name.unwrap())).collect();
     names.sort();
     names
 }
@@ -84,96 +84,128 @@ fn glibc_floor(file: &Path) -> (u32, u32) {
     versions.max().expect("it wants something of glibc")
 }
 
-/// Makes the release for Linux with the libraries of both platforms; the folder of its target.
-fn release() -> PathBuf {
-    let target = Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().to_owned();
-    succeed(
-        Command::new(format!("{ROOT}/release/make")).arg("linux").env("CARGO_TARGET_DIR", &target),
-    );
-    target
+fn target() -> PathBuf {
+    Path::new(env!("CARGO_TARGET_TMPDIR")).parent().unwrap().to_owned()
 }
 
-fn package(target: &Path, end: &str) -> PathBuf {
-    let name = format!("amontons-{}-{end}", env!("CARGO_PKG_VERSION"));
-    target.join("release-packages").join(name)
+/// A program that carries the libraries of a release: this test's own where it was built with them
+/// (`AMONTONS_FMU_LIBRARIES`), or one that is made here, which takes many minutes.
+fn program(folder: &Path) -> PathBuf {
+    if Library::carried().len() == 2 {
+        return AMONTONS.into();
+    }
+    let make = format!("{ROOT}/release/make");
+    succeed(Command::new(make).arg("linux").env("CARGO_TARGET_DIR", target()));
+    let stem = format!("amontons-{}-linux64", env!("CARGO_PKG_VERSION"));
+    let archive = target().join("release-packages").join(format!("{stem}.tar.gz"));
+    succeed(Command::new("tar").arg("-xzf").arg(archive).current_dir(folder));
+    folder.join(stem).join("amontons")
 }
 
 #[test]
-#[ignore = "makes a release: minutes"]
-fn a_release_installs_runs_on_old_systems_and_gives_the_same_doubles_on_both_platforms() {
-    let target = release();
+#[ignore = "wants the libraries of a release, and wine"]
+fn the_libraries_of_a_release_run_on_old_systems_and_give_the_same_doubles_on_both_platforms() {
     let folder = folder();
+    let program = program(folder.path());
+    let fmu = folder.path().join("both.fmu");
+    succeed(Command::new(&program).args(["export", "set1", "-o"]).arg(&fmu));
+    assert_eq!(platforms(&fmu), ["linux64", "win64"]);
+    let mut archive = zip::ZipArchive::new(File::open(&fmu).unwrap()).unwrap();
+    archive.extract(folder.path().join("both")).unwrap();
+    let floor = glibc_floor(&folder.path().join("both/binaries/linux64/set1.so"));
+    assert!(floor <= (2, 17), "{floor:?}");
+    doubles(&program, folder.path());
+}
 
-    // From the wheel, in an environment of its own.
+#[test]
+#[ignore = "makes a Python environment"]
+fn a_wheel_puts_the_programs_on_the_path_and_has_the_same_bytes_whenever_it_is_packed() {
+    let folder = folder();
+    let stability = env!("CARGO_BIN_EXE_amontons-stability");
+    // By the release's own code, of the programs that are there.
+    let pack = |target: &str| {
+        let code = format!(
+            "import archives, pathlib\narchives.wheel([pathlib.Path(p) for p in ({AMONTONS:?}, {stability:?})], \
+             'manylinux_2_17_x86_64', 'licences of others')"
+        );
+        let target = folder.path().join(target);
+        succeed(
+            Command::new("python3")
+                .args(["-B", "-c", &code])
+                .current_dir(format!("{ROOT}/release"))
+                .env("CARGO_TARGET_DIR", &target)
+                .env("SOURCE_DATE_EPOCH", "1700000000"),
+        );
+        let version = env!("CARGO_PKG_VERSION");
+        let name = format!("amontons-{version}-py3-none-manylinux_2_17_x86_64.whl");
+        target.join("release-packages").join(name)
+    };
+    let wheel = pack("one");
+    assert!(fs::read(&wheel).unwrap() == fs::read(pack("other")).unwrap());
+
     let environment = folder.path().join("environment");
     succeed(Command::new("python3").args(["-m", "venv"]).arg(&environment));
-    let wheel = package(&target, "py3-none-manylinux_2_17_x86_64.whl");
     let pip = ["-m", "pip", "install", "--quiet", "--no-index", "--disable-pip-version-check"];
     succeed(Command::new(environment.join("bin/python")).args(pip).arg(wheel));
-    let installed = environment.join("bin/amontons");
-    succeed(Command::new(&installed).args(["export", "set1"]).current_dir(folder.path()));
-    succeed(Command::new(environment.join("bin/amontons-stability")).arg("--version"));
-    let fmu = folder.path().join("set1.fmu");
-    assert_eq!(platforms(&fmu), ["linux64", "win64"]);
-
-    // From the archive: the same program, so the same FMU.
-    let archive = package(&target, "linux64.tar.gz");
-    succeed(Command::new("tar").arg("-xzf").arg(archive).current_dir(folder.path()));
-    let unpacked = folder.path().join(format!("amontons-{}-linux64", env!("CARGO_PKG_VERSION")));
-    for name in ["README.md", "LICENSE-MIT", "LICENSE-APACHE", "scenes/belt.toml"] {
-        assert!(unpacked.join(name).is_file(), "{name}");
-    }
-    let program = unpacked.join("amontons");
-    let other = folder.path().join("other.fmu");
-    let export = ["export", "set1", "-o"];
-    succeed(Command::new(&program).args(export).arg(&other));
-    assert_eq!(fs::read(&fmu).unwrap(), fs::read(&other).unwrap());
-
-    // What is in it is what was checked.
-    let mut carried = zip::ZipArchive::new(File::open(&fmu).unwrap()).unwrap();
-    carried.extract(folder.path().join("set1")).unwrap();
-    let library = folder.path().join("set1/binaries/linux64/set1.so");
-    for file in [&library, &installed, &unpacked.join("amontons-stability")] {
-        assert!(glibc_floor(file) <= (2, 17), "{file:?}: {:?}", glibc_floor(file));
-    }
-    // The library of this test's own program is built for this system alone: the measure sees a difference.
-    println!(
-        "glibc {:?}, this system's {:?}",
-        glibc_floor(&library),
-        glibc_floor(AMONTONS.as_ref())
-    );
-
-    doubles(&program, folder.path());
+    let bin = environment.join("bin");
+    let installed = |name: &str| Command::new(bin.join(name));
+    let fmu = |name: &str| folder.path().join(name);
+    succeed(installed("amontons").args(["export", "set1", "-o"]).arg(fmu("installed.fmu")));
+    succeed(Command::new(AMONTONS).args(["export", "set1", "-o"]).arg(fmu("here.fmu")));
+    assert!(fs::read(fmu("installed.fmu")).unwrap() == fs::read(fmu("here.fmu")).unwrap());
+    succeed(installed("amontons-stability").arg("--version"));
 }
 
 /// The Python tests in `tests/platforms/`, with a wine of their own.
 fn doubles(program: &Path, folder: &Path) {
-    let stub = folder.join("stub");
-    fs::create_dir(&stub).unwrap();
-    succeed(
-        Command::new("x86_64-w64-mingw32-gcc")
-            .args(["-shared", "-O1", "-o"])
-            .arg(stub.join("bcryptprimitives.dll"))
-            .arg(format!("{ROOT}/tests/platforms/bcryptprimitives.c")),
-    );
-    // Debian has wine64 beside the path.
+    let mingw = |more: &[&str], source: &str, made: &Path| {
+        let headers = "import fmpy, pathlib; print(pathlib.Path(fmpy.__file__).parent / 'c-code')";
+        let headers = succeed(Command::new(python::interpreter()).args(["-c", headers]));
+        succeed(
+            Command::new("x86_64-w64-mingw32-gcc")
+                .args(["-O1", "-Wall", "-Wextra", "-Werror", "-I", headers.trim(), "-o"])
+                .arg(made)
+                .arg(format!("{ROOT}/tests/platforms/{source}"))
+                .args(more),
+        );
+    };
+    // Debian has wine64 beside the path, where FMPy looks for it.
     let path = format!("{}:/usr/lib/wine", std::env::var("PATH").unwrap());
-    succeed(
-        Command::new(python::interpreter())
-            .args(["-B", "-m", "pytest", "-p", "no:cacheprovider", "--tb=short", "--rootdir"])
-            .args([OsStr::new(ROOT), OsStr::new("--basetemp"), folder.join("pytest").as_os_str()])
-            .arg(format!("{ROOT}/tests/platforms/test_doubles.py"))
-            .current_dir(ROOT)
-            .env("AMONTONS", program)
-            .env("AMONTONS_FOLDER", folder)
-            .env("PATH", path)
-            .env("WINEPATH", stub)
-            .env("WINEPREFIX", folder.join("wine"))
+    let wine = folder.join("wine");
+    let with_wine = |command: &mut Command| {
+        command
+            .env("PATH", &path)
+            .env("WINEPREFIX", &wine)
             .env("WINEDEBUG", "-all")
             // Neither a browser nor .NET is wanted: wine would offer to install them.
-            .env("WINEDLLOVERRIDES", "mscoree=;mshtml=")
-            .env("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
-            .env_remove("PYTEST_ADDOPTS")
-            .env_remove("SOURCE_DATE_EPOCH"),
+            .env("WINEDLLOVERRIDES", "mscoree=;mshtml=");
+    };
+    let mut boot = Command::new("timeout");
+    boot.args(["300", "/usr/lib/wine/wine64", "wineboot", "--init"]);
+    with_wine(&mut boot);
+    succeed(&mut boot);
+    mingw(
+        &["-shared"],
+        "bcryptprimitives.c",
+        &wine.join("drive_c/windows/system32/bcryptprimitives.dll"),
     );
+    let host = folder.join("host.exe");
+    mingw(&[], "host.c", &host);
+
+    let mut pytest = Command::new("timeout");
+    pytest
+        .arg("600")
+        .arg(python::interpreter())
+        .args(["-B", "-m", "pytest", "-p", "no:cacheprovider", "--tb=short", "--rootdir", ROOT])
+        .args([OsStr::new("--basetemp"), folder.join("pytest").as_os_str()])
+        .arg(format!("{ROOT}/tests/platforms/test_doubles.py"))
+        .current_dir(ROOT)
+        .env("AMONTONS", program)
+        .env("AMONTONS_FOLDER", folder)
+        .env("AMONTONS_HOST", host)
+        .env("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
+        .env_remove("PYTEST_ADDOPTS")
+        .env_remove("SOURCE_DATE_EPOCH");
+    with_wine(&mut pytest);
+    succeed(&mut pytest);
 }

@@ -27,8 +27,8 @@ impl Library {
         CARRIED.iter().find(|library| library.platform == platform).copied().ok_or_else(|| {
             let carried: Vec<&str> = CARRIED.iter().map(|library| library.platform).collect();
             format!(
-                "this program carries the library for {} alone; those of a release carry linux64 and win64, as does \
-                 one built by release/make or with AMONTONS_FMU_LIBRARIES (README, Platforms)",
+                "this program carries libraries for {} only; one of a release carries linux64 and win64, and \
+                 release/make or AMONTONS_FMU_LIBRARIES makes such a one (README, Platforms)",
                 carried.join(" and ")
             )
         })

@@ -186,7 +186,7 @@ class Fmu:
         variables = self.description.modelVariables
         self.variables = {variable.name: variable for variable in variables}
         self.outputs = [variable.name for variable in variables if variable.causality == "output"]
-        self.library = next((self.folder / "binaries").rglob("*.*"))
+        self.library = next((self.folder / "binaries" / fmpy.platform).glob("*.*"))
 
 
 class Instance:

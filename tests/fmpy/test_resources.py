@@ -42,7 +42,7 @@ def test_the_resources_are_found(instance, fmu_in, folder, spelling):
 def test_null_means_the_resources_beside_the_library(instance, fmu_in, folder, tmp_path):
     """Without them there is none to find."""
     bare = tmp_path / "bare"
-    library = next((folder / "binaries").rglob("*.*"))
+    library = next((folder / "binaries" / fmpy.platform).glob("*.*"))
     copy = bare / library.relative_to(folder)
     copy.parent.mkdir(parents=True)
     copy.write_bytes(library.read_bytes())
