@@ -24,7 +24,8 @@ pub use run::{COMMAND, Watch, run_library};
 use crate::Error;
 use archive::Archive;
 use description::Description;
-use std::fs;
+use std::fs::File;
+use std::io::Read as _;
 use std::path::Path;
 
 /// A larger file is not read.
@@ -36,14 +37,18 @@ const MOST_BYTES: u64 = 2 << 30;
 /// The file cannot be read, or is no zip archive.
 pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<Report>, Error> {
     let failed = |error| Error::file(path, &error);
-    let size = fs::metadata(path).map_err(failed)?.len();
-    if size > MOST_BYTES {
+    let mut bytes = Vec::new();
+    // What a file says of its size need not be what can be read of it.
+    File::open(path)
+        .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(failed)?;
+    if bytes.len() as u64 > MOST_BYTES {
         return Err(Error::package(format!(
-            "{} has {size} bytes; FMUs of up to {MOST_BYTES} are read",
+            "{} has more than {MOST_BYTES} bytes; FMUs of up to so many are read",
             path.display()
         )));
     }
-    let archive = Archive::read(fs::read(path).map_err(failed)?)?;
+    let archive = Archive::read(bytes)?;
     let mut report = Report::default();
     if !archive::examine(&archive, &mut report) {
         report.note("only the archive is examined: it is not unpacked");

@@ -60,7 +60,11 @@ impl std::fmt::Display for CriticalStep {
         match &self.origin {
             Origin::State { states, coalesced } => {
                 let mode = if *coalesced { ", coalesced modes" } else { "" };
-                write!(f, "{:.4e} s (state {}{mode})", self.step, Joined(states))
+                write!(f, "{:.4e} s (", self.step)?;
+                match &**states {
+                    [] => write!(f, "no contacts{mode})"),
+                    states => write!(f, "state {}{mode})", Joined(states)),
+                }
             }
             Origin::Bound => write!(f, "at least {:.4e} s (a bound for all states)", self.step),
         }

@@ -136,6 +136,25 @@ fn a_bomb_is_not_unpacked() {
 }
 
 #[test]
+fn contents_that_lie_in_one_place_are_not_unpacked() {
+    let mut bytes = sound_bytes();
+    let last = *headers(&bytes, CENTRAL).last().unwrap();
+    let end = headers(&bytes, b"PK\x05\x06")[0];
+    let header = bytes[last..end].to_vec();
+    bytes.splice(end..end, header.repeat(50));
+    let end = end + 50 * header.len();
+    // The counts of entries and the size of the directory.
+    for (offset, more) in [(8, 50), (10, 50), (12, 50 * header.len())] {
+        let at = end + offset;
+        let stated = usize::from(u16::from_le_bytes([bytes[at], bytes[at + 1]]));
+        bytes[at..at + 2].copy_from_slice(&u16::try_from(stated + more).unwrap().to_le_bytes());
+    }
+    let (code, printed) = check(&bytes, &["--no-run"]);
+    assert_eq!((code, rules(&printed)), (1, ["zip-bomb", "zip-duplicate"].into()), "{printed}");
+    assert!(printed.contains("entries overlap"), "{printed}");
+}
+
+#[test]
 fn what_is_no_archive_is_no_fmu() {
     for bytes in [&b""[..], b"PK", b"not a zip archive", &sound_bytes()[..5000]] {
         assert_eq!(check(bytes, &[]), (2, String::new()));

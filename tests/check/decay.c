@@ -15,7 +15,7 @@ typedef struct {
     void *environment;
 } callbacks;
 
-enum { OK = 0, ERROR = 3 };
+enum { OK = 0, ERROR = 3, FATAL = 4 };
 
 typedef struct {
     double x, u, rate;
@@ -24,7 +24,7 @@ typedef struct {
 
 typedef struct {
     state now;
-    int fresh;
+    int initialized;
     callbacks calls;
 } instance;
 
@@ -102,6 +102,17 @@ EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, 
 #ifdef FAULT_memory
     for (;;) memset(malloc(1 << 24), 1, 1 << 24);
 #endif
+#ifdef FAULT_daemon
+    /* As daemon(3) does it: another session, and no parent that waits. */
+    if (fork() == 0) {
+        setsid();
+        if (fork() == 0) for (;;) sleep(1000);
+        _exit(0);
+    }
+#endif
+#ifdef BRIEF_HELPER
+    if (fork() == 0) { usleep(50000); _exit(0); }
+#endif
 #ifdef FAULT_fork
     if (fork() == 0) { for (;;) sleep(1000); }
 #endif
@@ -120,7 +131,10 @@ EXPORT component fmi2Instantiate(text name, int kind, text guid, text location, 
 
 EXPORT void fmi2FreeInstance(component c) {
 #ifdef FAULT_free_null
-    ((volatile instance *)c)->fresh = 1;
+    ((volatile instance *)c)->initialized = 1;
+#endif
+#ifdef FAULT_fatal
+    if (c != NULL) abort();
 #endif
     free(c);
 }
@@ -131,7 +145,7 @@ EXPORT int fmi2SetupExperiment(component c, int has_tolerance, double tolerance,
 }
 
 EXPORT int fmi2EnterInitializationMode(component c) { (void)c; return OK; }
-EXPORT int fmi2ExitInitializationMode(component c) { (void)c; return OK; }
+EXPORT int fmi2ExitInitializationMode(component c) { ((instance *)c)->initialized = 1; return OK; }
 EXPORT int fmi2Terminate(component c) { (void)c; return OK; }
 
 EXPORT int fmi2Reset(component c) {
@@ -153,6 +167,9 @@ EXPORT int fmi2DoStep(component c, double time, double step, int keep) {
 #ifdef FAULT_crash
     *(volatile int *)8 = 1;
 #endif
+#ifdef FAULT_fatal
+    return FATAL;
+#endif
 #ifdef FAULT_exit
     exit(3);
 #endif
@@ -172,6 +189,9 @@ EXPORT int fmi2GetReal(component c, const unsigned *which, size_t count, double 
     const state *now = &((instance *)c)->now;
     for (size_t i = 0; i < count; i++) {
         double all[] = {0, now->x, now->rate * (now->u - now->x), now->u, now->rate, 9.81};
+#ifdef STRICT_MODES
+        if (!((instance *)c)->initialized && which[i] >= 3) return ERROR;
+#endif
         values[i] = all[which[i]];
     }
     return OK;

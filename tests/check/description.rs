@@ -194,6 +194,23 @@ fn xml_without_an_end_in_sight_is_not_read_further() {
 }
 
 #[test]
+fn an_element_has_no_endless_attributes() {
+    let many: String = (0..300).map(|number| format!(" a{number}=\"\"")).collect();
+    assert_breaks(
+        "xml-limits",
+        &sound().edit("<Real/>", &format!("<Real{many}/>")).pack(),
+        &["--no-run"],
+    );
+}
+
+#[test]
+fn one_value_may_be_written_in_two_ways() {
+    let written = "<Real start=\"9.81\"/>\n    </ScalarVariable>\n  </ModelVariables>";
+    let fmu = sound().edit(written, &written.replace("9.81", "+9.810"));
+    assert_eq!(super::fmu::check(&fmu.pack(), &["--no-run"]).1, "");
+}
+
+#[test]
 fn bytes_that_are_no_text_are_told() {
     let mut files = sound();
     let xml = &mut files.0[0].1;

@@ -3,7 +3,9 @@
 use super::program::{folder, run, text};
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
+use std::hash::{DefaultHasher, Hash, Hasher};
 use std::io::{Cursor, Write};
+use std::path::Path;
 use std::process::Command;
 use std::sync::{Mutex, OnceLock};
 use zip::write::SimpleFileOptions;
@@ -20,6 +22,13 @@ pub fn library(flags: &[&str]) -> Vec<u8> {
     let mut made = MADE.get_or_init(Mutex::default).lock().unwrap();
     let key = flags.join(" ");
     made.entry(key).or_insert_with(|| compile(SOURCE, flags)).clone()
+}
+
+/// The functions of FMI, as the model's source has them.
+pub fn functions() -> Vec<String> {
+    let words = SOURCE.split(|c: char| !c.is_ascii_alphanumeric() && c != '_');
+    let names: BTreeSet<&str> = words.filter(|word| word.starts_with("fmi2")).collect();
+    names.into_iter().map(str::to_owned).collect()
 }
 
 /// Compiles a source to a shared library.
@@ -102,8 +111,17 @@ pub fn rules(printed: &str) -> BTreeSet<&str> {
     findings.map(|line| line.split_once(' ').unwrap().0).collect()
 }
 
+/// Names a folder in which all broken FMUs are kept.
+pub const KEEP: &str = "KEEP_BROKEN_FMUS";
+
 /// An FMU must break this rule and no other; what is printed of it.
 pub fn assert_breaks(rule: &str, fmu: &[u8], arguments: &[&str]) -> String {
+    if let Some(folder) = std::env::var_os(KEEP) {
+        let mut hasher = DefaultHasher::new();
+        fmu.hash(&mut hasher);
+        let name = format!("{rule}-{:016x}.fmu", hasher.finish());
+        fs::write(Path::new(&folder).join(name), fmu).unwrap();
+    }
     let (code, printed) = check(fmu, arguments);
     assert_eq!(rules(&printed), BTreeSet::from([rule]), "{rule} was to be broken: {printed}");
     assert_eq!(code, 1);

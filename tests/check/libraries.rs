@@ -21,7 +21,8 @@ fn libraries_and_folders_are_of_their_platforms() {
     assert_breaks("library-format", &text.pack(), &["--no-run"]);
     let mut program = so.clone();
     program[16] = 2;
-    assert_breaks("library-format", &with_library(program).pack(), &["--no-run"]);
+    let printed = assert_breaks("library-format", &with_library(program).pack(), &["--no-run"]);
+    assert!(printed.contains("no shared library"), "{printed}");
     let mut arm = so.clone();
     arm[18..20].copy_from_slice(&183_u16.to_le_bytes());
     assert_breaks("library-format", &with_library(arm).pack(), &["--no-run"]);
@@ -60,6 +61,22 @@ fn other_libraries_are_the_systems_or_beside_it() {
     let found = with_library(library(&[link[0], link[1], "-Wl,-rpath,$ORIGIN"]));
     let found = found.add("binaries/linux64/libhelper.so", &helper);
     assert_eq!(check(&found.pack(), &[]), (0, String::new()));
+    // Or anywhere else in the FMU where it does.
+    let resources =
+        with_library(library(&[link[0], link[1], "-Wl,-rpath,$ORIGIN/../../resources"]));
+    assert_breaks("needed-library", &resources.pack(), &["--no-run"]);
+    let resources = resources.add("resources/libhelper.so", &helper);
+    assert_eq!(check(&resources.pack(), &[]), (0, String::new()));
+}
+
+#[test]
+fn what_the_standard_allows_is_no_fault() {
+    // Of parameters and inputs nothing need be told before initialization ends; a helper may outlive the library for a moment.
+    for flag in ["-DSTRICT_MODES", "-DBRIEF_HELPER"] {
+        let fmu = with_library(library(&[flag]))
+            .edit(" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", "");
+        assert_eq!(check(&fmu.pack(), &[]), (0, String::new()), "{flag}");
+    }
 }
 
 #[test]
@@ -80,6 +97,7 @@ fn each_fault_of_a_run_is_found_by_its_rule_alone() {
         ("resource-location", "location", "location file:/…/fmu/resources no instance"),
         ("resource-location", "space", "%20"),
         ("call-failed", "fails", "no convergence"),
+        ("call-failed", "fatal", "fmi2DoStep at 0 s answers fmi2Fatal"),
         ("start-differs", "start", "rate begins with 0.75; the model description's start is 0.25"),
         ("output-not-finite", "nan", "x is NaN at 0.25 s"),
         ("reset-differs", "reset", "x is "),
@@ -95,6 +113,7 @@ fn each_fault_of_a_run_is_found_by_its_rule_alone() {
         ("crash", "null_crash", "NULL for the memory callbacks"),
         ("exit", "exit", "fmi2DoStep at 0 s (exit code 3)"),
         ("leaves-processes", "fork", "leaves a process"),
+        ("leaves-processes", "daemon", "leaves a process"),
     ] {
         let flag = format!("-DFAULT_{fault}");
         let fmu = with_library(library(&[&flag]));

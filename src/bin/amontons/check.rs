@@ -9,6 +9,7 @@ use std::error;
 use std::fmt::{self, Write as _};
 use std::io::{Write, stdout};
 use std::path::PathBuf;
+use std::sync::Once;
 use std::time::Duration;
 
 const NOTES: &str = "Exit codes: 0 nothing found, 1 something found, 2 not readable as an FMU, 130 \
@@ -42,6 +43,8 @@ pub struct RunLibrary {
     folder: PathBuf,
     library: String,
     timeout: u64,
+    #[arg(long)]
+    supervisor: Option<u32>,
 }
 
 /// How an examination ends that is not without findings.
@@ -86,10 +89,12 @@ pub fn run(arguments: &Check) -> Result<(), Box<dyn error::Error>> {
         Some(Run { program: std::env::current_exe()?, timeout })
     };
     let options = Options { glibc: arguments.glibc, run };
-    interrupt::listen();
     let style = ProgressStyle::with_template("{spinner} {msg}").expect("the template is fixed");
     let shown = ProgressBar::new_spinner().with_style(style);
+    // Until something has to be cleared away, Ctrl-C ends the program at once.
+    let listen = Once::new();
     let watch = &mut |stage: &str| {
+        listen.call_once(interrupt::listen);
         shown.set_message(stage.to_owned());
         shown.tick();
         interrupt::stopped()
@@ -106,7 +111,8 @@ pub fn run(arguments: &Check) -> Result<(), Box<dyn error::Error>> {
 
 pub fn run_library(arguments: &RunLibrary) -> Result<(), Box<dyn error::Error>> {
     let timeout = Duration::from_secs(arguments.timeout);
-    Ok(check::run_library(&arguments.folder, &arguments.library, timeout)?)
+    let RunLibrary { folder, library, supervisor, .. } = arguments;
+    Ok(check::run_library(folder, library, timeout, *supervisor)?)
 }
 
 /// All rules, a line each.

@@ -48,6 +48,16 @@ pub(super) fn examine(archive: &Archive, report: &mut Report) -> bool {
         report.add(Rule::ZipBomb, "the archive", message);
         return false;
     }
+    // What lies in one place is unpacked as often as it is named.
+    let packed = archive.entries.iter().fold(0_u64, |sum, entry| sum.saturating_add(entry.packed));
+    if packed > archive.len() {
+        let message = format!(
+            "entries overlap: together their contents have {packed} bytes, the archive {}; each has a place of its own",
+            archive.len()
+        );
+        report.add(Rule::ZipBomb, "the archive", message);
+        return false;
+    }
     for entry in &archive.entries {
         let readable = matches!(entry.method, 0 | 8) && entry.flags & 1 == 0;
         if readable && let Err(error) = archive.unpack(entry, &mut io::sink()) {

@@ -3,6 +3,7 @@
 
 use crate::Error;
 use flate2::read::DeflateDecoder;
+use std::collections::HashMap;
 use std::io::{self, Read, Write};
 
 const END: &[u8] = b"PK\x05\x06";
@@ -26,7 +27,7 @@ pub(crate) struct Entry {
     pub(super) mode: Option<u32>,
     pub(super) zip64: bool,
     crc: u32,
-    packed: u64,
+    pub(super) packed: u64,
     pub(crate) size: u64,
     /// Where the content begins, or what is wrong with the local header.
     content: Result<usize, String>,
@@ -42,6 +43,8 @@ impl Entry {
 pub(crate) struct Archive {
     bytes: Vec<u8>,
     pub(crate) entries: Vec<Entry>,
+    /// The first entry of each name.
+    places: HashMap<String, usize>,
 }
 
 impl Archive {
@@ -65,7 +68,11 @@ impl Archive {
             entries.push(entry);
             at = next;
         }
-        Ok(Self { bytes, entries })
+        let mut places = HashMap::new();
+        for (place, entry) in entries.iter().enumerate() {
+            places.entry(entry.name.clone()).or_insert(place);
+        }
+        Ok(Self { bytes, entries, places })
     }
 
     /// The archive's own size in bytes.
@@ -75,7 +82,7 @@ impl Archive {
 
     /// The entry of this name.
     pub(crate) fn find(&self, name: &str) -> Option<&Entry> {
-        self.entries.iter().find(|entry| entry.name == name)
+        self.places.get(name).map(|&place| &self.entries[place])
     }
 
     /// Unpacks an entry.

@@ -1,15 +1,17 @@
 //! What only ELF libraries have: versions of symbols, search paths, a stack.
 
+use super::library::is_usual;
 use super::platforms::Platform;
 use crate::check::options::Glibc;
 use crate::check::report::Report;
 use crate::check::rules::Rule;
-use object::elf::{
-    DT_NEEDED, DT_RPATH, DT_RUNPATH, ET_DYN, PF_X, PT_GNU_STACK, STB_GLOBAL, SymbolBind,
-};
+use object::elf::{DT_NEEDED, DT_RPATH, DT_RUNPATH, PF_X, PT_GNU_STACK, STB_GLOBAL, SymbolBind};
 use object::read::elf::{ElfFile, FileHeader, ProgramHeader, Sym};
 use object::{Endianness, File};
 use std::collections::{BTreeMap, HashSet};
+
+/// More undefined symbols than these are not looked up.
+const MOST_SYMBOLS: usize = 100_000;
 
 type Exports<'a> = &'a dyn Fn(&str) -> Option<HashSet<String>>;
 
@@ -20,14 +22,11 @@ pub(super) fn examine<Elf: FileHeader<Endian = Endianness>>(
     beside: Exports<'_>,
     report: &mut Report,
 ) {
-    if file.elf_header().e_type(file.endian()) != ET_DYN {
-        report.add(Rule::LibraryFormat, path, "is an ELF file but no shared library");
-        return;
-    }
     stack(file, path, report);
     for entry in entries(file) {
         if matches!(entry.0, Tag::RunPath) {
-            for folder in entry.1.split(':').filter(|folder| !is_beside(folder)) {
+            for folder in entry.1.split(':').filter(|folder| below_origin(folder).is_none()) {
+                let folder = if folder.is_empty() { "the current folder" } else { folder };
                 let message = format!(
                     "looks for libraries in {folder}, which other hosts do not have; use $ORIGIN or none"
                 );
@@ -40,21 +39,24 @@ pub(super) fn examine<Elf: FileHeader<Endian = Endianness>>(
     undefined(file, platform, path, &versions, beside, report);
 }
 
-/// Does the loader look for other libraries where this one lies?
-pub(super) fn looks_beside(file: &File<'_>) -> bool {
-    let any = |mut entries: Vec<(Tag, String)>| {
-        entries.retain(|(tag, _)| matches!(tag, Tag::RunPath));
-        entries.iter().any(|(_, folders)| folders.split(':').any(is_beside))
+/// Where the loader looks for other libraries, from the folder of this one.
+pub(super) fn search_folders(file: &File<'_>) -> Vec<String> {
+    let entries = match file {
+        File::Elf32(file) => entries(file),
+        File::Elf64(file) => entries(file),
+        _ => Vec::new(),
     };
-    match file {
-        File::Elf32(file) => any(entries(file)),
-        File::Elf64(file) => any(entries(file)),
-        _ => false,
-    }
+    let paths = entries.iter().filter(|(tag, _)| matches!(tag, Tag::RunPath));
+    paths
+        .flat_map(|(_, folders)| folders.split(':').filter_map(below_origin))
+        .map(str::to_owned)
+        .collect()
 }
 
-fn is_beside(folder: &str) -> bool {
-    folder.starts_with("$ORIGIN") || folder.starts_with("${ORIGIN}")
+/// The rest of a folder that is stated from where the library lies.
+fn below_origin(folder: &str) -> Option<&str> {
+    let rest = folder.strip_prefix("$ORIGIN").or_else(|| folder.strip_prefix("${ORIGIN}"))?;
+    (rest.is_empty() || rest.starts_with('/')).then_some(rest)
 }
 
 enum Tag {
@@ -128,9 +130,11 @@ impl Versions {
             .filter(|(_, symbol)| wanted(symbol))
             .filter_map(|(index, symbol)| {
                 let version = table.version_index(endian, index).index().0;
-                let name = symbols.symbol_name(endian, symbol).ok()?;
+                let name =
+                    symbols.symbol_name(endian, symbol).ok().filter(|name| is_usual(name))?;
                 Some((text(name), (version > 1).then_some(version)))
             })
+            .take(MOST_SYMBOLS)
             .collect();
         Self { needed, symbols }
     }

@@ -1,18 +1,18 @@
-//! What the process that runs a library tells the one that watches it: a file of lines.
+//! What the processes of a run tell the one that asked for it: a file of lines.
 
 use crate::check::report::{Report, printable};
 use crate::check::rules::Rule;
 use std::cell::RefCell;
-use std::fs::File;
+use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Written by the process that runs the library.
+/// Written by the worker, which runs the library, and by its supervisor.
 pub(super) struct Journal(RefCell<File>);
 
 impl Journal {
-    pub(super) fn create(path: &Path) -> io::Result<Self> {
-        File::create(path).map(|file| Self(RefCell::new(file)))
+    pub(super) fn open(path: &Path) -> io::Result<Self> {
+        File::options().append(true).create(true).open(path).map(|file| Self(RefCell::new(file)))
     }
 
     fn line(&self, kind: &str, text: &str) {
@@ -33,39 +33,39 @@ impl Journal {
         self.line("note", note);
     }
 
-    /// All is done.
+    /// The worker has come to its end.
     pub(super) fn done(&self) {
         self.line("done", "");
     }
 }
 
-/// What a journal says.
-pub(super) struct Told {
+/// How far a worker is.
+pub(super) struct State {
     /// The last stage that was begun.
     pub(super) stage: String,
     pub(super) done: bool,
 }
 
-/// Reads a journal; its findings are of `library`.
-pub(super) fn read(text: &str, library: &str, report: &mut Report) -> Told {
-    let mut told = Told { stage: "the start of the process".to_owned(), done: false };
-    for line in text.lines() {
-        match line.split_once('\t') {
-            Some(("at", stage)) => stage.clone_into(&mut told.stage),
-            Some(("note", note)) => report.note(note),
-            Some(("done", _)) => told.done = true,
-            Some((id, message)) => {
-                if let Some(rule) = Rule::named(id) {
-                    report.add(rule, library, message);
-                }
-            }
-            None => {}
-        }
-    }
-    told
+/// What a journal says; nothing where there is none yet.
+pub(super) fn text(path: &Path) -> String {
+    String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).into_owned()
 }
 
-/// The stage that a journal in the making has reached.
-pub(super) fn stage(text: &str) -> Option<&str> {
-    text.lines().rev().find_map(|line| line.strip_prefix("at\t"))
+pub(super) fn state(text: &str) -> State {
+    let stage = text.lines().rev().find_map(|line| line.strip_prefix("at\t"));
+    State {
+        stage: stage.unwrap_or("the start of the process").to_owned(),
+        done: text.lines().any(|line| line.starts_with("done\t")),
+    }
+}
+
+/// Puts what a journal says of `library` into the report.
+pub(super) fn report(text: &str, library: &str, report: &mut Report) {
+    for (kind, text) in text.lines().filter_map(|line| line.split_once('\t')) {
+        if kind == "note" {
+            report.note(text);
+        } else if let Some(rule) = Rule::named(kind) {
+            report.add(rule, library, text);
+        }
+    }
 }

@@ -1,25 +1,23 @@
 //! Runs the library for this host in a process of its own, which may crash, hang and end as it likes.
 //!
-//! The FMU's files are unpacked into a private folder that goes with the run. The process has limits of
-//! memory, time and file size, its output goes into a file, and at its end so does all that it began. That
-//! protects from accidents; it is no sandbox: what a library does with files and the network of its user,
-//! it does.
+//! The FMU's files are unpacked into a private folder that goes with the run. A supervisor begins the process, the
+//! worker, and ends it with its time or memory, or when nobody waits for it any more; at its end so does all that
+//! it began. The worker has limits of memory, time and file size, and its output goes into a file. That protects
+//! from accidents; it is no sandbox: what a library does with files and the network of its user, it does.
 
-mod child;
-mod growth;
 mod journal;
-mod library;
-mod location;
-mod plan;
 mod process;
+mod supervisor;
+mod worker;
 
 use super::archive::{Archive, is_safe};
 use super::options::Run;
 use super::report::Report;
-use super::rules::Rule;
 use super::xml;
 use crate::Error;
+use journal::Journal;
 use std::fs::{self, File};
+use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
@@ -29,7 +27,9 @@ use std::time::{Duration, Instant};
 pub const COMMAND: &str = "run-library";
 
 const JOURNAL: &str = "journal";
-const OUTPUT: &str = "output";
+
+/// How often a process is asked whether it is done.
+const OFTEN: Duration = Duration::from_millis(5);
 
 /// Told of the stage that a run has reached; says whether to go on.
 pub type Watch<'a> = &'a mut dyn FnMut(&str) -> ControlFlow<()>;
@@ -43,64 +43,29 @@ pub(super) fn examine(
     report: &mut Report,
 ) -> Result<Option<()>, Error> {
     let failed =
-        |error: &dyn std::error::Error| Error::package(format!("cannot run the library: {error}"));
+        |error: &dyn std::fmt::Display| Error::package(format!("cannot run the library: {error}"));
+    // From here on there is something to clear away.
+    if watch("unpacking").is_break() {
+        return Ok(None);
+    }
     let folder =
         tempfile::Builder::new().prefix("fmu-check-").tempdir().map_err(|error| failed(&error))?;
     if let Err(error) = unpack(archive, library, &folder.path().join("fmu")) {
         report.note(format!("{library} is not run: {error}"));
         return Ok(Some(()));
     }
-    let mut child = start(folder.path(), library, options).map_err(|error| failed(&error))?;
-    let end = wait(&mut child, folder.path(), options.timeout, watch);
-    let left = process::end_group(child.id());
-    let read = |name: &str| {
-        let text = fs::read(folder.path().join(name)).unwrap_or_default();
-        // The folder has another name in every run.
-        String::from_utf8_lossy(&text).replace(&*folder.path().to_string_lossy(), "/…")
+    let journal = folder.path().join(JOURNAL);
+    let mut child = supervise(folder.path(), library, options).map_err(|error| failed(&error))?;
+    let Some(status) = wait(&mut child, &journal, watch).map_err(|error| failed(&error))? else {
+        return Ok(None);
     };
-    let told = journal::read(&read(JOURNAL), library, report);
-    let output = read(OUTPUT).trim().to_owned();
-    let stage = &told.stage;
-    let said = if output.is_empty() {
-        String::new()
-    } else {
-        format!("; it printed: {}", last_line(&output))
-    };
-    let (rule, message) = match end {
-        End::Stopped => return Ok(None),
-        End::Late => {
-            let seconds = options.timeout.as_secs_f64();
-            (Rule::TimeLimit, format!("is not done after {seconds} s, in {stage}"))
-        }
-        End::Large => {
-            let gibibytes = process::MOST_MEMORY >> 30;
-            (Rule::MemoryLimit, format!("takes more than {gibibytes} GiB of memory, in {stage}"))
-        }
-        End::Status(status) => match process::signal(status) {
-            Some(signal) if told.done => {
-                (Rule::Crash, format!("crashes at the end of the process ({signal}){said}"))
-            }
-            Some(signal) => (Rule::Crash, format!("crashes in {stage} ({signal}){said}")),
-            None if !told.done => {
-                let code = status.code().unwrap_or_default();
-                (Rule::Exit, format!("ends the process in {stage} (exit code {code}){said}"))
-            }
-            None if left => {
-                (Rule::LeavesProcesses, "leaves a process running behind its end".to_owned())
-            }
-            None if !output.is_empty() => {
-                let first = output.lines().next().unwrap_or_default();
-                (Rule::Prints, format!("prints to standard output or error: {first}"))
-            }
-            None => return Ok(Some(())),
-        },
-    };
-    report.add(rule, library, message);
+    if !status.success() {
+        return Err(failed(&format!("what supervises it has ended early ({status})")));
+    }
+    // The folder has another name in every run.
+    let told = journal::text(&journal).replace(&*folder.path().to_string_lossy(), "/…");
+    journal::report(&told, library, report);
     Ok(Some(()))
-}
-
-fn last_line(output: &str) -> &str {
-    output.lines().next_back().unwrap_or_default()
 }
 
 /// What a library may need, and nothing else: itself with what lies beside it, and the resources.
@@ -128,73 +93,69 @@ fn unpack(archive: &Archive, library: &str, folder: &Path) -> Result<(), String>
     Ok(())
 }
 
-fn start(folder: &Path, library: &str, options: &Run) -> std::io::Result<Child> {
-    let output = File::create(folder.join(OUTPUT))?;
-    let work = folder.join("work");
-    fs::create_dir(&work)?;
+/// Begins a supervisor; it goes on for as long as its standard input is open.
+fn supervise(folder: &Path, library: &str, options: &Run) -> io::Result<Child> {
     let mut command = Command::new(&options.program);
     command
         .arg(COMMAND)
-        // What a thread keeps for its next request counts as in use; without it the heap is counted exactly.
-        .env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
         .args([
             folder.as_os_str(),
             library.as_ref(),
             options.timeout.as_secs().to_string().as_ref(),
         ])
-        .current_dir(work)
-        .stdin(Stdio::null())
-        .stdout(output.try_clone()?)
-        .stderr(output);
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null());
+    // Ctrl-C is for the one that asked.
     process::group(&mut command);
     command.spawn()
 }
 
-enum End {
-    Status(ExitStatus),
-    Late,
-    Large,
-    Stopped,
-}
-
-fn wait(child: &mut Child, folder: &Path, timeout: Duration, watch: Watch<'_>) -> End {
-    const OFTEN: Duration = Duration::from_millis(5);
+/// How it ended; none where `watch` has ended it.
+fn wait(
+    supervisor: &mut Child,
+    journal: &Path,
+    watch: Watch<'_>,
+) -> io::Result<Option<ExitStatus>> {
     const TOLD: Duration = Duration::from_millis(200);
-    let begin = Instant::now();
-    let mut told = begin;
-    let end = loop {
-        match child.try_wait() {
-            Ok(Some(status)) => return End::Status(status),
-            Ok(None) => {}
-            Err(_) => break End::Stopped,
-        }
-        if begin.elapsed() > timeout {
-            break End::Late;
-        }
-        if process::memory(child.id()).is_some_and(|bytes| bytes > process::MOST_MEMORY) {
-            break End::Large;
+    let mut told = Instant::now();
+    loop {
+        if let Some(status) = supervisor.try_wait()? {
+            return Ok(Some(status));
         }
         if told.elapsed() > TOLD {
             told = Instant::now();
-            let journal = fs::read_to_string(folder.join(JOURNAL)).unwrap_or_default();
-            if watch(journal::stage(&journal).unwrap_or_default()).is_break() {
-                break End::Stopped;
+            let state = journal::state(&journal::text(journal));
+            if watch(&state.stage).is_break() {
+                // This closes its standard input first.
+                supervisor.wait()?;
+                return Ok(None);
             }
         }
         std::thread::sleep(OFTEN);
-    };
-    process::end(child);
-    end
+    }
 }
 
-/// What the process does that [`COMMAND`] begins: runs a library of the FMU that is unpacked in `folder`.
+/// What the processes do that [`COMMAND`] begins: the supervisor of a run of a library of the FMU that is unpacked in
+/// `folder`, or its worker, which is told the `supervisor`'s process.
 ///
 /// # Errors
-/// The journal, through which it tells all else, cannot be written.
-pub fn run_library(folder: &Path, library: &str, timeout: Duration) -> Result<(), Error> {
+/// The journal, through which they tell all else, cannot be written; the worker cannot be begun.
+pub fn run_library(
+    folder: &Path,
+    library: &str,
+    timeout: Duration,
+    supervisor: Option<u32>,
+) -> Result<(), Error> {
+    if let Some(supervisor) = supervisor {
+        process::end_with(supervisor);
+    }
     let path = folder.join(JOURNAL);
-    let journal = journal::Journal::create(&path).map_err(|error| Error::file(&path, &error))?;
-    child::run(folder, library, timeout, &journal);
+    let journal = Journal::open(&path).map_err(|error| Error::file(&path, &error))?;
+    if supervisor.is_none() {
+        return supervisor::run(folder, library, timeout, &journal)
+            .map_err(|error| Error::package(format!("cannot run the library: {error}")));
+    }
+    worker::run(folder, library, timeout, &journal);
     journal.at("the end of the process");
     journal.done();
     Ok(())

@@ -1,12 +1,24 @@
 //! Variables that share a reference are one value under several names.
 
-use crate::check::description::Variable;
+use crate::check::description::{Kind, Variable};
 use crate::check::report::Report;
 use crate::check::rules::Rule;
+use crate::check::xml::values::{boolean, double, integer};
 use std::collections::BTreeMap;
 
 fn unit<'a>(variable: &Variable<'a>) -> Option<&'a str> {
     variable.attribute("unit")
+}
+
+/// 9.81 and 9.810 are one value.
+fn is_same(one: &Variable<'_>, other: &Variable<'_>) -> bool {
+    let number = |variable: &Variable<'_>| match variable.kind.base() {
+        Kind::Real => variable.start.and_then(double),
+        Kind::Integer => variable.start.and_then(integer).map(f64::from),
+        Kind::Boolean => variable.start.and_then(boolean).map(|value| f64::from(u8::from(value))),
+        _ => None,
+    };
+    one.start == other.start || number(one).is_some_and(|value| number(other) == Some(value))
 }
 
 pub(super) fn examine(variables: &[Variable<'_>], report: &mut Report) {
@@ -37,7 +49,7 @@ pub(super) fn examine(variables: &[Variable<'_>], report: &mut Report) {
         }
         let constants: Vec<_> =
             set.iter().filter(|variable| variable.variability == "constant").collect();
-        if let Some(pair) = constants.windows(2).find(|pair| pair[0].start != pair[1].start) {
+        if let Some(pair) = constants.windows(2).find(|pair| !is_same(pair[0], pair[1])) {
             let message = format!(
                 "the constants {} and {} have valueReference {} and two values",
                 pair[0].name, pair[1].name, pair[1].reference

@@ -78,7 +78,8 @@ fn roles(variable: &Variable<'_>, report: &mut Report) {
 fn derivative(variable: &Variable<'_>, description: &Description<'_>, report: &mut Report) {
     let Some(stated) = variable.element.attribute("derivative") else { return };
     let Some(index) = stated.trim_ascii().parse::<usize>().ok() else { return };
-    let state = description.variables.iter().find(|other| other.index == index);
+    let place = description.variables.binary_search_by_key(&index, |other| other.index);
+    let state = place.ok().map(|place| &description.variables[place]);
     let problem = match state {
         _ if index == 0 || index > description.count() => {
             format!("there are variables 1 to {}", description.count())

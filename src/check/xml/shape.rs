@@ -5,6 +5,7 @@ use super::tree::Element;
 use super::values::Wrong;
 use crate::check::report::Report;
 use crate::check::rules::Rule;
+use std::collections::HashSet;
 
 /// Holds an element and all below it to the schema.
 pub(super) fn examine(element: &Element, parent: &str, report: &mut Report) {
@@ -67,7 +68,8 @@ fn children(element: &Element, kind: &Kind, report: &mut Report) {
         );
     }
     let mut reached = 0;
-    for (place, child) in element.children.iter().enumerate() {
+    let mut seen = HashSet::new();
+    for child in &element.children {
         let name = &child.name;
         let Some(step) = kind.children.iter().position(|step| step.names.contains(&name.as_str()))
         else {
@@ -87,12 +89,9 @@ fn children(element: &Element, kind: &Kind, report: &mut Report) {
             );
         }
         reached = reached.max(step);
-        let twin = |other: &Element| {
-            other.name == *name
-                || kind.children[step].either
-                    && kind.children[step].names.contains(&other.name.as_str())
-        };
-        if !kind.children[step].many && element.children[..place].iter().any(twin) {
+        // Of names that exclude each other the first stands for all.
+        let twin = if kind.children[step].either { kind.children[step].names[0] } else { name };
+        if !seen.insert(twin) && !kind.children[step].many {
             report.add(
                 Rule::XmlElement,
                 child.place(),

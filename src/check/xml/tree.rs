@@ -9,6 +9,9 @@ use std::fmt;
 
 pub(in crate::check) const MOST_BYTES: u64 = 256 << 20;
 const MOST_ELEMENTS: usize = 4_000_000;
+const MOST_ATTRIBUTES: usize = 16_000_000;
+/// Of one element, each of which is compared with all others.
+const MOST_ATTRIBUTES_EACH: usize = 256;
 const DEEPEST: usize = 64;
 
 /// An element, without its text: those of a model description have none.
@@ -65,7 +68,8 @@ pub(crate) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
         report.add(Rule::XmlMalformed, place, "has a character that XML 1.0 does not");
         return None;
     }
-    let mut parser = Parser { text, counted: (0, 1), elements: 0, root: None, open: Vec::new() };
+    let mut parser =
+        Parser { text, counted: (0, 1), elements: 0, attributes: 0, root: None, open: Vec::new() };
     match parser.run(report) {
         Ok(()) => parser.root,
         Err((rule, message)) => {
@@ -87,6 +91,7 @@ struct Parser<'a> {
     /// Bytes whose lines are counted, and the line that they end in.
     counted: (usize, usize),
     elements: usize,
+    attributes: usize,
     root: Option<Element>,
     open: Vec<Element>,
 }
@@ -197,6 +202,13 @@ impl Parser<'_> {
         }
         let mut attributes = Vec::new();
         for attribute in start.attributes() {
+            self.attributes += 1;
+            if attributes.len() == MOST_ATTRIBUTES_EACH || self.attributes > MOST_ATTRIBUTES {
+                let message = format!(
+                    "has more than {MOST_ATTRIBUTES_EACH} attributes in one element, or {MOST_ATTRIBUTES} in all"
+                );
+                return Err((Rule::XmlLimits, message));
+            }
             let attribute = attribute.map_err(malformed)?;
             if attribute.value.contains('<') {
                 return Err(malformed("< in an attribute's value"));

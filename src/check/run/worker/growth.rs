@@ -1,9 +1,11 @@
 //! Does memory grow from one instance to the next?
 
-use super::child::Rounds;
-use super::{library, process};
+use super::Subject;
+use super::library::{self, Library};
+use super::plan::Plan;
 use crate::check::rules::Rule;
-use std::time::Instant;
+use crate::check::run::process;
+use std::time::{Duration, Instant};
 
 /// Rounds before counting (caches fill), then so many counts of so many rounds.
 struct Size {
@@ -20,14 +22,14 @@ const LEAST: i64 = 100;
 /// Of address space, which comes in pages.
 const LEAST_ADDRESSES: i64 = 4096;
 
-pub(super) fn watch(rounds: &Rounds<'_>) {
-    rounds.journal.at("making and freeing instances");
+/// Makes, runs and frees instances for no longer than `room`.
+pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
+    subject.journal.at("making and freeing instances");
     let begin = Instant::now();
-    if rounds.round().is_none() {
+    if round(subject).is_none() {
         return;
     }
     let one = begin.elapsed();
-    let room = rounds.timeout / 4;
     let Some(size) =
         SIZES.iter().find(|size| one * (size.before + size.counts * size.rounds) <= room)
     else {
@@ -35,10 +37,10 @@ pub(super) fn watch(rounds: &Rounds<'_>) {
             "whether memory grows is not examined: one instance takes {:.1} s",
             one.as_secs_f64()
         );
-        rounds.journal.note(&note);
+        subject.journal.note(&note);
         return;
     };
-    let run = |count: u32| (0..count).try_for_each(|_| rounds.round());
+    let run = |count: u32| (0..count).try_for_each(|_| round(subject));
     let mut used = Vec::new();
     let mut mapped = Vec::new();
     let mut counted = || {
@@ -56,7 +58,7 @@ pub(super) fn watch(rounds: &Rounds<'_>) {
         return;
     }
     if used.is_empty() && mapped.is_empty() {
-        rounds.journal.note("whether memory grows is not examined: this system does not tell");
+        subject.journal.note("whether memory grows is not examined: this system does not tell");
         return;
     }
     // A leak grows in every count; what grows in some only is the allocator's own.
@@ -74,5 +76,17 @@ pub(super) fn watch(rounds: &Rounds<'_>) {
     let message = format!(
         "{what} grows by {bytes} bytes with every instance that is made, run for a step and freed"
     );
-    rounds.journal.finding(Rule::MemoryGrowth, &message);
+    subject.journal.finding(Rule::MemoryGrowth, &message);
+}
+
+/// One instance from the library's loading to its end, as far as it goes.
+fn round(subject: &Subject<'_>) -> Option<()> {
+    let library = Library::load(&subject.path).ok()?;
+    let Plan { tolerance, start, stop, step, .. } = subject.plan;
+    let instance = library.instantiate(&subject.plan.guid, &subject.location(), true)?;
+    instance.setup(tolerance, start, stop).ok()?;
+    instance.enter_initialization().ok()?;
+    instance.exit_initialization().ok()?;
+    instance.step(start, step).ok()?;
+    instance.terminate().ok()
 }

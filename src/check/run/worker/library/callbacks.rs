@@ -1,0 +1,59 @@
+//! What a library may call back: a logger, and memory.
+
+use super::{Status, Text};
+use libc::{c_void, size_t};
+use std::ffi::CStr;
+use std::ptr;
+use std::sync::Mutex;
+
+type Logger = unsafe extern "C" fn(*mut c_void, Text, Status, Text, Text, Text);
+
+/// `fmi2CallbackFunctions`.
+#[repr(C)]
+pub(super) struct Callbacks {
+    logger: Option<Logger>,
+    allocate: Option<unsafe extern "C" fn(size_t, size_t) -> *mut c_void>,
+    free: Option<unsafe extern "C" fn(*mut c_void)>,
+    step_finished: Option<unsafe extern "C" fn(*mut c_void, Status)>,
+    environment: *mut c_void,
+}
+
+impl Callbacks {
+    /// A logger that is heard, and the C library's memory where the callbacks of memory are not to be NULL.
+    pub(super) fn new(memory: bool) -> Self {
+        Self {
+            logger: Some(logger),
+            allocate: memory.then_some(libc::calloc as _),
+            free: memory.then_some(libc::free as _),
+            step_finished: None,
+            environment: ptr::null_mut(),
+        }
+    }
+}
+
+/// What the logger heard last.
+static HEARD: Mutex<String> = Mutex::new(String::new());
+
+extern "C" fn logger(_: *mut c_void, _: Text, _: Status, _: Text, message: Text, first: Text) {
+    if message.is_null() {
+        return;
+    }
+    // SAFETY: the library's contract: a string that is valid during this call.
+    let message = unsafe { CStr::from_ptr(message) };
+    let text = if message == c"%s" && cfg!(target_arch = "x86_64") && !first.is_null() {
+        // SAFETY: such a message has one variadic argument, a string, which x86_64 passes like any other.
+        unsafe { CStr::from_ptr(first) }.to_string_lossy()
+    } else if message.to_bytes().contains(&b'%') {
+        return;
+    } else {
+        message.to_string_lossy()
+    };
+    if let Ok(mut heard) = HEARD.lock() {
+        text.chars().take(300).collect::<String>().clone_into(&mut heard);
+    }
+}
+
+/// What the logger was told last, taken away.
+pub(crate) fn heard() -> String {
+    HEARD.lock().map(|mut heard| std::mem::take(&mut *heard)).unwrap_or_default()
+}

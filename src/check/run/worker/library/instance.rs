@@ -1,0 +1,193 @@
+//! An instance, and the calls that the standard has for it.
+
+use super::callbacks::Callbacks;
+use super::status::{Refused, succeeded};
+use super::{Component, Free, Library, Status, Text};
+use libc::{c_int, c_uint, c_void, size_t};
+use std::cell::Cell;
+use std::ffi::{CStr, CString};
+use std::ptr;
+
+type Of = unsafe extern "C" fn(Component) -> Status;
+type Get<T> = unsafe extern "C" fn(Component, *const c_uint, size_t, *mut T) -> Status;
+
+/// An instance of a library, freed with its end.
+pub(crate) struct Instance<'a> {
+    library: &'a Library,
+    component: Component,
+    // Some libraries keep the pointers.
+    _callbacks: Box<Callbacks>,
+    _texts: [CString; 3],
+    /// After fmi2Fatal nothing may be called any more.
+    is_lost: Cell<bool>,
+}
+
+/// A state that a library has saved.
+pub(crate) struct State(*mut c_void);
+
+impl<'a> Instance<'a> {
+    pub(super) fn new(
+        library: &'a Library,
+        component: Component,
+        callbacks: Box<Callbacks>,
+        texts: [CString; 3],
+    ) -> Self {
+        let is_lost = Cell::new(false);
+        Self { library, component, _callbacks: callbacks, _texts: texts, is_lost }
+    }
+
+    fn succeeded(&self, status: Status) -> Result<(), Refused> {
+        let result = succeeded(status);
+        if result.is_err_and(Refused::is_fatal) {
+            self.is_lost.set(true);
+        }
+        result
+    }
+
+    fn call(&self, name: &str) -> Result<(), Refused> {
+        let function = self.library.function::<Of>(name)?;
+        // SAFETY: the component is alive.
+        self.succeeded(unsafe { function(self.component) })
+    }
+
+    pub(crate) fn setup(
+        &self,
+        tolerance: Option<f64>,
+        start: f64,
+        stop: Option<f64>,
+    ) -> Result<(), Refused> {
+        type Setup = unsafe extern "C" fn(Component, c_int, f64, f64, c_int, f64) -> Status;
+        let function = self.library.function::<Setup>("fmi2SetupExperiment")?;
+        let given = |value: Option<f64>| (c_int::from(value.is_some()), value.unwrap_or(0.0));
+        let ((has_tolerance, tolerance), (has_stop, stop)) = (given(tolerance), given(stop));
+        // SAFETY: the component is alive.
+        self.succeeded(unsafe {
+            function(self.component, has_tolerance, tolerance, start, has_stop, stop)
+        })
+    }
+
+    pub(crate) fn enter_initialization(&self) -> Result<(), Refused> {
+        self.call("fmi2EnterInitializationMode")
+    }
+
+    pub(crate) fn exit_initialization(&self) -> Result<(), Refused> {
+        self.call("fmi2ExitInitializationMode")
+    }
+
+    pub(crate) fn terminate(&self) -> Result<(), Refused> {
+        self.call("fmi2Terminate")
+    }
+
+    pub(crate) fn reset(&self) -> Result<(), Refused> {
+        self.call("fmi2Reset")
+    }
+
+    pub(crate) fn step(&self, time: f64, step: f64) -> Result<(), Refused> {
+        type Step = unsafe extern "C" fn(Component, f64, f64, c_int) -> Status;
+        let function = self.library.function::<Step>("fmi2DoStep")?;
+        // SAFETY: the component is alive.
+        self.succeeded(unsafe { function(self.component, time, step, 0) })
+    }
+
+    fn get<T: Copy>(
+        &self,
+        name: &str,
+        references: &[u32],
+        values: &mut [T],
+    ) -> Result<(), Refused> {
+        let function = self.library.function::<Get<T>>(name)?;
+        assert_eq!(references.len(), values.len());
+        // SAFETY: the component is alive and the arrays are of the length that is stated.
+        self.succeeded(unsafe {
+            function(self.component, references.as_ptr(), references.len(), values.as_mut_ptr())
+        })
+    }
+
+    pub(crate) fn reals(&self, references: &[u32]) -> Result<Vec<f64>, Refused> {
+        let mut values = vec![0.0_f64; references.len()];
+        self.get("fmi2GetReal", references, &mut values).map(|()| values)
+    }
+
+    pub(crate) fn integers(&self, references: &[u32]) -> Result<Vec<i32>, Refused> {
+        let mut values = vec![0_i32; references.len()];
+        self.get("fmi2GetInteger", references, &mut values).map(|()| values)
+    }
+
+    pub(crate) fn booleans(&self, references: &[u32]) -> Result<Vec<i32>, Refused> {
+        let mut values = vec![0_i32; references.len()];
+        self.get("fmi2GetBoolean", references, &mut values).map(|()| values)
+    }
+
+    pub(crate) fn strings(&self, references: &[u32]) -> Result<Vec<String>, Refused> {
+        let mut values: Vec<Text> = vec![ptr::null(); references.len()];
+        self.get("fmi2GetString", references, &mut values)?;
+        // SAFETY: the strings are valid until the next call.
+        let text = |value: &Text| unsafe { CStr::from_ptr(*value) }.to_string_lossy().into_owned();
+        Ok(values
+            .iter()
+            .map(|value| if value.is_null() { String::new() } else { text(value) })
+            .collect())
+    }
+
+    pub(crate) fn save(&self) -> Result<State, Refused> {
+        type Save = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
+        let function = self.library.function::<Save>("fmi2GetFMUstate")?;
+        let mut state = State(ptr::null_mut());
+        // SAFETY: the component is alive; NULL asks for a new state.
+        self.succeeded(unsafe { function(self.component, &raw mut state.0) }).map(|()| state)
+    }
+
+    pub(crate) fn restore(&self, state: &State) -> Result<(), Refused> {
+        type Restore = unsafe extern "C" fn(Component, *mut c_void) -> Status;
+        let function = self.library.function::<Restore>("fmi2SetFMUstate")?;
+        // SAFETY: component and state are alive.
+        self.succeeded(unsafe { function(self.component, state.0) })
+    }
+
+    pub(crate) fn free(&self, mut state: State) -> Result<(), Refused> {
+        type Free = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
+        let function = self.library.function::<Free>("fmi2FreeFMUstate")?;
+        // SAFETY: component and state are alive, and the state is used no more.
+        self.succeeded(unsafe { function(self.component, &raw mut state.0) })
+    }
+
+    pub(crate) fn serialize(&self, state: &State) -> Result<Vec<u8>, Refused> {
+        type Size = unsafe extern "C" fn(Component, *mut c_void, *mut size_t) -> Status;
+        type Serialize = unsafe extern "C" fn(Component, *mut c_void, *mut u8, size_t) -> Status;
+        let size_of = self.library.function::<Size>("fmi2SerializedFMUstateSize")?;
+        let function = self.library.function::<Serialize>("fmi2SerializeFMUstate")?;
+        let mut size = 0;
+        // SAFETY: component and state are alive.
+        self.succeeded(unsafe { size_of(self.component, state.0, &raw mut size) })?;
+        let mut bytes = Vec::new();
+        bytes.try_reserve_exact(size).map_err(|_| Refused::Size(size))?;
+        bytes.resize(size, 0_u8);
+        // SAFETY: as above, and there is room for so many bytes.
+        self.succeeded(unsafe { function(self.component, state.0, bytes.as_mut_ptr(), size) })
+            .map(|()| bytes)
+    }
+
+    pub(crate) fn deserialize(&self, bytes: &[u8]) -> Result<State, Refused> {
+        type Deserialize =
+            unsafe extern "C" fn(Component, *const u8, size_t, *mut *mut c_void) -> Status;
+        let function = self.library.function::<Deserialize>("fmi2DeSerializeFMUstate")?;
+        let mut state = State(ptr::null_mut());
+        // SAFETY: the component is alive and there are so many bytes.
+        self.succeeded(unsafe {
+            function(self.component, bytes.as_ptr(), bytes.len(), &raw mut state.0)
+        })
+        .map(|()| state)
+    }
+}
+
+impl Drop for Instance<'_> {
+    fn drop(&mut self) {
+        if self.is_lost.get() {
+            return;
+        }
+        if let Ok(free) = self.library.function::<Free>("fmi2FreeInstance") {
+            // SAFETY: the component is alive and used no more.
+            unsafe { free(self.component) }
+        }
+    }
+}

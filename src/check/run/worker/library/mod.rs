@@ -1,0 +1,99 @@
+//! A library of others, called as the standard says; the only place where it is.
+//!
+//! Whatever it does happens in a process of its own (see the module above): what is relied on here is
+//! the standard's contract, and where a library breaks it that process ends.
+#![allow(unsafe_code)]
+
+mod callbacks;
+mod heap;
+mod instance;
+mod status;
+
+pub(super) use callbacks::heard;
+pub(super) use heap::heap;
+pub(super) use instance::{Instance, State};
+pub(super) use status::Refused;
+
+use callbacks::Callbacks;
+use libc::{c_char, c_int, c_void};
+use std::ffi::{CStr, CString};
+use std::path::Path;
+use std::ptr;
+
+type Component = *mut c_void;
+type Status = c_int;
+type Text = *const c_char;
+type Instantiate =
+    unsafe extern "C" fn(Text, c_int, Text, Text, *const Callbacks, c_int, c_int) -> Component;
+type Free = unsafe extern "C" fn(Component);
+
+/// A loaded library.
+pub(super) struct Library(libloading::Library);
+
+impl Library {
+    /// Loads a library with all that it needs.
+    ///
+    /// # Errors
+    /// What the system's loader says.
+    pub(super) fn load(path: &Path) -> Result<Self, String> {
+        // SAFETY: this runs the library's initializers, in a process that is there for nothing else.
+        #[cfg(unix)]
+        let library = unsafe {
+            use libloading::os::unix;
+            unix::Library::open(Some(path), unix::RTLD_NOW | unix::RTLD_LOCAL).map(Into::into)
+        };
+        // SAFETY: as above.
+        #[cfg(not(unix))]
+        let library = unsafe { libloading::Library::new(path) };
+        library.map(Self).map_err(|error| {
+            // The loader's own words are the cause.
+            std::error::Error::source(&error).map_or(error.to_string(), ToString::to_string)
+        })
+    }
+
+    /// A function of the type that the standard gives it.
+    fn function<T: Copy>(&self, name: &str) -> Result<T, Refused> {
+        // SAFETY: `T` is the type of the function of this name.
+        unsafe { self.0.get::<T>(name.as_bytes()) }
+            .map(|symbol| *symbol)
+            .map_err(|_| Refused::Missing)
+    }
+
+    /// The answer of `fmi2GetTypesPlatform` or `fmi2GetVersion`.
+    pub(super) fn answer(&self, name: &str) -> String {
+        let Ok(function) = self.function::<unsafe extern "C" fn() -> Text>(name) else {
+            return "nothing: it is not exported".to_owned();
+        };
+        // SAFETY: the function takes nothing and returns a string that stays.
+        let text = unsafe { function() };
+        if text.is_null() {
+            return "NULL".to_owned();
+        }
+        // SAFETY: as above.
+        unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
+    }
+
+    /// `fmi2FreeInstance(NULL)`.
+    pub(super) fn free_null(&self) {
+        if let Ok(free) = self.function::<Free>("fmi2FreeInstance") {
+            // SAFETY: the standard has this call ignored.
+            unsafe { free(ptr::null_mut()) }
+        }
+    }
+
+    /// An instance for co-simulation; none where the library makes none.
+    pub(super) fn instantiate(
+        &self,
+        guid: &str,
+        location: &str,
+        memory_callbacks: bool,
+    ) -> Option<Instance<'_>> {
+        let make = self.function::<Instantiate>("fmi2Instantiate").ok()?;
+        let texts = [c"check".to_owned(), CString::new(guid).ok()?, CString::new(location).ok()?];
+        let callbacks = Box::new(Callbacks::new(memory_callbacks));
+        let [name, guid, location] = texts.each_ref().map(|text| text.as_ptr());
+        // SAFETY: strings and callbacks are as the standard wants them and outlive the instance.
+        let component = unsafe { make(name, 1, guid, location, &raw const *callbacks, 0, 0) };
+        (!component.is_null()).then(|| Instance::new(self, component, callbacks, texts))
+    }
+}

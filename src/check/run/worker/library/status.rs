@@ -1,0 +1,51 @@
+//! `fmi2Status`.
+
+use super::Status;
+use std::fmt;
+
+const WARNING: Status = 1;
+const DISCARD: Status = 2;
+const ERROR: Status = 3;
+const FATAL: Status = 4;
+const PENDING: Status = 5;
+
+/// Why a call did not succeed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Refused {
+    Status(Status),
+    /// The library does not export the function.
+    Missing,
+    /// It states a size that nothing can have.
+    Size(usize),
+}
+
+impl Refused {
+    /// Did the step end where it began, or is to end later?
+    pub(crate) fn is_no_step(self) -> bool {
+        matches!(self, Self::Status(DISCARD | PENDING))
+    }
+
+    /// Is no instance to be used any more?
+    pub(super) fn is_fatal(self) -> bool {
+        self == Self::Status(FATAL)
+    }
+}
+
+/// What the call answers.
+impl fmt::Display for Refused {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Status(DISCARD) => f.write_str("fmi2Discard"),
+            Self::Status(ERROR) => f.write_str("fmi2Error"),
+            Self::Status(FATAL) => f.write_str("fmi2Fatal"),
+            Self::Status(PENDING) => f.write_str("fmi2Pending"),
+            Self::Status(other) => write!(f, "{other}, which is no status"),
+            Self::Missing => f.write_str("nothing: it is not exported"),
+            Self::Size(size) => write!(f, "a size of {size} bytes, which no memory has"),
+        }
+    }
+}
+
+pub(super) fn succeeded(status: Status) -> Result<(), Refused> {
+    if (0..=WARNING).contains(&status) { Ok(()) } else { Err(Refused::Status(status)) }
+}
