@@ -8,6 +8,7 @@ use amontons::scene::{BUILTIN, parse};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
+use std::sync::Mutex;
 use tempfile::TempDir;
 
 const AMONTONS: &str = env!("CARGO_BIN_EXE_amontons");
@@ -21,10 +22,8 @@ fn pytest(file: &str) {
 
 fn pytest_with(integrator: &str, file: &str) {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests").join("fmpy");
-    // One for each test, so that nothing but the interpreter is shared.
+    // One for each test, so that nothing but the interpreter and the FMUs are shared.
     let scratch = TempDir::new_in(env!("CARGO_TARGET_TMPDIR")).expect("a folder can be made there");
-    let fmus = scratch.path().join("fmus");
-    export(integrator, &fmus);
     let mut pytest = Command::new(python::interpreter());
     pytest
         // No bytecode and no cache: the tests leave nothing among the sources.
@@ -33,7 +32,7 @@ fn pytest_with(integrator: &str, file: &str) {
         .args([OsStr::new("--basetemp"), scratch.path().join("pytest").as_os_str()])
         .arg(folder.join(file))
         .env("AMONTONS", AMONTONS)
-        .env("AMONTONS_FMUS", fmus)
+        .env("AMONTONS_FMUS", fmus(integrator))
         .env("AMONTONS_INTEGRATOR", integrator)
         // Packages may bring plugins of their own.
         .env("PYTEST_DISABLE_PLUGIN_AUTOLOAD", "1")
@@ -54,9 +53,24 @@ fn effects(integrator: &str) -> Vec<PathBuf> {
     files.filter(is_taken).collect()
 }
 
-/// Writes `set1.fmu` and so on, of all built-in scenes and those of single effects.
+/// The folder of an integrator's FMUs, which are made once for all tests.
+fn fmus(integrator: &str) -> PathBuf {
+    static ARE_MADE: Mutex<Vec<String>> = Mutex::new(Vec::new());
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("fmpy").join(integrator);
+    let mut made = ARE_MADE.lock().expect("another test could not export");
+    if !made.iter().any(|name| name == integrator) {
+        export(integrator, &folder);
+        made.push(integrator.to_owned());
+    }
+    folder
+}
+
+/// Writes `set1.fmu` and so on, of all built-in scenes and those of single effects, into a folder that has nothing else.
 fn export(integrator: &str, folder: &Path) {
-    std::fs::create_dir(folder).expect("a folder can be made there");
+    if folder.exists() {
+        std::fs::remove_dir_all(folder).expect("what an earlier run has left can be removed");
+    }
+    std::fs::create_dir_all(folder).expect("a folder can be made there");
     let builtin = BUILTIN.iter().map(|scene| OsString::from(scene.name));
     for scene in builtin.chain(effects(integrator).into_iter().map(PathBuf::into_os_string)) {
         let name = Path::new(&scene).file_stem().expect("it has a name");

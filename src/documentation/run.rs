@@ -10,8 +10,8 @@ use crate::simulation::catalogue::{Causality, Quantity};
 use crate::simulation::{Simulation, Variable, variables};
 use std::ops::ControlFlow;
 
-/// The operations, as [`Cost`] counts them, that a run in an export may take: less than a second. They are counted
-/// and not timed, so that an FMU is the same on each machine.
+/// The operations, as [`Cost`] counts them, that a run in an export may take: some tenths of a second, with exact
+/// motion of few parts one or two. They are counted and not timed, so that an FMU is the same on each machine.
 const MOST_OPERATIONS: f64 = 5e8;
 /// The rows that it may have.
 const MOST_ROWS: f64 = 1e5;
