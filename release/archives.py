@@ -7,8 +7,6 @@ import io
 import tarfile
 import time
 import zipfile
-from pathlib import Path
-
 import tools
 from tools import PACKAGES, ROOT, VERSION
 
@@ -18,10 +16,10 @@ THIRD_PARTY = "LICENSES-THIRD-PARTY.txt"
 
 def contents(programs, licences):
     """Names in an archive, content, mode; sorted. `licences` are those of others, as one text."""
-    texts = ["README.md", "CHANGELOG.md", "LICENSE-APACHE", "LICENSE-MIT"]
-    scenes = [path.relative_to(ROOT) for path in (ROOT / "scenes").rglob("*") if path.is_file()]
+    # With what the README leads to.
+    texts = ["README.md", "CHANGELOG.md", "DESIGN.md", "LICENSE-APACHE", "LICENSE-MIT", "docs", "examples", "scenes"]
     files = [(program.name, program, EXECUTABLE) for program in programs]
-    files += [(Path(name).as_posix(), ROOT / name, PLAIN) for name in [*texts, *scenes]]
+    files += [(name, ROOT / name, PLAIN) for name in tools.output(["git", "ls-files", *texts]).splitlines()]
     packed = [(name, path.read_bytes(), mode) for name, path, mode in files]
     return sorted([*packed, (THIRD_PARTY, licences.encode(), PLAIN)])
 

@@ -269,6 +269,25 @@ fn the_page_says_whether_a_scene_squeals_and_from_which_friction_on() {
     has(&page("corner"), &["nothing can move"]);
 }
 
+/// What `examples/coupled.rs` joins; its drive's velocity counts from a nut that moves, so its slip is what a slider
+/// takes.
+#[test]
+fn the_page_says_what_to_couple_and_what_contact_states_mean() {
+    let folder = folder();
+    let page = |scene: &str| unescaped(&export(folder.path(), scene, &[]).page());
+    let set1 = page("set1");
+    assert!(set1.contains("a drive gives slider.velocity and takes slider.tangential_reaction. "));
+    assert!(set1.contains(
+        "ContactState: 1 Sl (sliding: the slider overtakes the mass), \
+         2 R-Sl (reverse sliding: the mass overtakes the slider), \
+         3 St (sticking: the mass moves with the slider), 4 Dt (detached)."
+    ));
+    let drive = page("drive");
+    assert!(drive.contains(
+        "another FMU gives mass.table.fx and takes contact.guide.slip_velocity. While contacts slide"
+    ));
+}
+
 #[test]
 fn what_makes_no_sense_for_a_scene_is_said_in_a_sentence() {
     let page = page_of(FREE);

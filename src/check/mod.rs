@@ -24,6 +24,7 @@ pub use run::{COMMAND, Watch, run_library};
 use crate::Error;
 use archive::Archive;
 use description::Description;
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
@@ -63,6 +64,18 @@ pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<
     Ok(Some(report))
 }
 
+/// Why there is nothing for this host, whose folder this is.
+fn missing(archive: &Archive, folder: &str) -> String {
+    let folders: BTreeSet<&str> = (archive.entries.iter())
+        .filter_map(|entry| Some(entry.name.strip_prefix("binaries/")?.split_once('/')?.0))
+        .collect();
+    if folders.is_empty() || folders.contains(folder) {
+        return format!("there is no usable library in binaries/{folder}/");
+    }
+    let folders = Vec::from_iter(folders).join(", ");
+    format!("there is no library for this host ({folder}); those that there are: {folders}")
+}
+
 /// Examines the model description and the libraries; the library to run.
 fn files(archive: &Archive, floor: Glibc, report: &mut Report) -> Option<String> {
     let entry = archive.find(xml::PATH)?;
@@ -83,7 +96,7 @@ fn files(archive: &Archive, floor: Glibc, report: &mut Report) -> Option<String>
             "it needs another program (needsExecutionTool)"
         }
         (Some(_), _) => return library,
-        (None, Some(folder)) => &format!("there is no usable library in binaries/{folder}/"),
+        (None, Some(folder)) => &missing(archive, folder),
         (None, None) => "FMI 2.0 has no folder for this host",
     };
     report.note(format!("nothing is run: {note}"));

@@ -4,6 +4,10 @@ use super::{can_squeal, markup};
 use crate::scene::{Scene, Selection};
 use crate::simulation::catalogue::{Causality, Quantity, Variable, fmu_variables};
 
+/// What makes a coupling converge (`examples/importers/README.md`).
+const EXCHANGE: &str = "While contacts slide, a communication step well below the period of the motion is short \
+                        enough; where they stick, give values with their derivatives, since held ones lose momentum at \
+                        any step.";
 /// Of each kind so many are named.
 const NAMED: usize = 4;
 
@@ -139,15 +143,11 @@ fn coupling(scene: &Scene) -> Option<String> {
     let reaction = name(Quantity::TangentialReaction, Causality::Output)
         .or_else(|| name(Quantity::FrictionForce, Causality::Output));
     if let (Some(velocity), Some(reaction)) = (velocity, reaction) {
-        return Some(format!(
-            "a drive gives {velocity} and takes {reaction}; a communication step well below the period of the motion \
-             keeps the two together"
-        ));
+        return Some(format!("a drive gives {velocity} and takes {reaction}. {EXCHANGE}"));
     }
     let force = name(Quantity::ExternalForce, Causality::Input)?;
-    let moved = name(Quantity::Velocity, Causality::Output)?;
-    Some(format!(
-        "another FMU gives {force} and takes {moved}; a communication step well below the period of the motion keeps \
-         the two together"
-    ))
+    // Over the surface that it slides on, which may itself move: the velocity that another part has to do with.
+    let moved = name(Quantity::SlipVelocity, Causality::Output)
+        .or_else(|| name(Quantity::Velocity, Causality::Output))?;
+    Some(format!("another FMU gives {force} and takes {moved}. {EXCHANGE}"))
 }

@@ -3,7 +3,9 @@
 use crate::fmi2::STRICT;
 use crate::report::{add, plain_table, text};
 use crate::scene::Scene;
-use crate::simulation::catalogue::{Causality, Kind, Per, Variability, Variable, fmu_variables};
+use crate::simulation::catalogue::{
+    Causality, ENUMERATIONS, Enumeration, Kind, Per, Variability, Variable, fmu_variables,
+};
 use crate::simulation::read_scene;
 
 /// The names of so many parts of a network are written out.
@@ -34,6 +36,12 @@ pub(super) fn section(scene: &Scene) -> String {
         let caption = format!("{heading}: {count}");
         plain_table(&mut html, id, &caption, &head.map(str::to_owned), rows);
     }
+    for enumeration in ENUMERATIONS {
+        let kind = Kind::Enumeration { name: enumeration.name };
+        if variables.iter().any(|variable| variable.template.kind == kind) {
+            meanings(&mut html, enumeration);
+        }
+    }
     add(
         &mut html,
         format_args!(
@@ -56,6 +64,15 @@ pub(super) fn section(scene: &Scene) -> String {
         rows,
     );
     html + "</details>\n</div>\n"
+}
+
+/// What the numbers of an enumeration stand for.
+fn meanings(html: &mut String, enumeration: &Enumeration) {
+    let items: Vec<String> = (enumeration.items.iter().zip(1..))
+        .map(|((name, description), number)| format!("{number} {name} ({description})"))
+        .collect();
+    let meanings = format!("{}: {}.", enumeration.name, items.join(", "));
+    add(html, format_args!("<p>{}</p>\n", text(&meanings)));
 }
 
 /// The variables of a causality, those of one template together.

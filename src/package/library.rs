@@ -2,6 +2,9 @@
 
 include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
 
+/// So many a release carries.
+const PLATFORMS: usize = 2;
+
 /// What an FMU brings for one platform: this same crate, as a shared library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Library {
@@ -24,12 +27,18 @@ impl Library {
     /// # Errors
     /// This program carries none for it: how to get one that does.
     pub fn of(platform: &str) -> Result<Self, String> {
+        let platform = platform.trim();
         CARRIED.iter().find(|library| library.platform == platform).copied().ok_or_else(|| {
             let carried: Vec<&str> = CARRIED.iter().map(|library| library.platform).collect();
             format!(
-                "this program carries libraries for {} only; one of a release carries linux64 and win64, and \
-                 release/make or AMONTONS_FMU_LIBRARIES makes such a one (README, Platforms)",
-                carried.join(" and ")
+                "this program carries libraries for {} only{}",
+                carried.join(" and "),
+                if carried.len() < PLATFORMS {
+                    "; one of a release carries linux64 and win64, and release/make or AMONTONS_FMU_LIBRARIES makes \
+                     such a one (README, Platforms)"
+                } else {
+                    ""
+                }
             )
         })
     }

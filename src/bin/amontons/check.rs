@@ -104,7 +104,10 @@ pub fn run(arguments: &Check) -> Result<(), Box<dyn error::Error>> {
     let report = report.map_err(Failed::Unreadable)?.ok_or(Interrupted)?;
     write!(stdout().lock(), "{report}")?;
     match report.count() {
-        0 => Ok(()),
+        0 => {
+            eprintln!("no findings");
+            Ok(())
+        }
         count => Err(Failed::Found(count).into()),
     }
 }

@@ -55,7 +55,8 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     for (path, text) in &beside {
         written::write(path, text.as_bytes())?;
     }
-    println!("{}: {}", scene.name, scene.description);
+    let colon = if scene.description.is_empty() { "" } else { ": " };
+    println!("{}{colon}{}", scene.name, scene.description);
     print_contents(&scene, &simulation)?;
     println!("  platform       {}", platforms(&libraries));
     if let (Some(choice), Some(tolerance)) = (&choice, arguments.tolerance) {
