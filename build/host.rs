@@ -24,18 +24,13 @@ pub fn library(out: &Path) -> PathBuf {
             cargo.env_remove(name);
         }
     }
-    let mut flags: Vec<String> = env::var("CARGO_ENCODED_RUSTFLAGS")
-        .unwrap_or_default()
-        .split('\x1f')
-        .filter(|flag| !flag.is_empty())
-        .map(str::to_owned)
-        .collect();
+    let mut flags = portable(&env::var("CARGO_ENCODED_RUSTFLAGS").unwrap_or_default());
     if target.contains("-linux-") {
         // An undefined symbol fails here, not in an importer; Windows' linkers refuse them by themselves.
         flags.push("-Clink-arg=-Wl,-z,defs".to_owned());
     }
     // Messages of panics name source files; where this machine keeps them is not for an FMU to tell.
-    let home = |name: &str| env::var_os("HOME").map(|home| Path::new(&home).join(name));
+    let home = |name: &str| env::home_dir().map(|home| home.join(name));
     let cargo_home = env::var_os("CARGO_HOME").map(PathBuf::from).or_else(|| home(".cargo"));
     let sources = env::var_os("CARGO_MANIFEST_DIR").map(PathBuf::from);
     for (path, name) in
@@ -49,4 +44,24 @@ pub fn library(out: &Path) -> PathBuf {
 
     let name = if target.contains("-windows-") { "amontons.dll" } else { "libamontons.so" };
     target_dir.join(&target).join("fmu").join(name)
+}
+
+/// The flags of the outer build without those that bind code to this machine's processor: an FMU runs on others.
+fn portable(encoded: &str) -> Vec<String> {
+    let mut flags = Vec::new();
+    let mut given = encoded.split('\x1f').filter(|flag| !flag.is_empty());
+    while let Some(flag) = given.next() {
+        // `-C target-cpu=native` comes as one word or as two.
+        let (option, words) = match flag {
+            "-C" | "--codegen" => {
+                let option = given.next().unwrap_or_default();
+                (option, vec![flag, option])
+            }
+            _ => (flag.trim_start_matches("-C").trim_start_matches("--codegen="), vec![flag]),
+        };
+        if !option.starts_with("target-cpu=") && !option.starts_with("target-feature=") {
+            flags.extend(words.into_iter().map(str::to_owned));
+        }
+    }
+    flags
 }

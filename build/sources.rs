@@ -55,8 +55,17 @@ fn find(path: &Path, files: &mut Vec<PathBuf>) {
     }
     let entries = fs::read_dir(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
     for entry in entries {
-        find(&entry.expect("a folder's entry can be read").path(), files);
+        let path = entry.expect("a folder's entry can be read").path();
+        if path.is_dir() || is_source(&path) {
+            find(&path, files);
+        }
     }
+}
+
+/// Pictures and what editors leave behind are none.
+fn is_source(path: &Path) -> bool {
+    let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
+    !is_hidden && path.extension().is_some_and(|end| end == "rs" || end == "toml")
 }
 
 fn read(path: &Path) -> Vec<u8> {

@@ -21,16 +21,14 @@ DEFINED = "-Clink-arg=-Wl,-z,defs"
 TIMELESS = "-Clink-arg=-Wl,--no-insert-timestamp"
 
 
-def cargo_home():
-    return Path(os.environ.get("CARGO_HOME") or Path.home() / ".cargo")
-
-
 def flags(*more):
     """Messages of panics name source files; where this machine keeps them is not for a release to tell."""
-    places = {cargo_home(): "cargo", BUILT: "target", tools.ROOT: "amontons"}
+    places = {tools.CARGO_HOME: "cargo", BUILT: "target", tools.ROOT: "amontons"}
     # Of Debian's standard library, whose folder is reached by a link.
     places |= {path: "std" for path in {tools.DEBIAN_SOURCES, tools.DEBIAN_SOURCES.resolve()}}
-    return "\x1f".join(sorted(f"--remap-path-prefix={path}={name}" for path, name in places.items()) + list(more))
+    # Of several that fit, the last is taken: the longest.
+    ordered = sorted(places.items(), key=lambda place: len(str(place[0])))
+    return "\x1f".join([f"--remap-path-prefix={path}={name}" for path, name in ordered] + list(more))
 
 
 def common(built, *more):

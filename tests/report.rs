@@ -214,6 +214,8 @@ fn colours_stand_out_on_light_and_on_dark_ground() {
         let pair = between(&html, &format!("  --{name}: light-dark("), ")")[0];
         pair.split(", ").map(String::from).collect()
     };
+    // Where light-dark() is not known.
+    let alone = |name: &str| between(&html, &format!("  --{name}: #"), ";")[0].to_owned();
     for scheme in [0, 1] {
         let of = |name: &str| colours(name)[scheme].clone();
         for text in ["ink", "soft", "link", "good", "bad"] {
@@ -226,5 +228,11 @@ fn colours_stand_out_on_light_and_on_dark_ground() {
             let found = contrast(&of(&format!("colour-{place}")), &of("ground"));
             assert!(found >= 3.0, "colour {place} in scheme {scheme}: {found:.2}");
         }
+    }
+    let names = between(&html, "  --", ": light-dark(");
+    assert!(names.len() > 15, "{names:?}");
+    for name in names {
+        let name = name.rsplit("--").next().unwrap();
+        assert_eq!(format!("#{}", alone(name)), colours(name)[0], "{name}");
     }
 }

@@ -117,8 +117,9 @@ fn options(scene: &Scene, experiment: Experiment) -> String {
         Selection::Auto { tolerance } => tolerance,
         Selection::Given | Selection::Preset(_) => TOLERANCE,
     };
+    let step = output_interval.min(stop_time);
     format!(
-        "StartTime, 0.0\nStopTime, {stop_time:?}\nStepSize, {output_interval:?}\nRelTol, {tolerance:?}\n\
+        "StartTime, 0.0\nStopTime, {stop_time:?}\nStepSize, {step:?}\nRelTol, {tolerance:?}\n\
          SolverType, FixedStep\nOutputIntervalLength, {output_interval:?}\n"
     )
 }

@@ -35,9 +35,9 @@ pub(super) fn section(scene: &Scene) -> String {
     );
     markup::listing(&mut html, "Command line", &shell);
     let mut words = vec![
-        "In OMSimulator, libcosim, ecos, Simulink, Dymola and other tools: add it as an FMU for co-simulation, and \
-         take an output interval as the communication step. What they need is in the FMU: states that are saved and \
-         restored, inputs interpolated by their derivatives, derivatives of outputs, directional derivatives."
+        "In other tools: add it as an FMU for co-simulation, and take an output interval as the communication step \
+         (tried in FMPy, libcosim, ecos and fmi-rs). It can save and restore its state, interpolates inputs by their \
+         derivatives, and gives derivatives of outputs and directional derivatives."
             .to_owned(),
     ];
     if let Selection::Auto { tolerance } = scene.selection {
@@ -140,9 +140,17 @@ fn coupling(scene: &Scene) -> Option<String> {
     let velocity = name(Quantity::SliderVelocity, Causality::Input)
         .or_else(|| name(Quantity::OwnVelocity, Causality::Input));
     let velocity = velocity.filter(|_| can_squeal(scene));
-    let reaction = name(Quantity::TangentialReaction, Causality::Output)
-        .or_else(|| name(Quantity::FrictionForce, Causality::Output));
-    if let (Some(velocity), Some(reaction)) = (velocity, reaction) {
+    if let Some(velocity) = velocity {
+        // Of a network the force on each mass is known; the surface gets its negative.
+        let reaction = name(Quantity::TangentialReaction, Causality::Output).or_else(|| {
+            let force = name(Quantity::FrictionForce, Causality::Output)?;
+            let all = if scene.contact_count() == 1 {
+                String::new()
+            } else {
+                format!(", summed over the {} contacts", scene.contact_count())
+            };
+            Some(format!("−{force}{all}"))
+        })?;
         return Some(format!("a drive gives {velocity} and takes {reaction}. {EXCHANGE}"));
     }
     let force = name(Quantity::ExternalForce, Causality::Input)?;

@@ -14,6 +14,11 @@ const PARTS: f64 = 700.0;
 /// The table has rows at so many equal parts of the run.
 const INTERVALS: usize = 8;
 
+/// Are values those of the start, but for rounding?
+fn is_still(values: &[f64], start: &[f64]) -> bool {
+    values.iter().zip(start).all(|(value, start)| (value - start).abs() <= 1e-12 * start.abs())
+}
+
 /// # Errors
 /// The chart cannot be drawn.
 pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error> {
@@ -31,6 +36,9 @@ pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error
              goes, so that an export stays quick.",
             scene.experiment.stop_time
         );
+    }
+    if rows.iter().all(|(_, values)| is_still(values, &rows[0].1)) {
+        words += " With nothing set this scene stays at rest: a comparison wants an input that moves it, here as there.";
     }
     words += " An importer that steps through the same times gets the same doubles, to the last bit; each row below is \
               at one of these times.";

@@ -13,6 +13,9 @@ use std::ops::ControlFlow;
 /// The operations, as [`Cost`] counts them, that a run in an export may take: some tenths of a second, with exact
 /// motion of few parts one or two. They are counted and not timed, so that an FMU is the same on each machine.
 const MOST_OPERATIONS: f64 = 5e8;
+/// With a ledger of energy, which [`Cost`] knows nothing of, a run takes up to so many times as long (rings of 63
+/// modules 7.2).
+const LEDGER: f64 = 8.0;
 /// The rows that it may have.
 const MOST_ROWS: f64 = 1e5;
 /// Of so many displacements that which moves most is shown.
@@ -65,7 +68,8 @@ pub fn reference_run(scene: &Scene, watch: Watch<'_>) -> Result<Option<Reference
 fn affordable(scene: &Scene, experiment: Experiment) -> (Experiment, bool) {
     let Experiment { stop_time, output_interval } = experiment;
     let second = Cost::of(&LumpedModel::from(scene)).run(scene.method, scene.step, 1.0, 0.0);
-    let time = MOST_OPERATIONS / second;
+    let ledger = if scene.effects.energy { LEDGER } else { 1.0 };
+    let time = MOST_OPERATIONS / (ledger * second);
     let intervals = (time / output_interval).floor().clamp(1.0, MOST_ROWS);
     // Whole intervals, so that the rows are those of the whole experiment.
     let end = intervals * output_interval;

@@ -91,19 +91,19 @@ fn growth(spectrum: &Spectrum, states: &[ContactState], can_squeal: bool) -> Str
         _ => format!("at {} Hz", number(frequency)),
     };
     let uniform = states.iter().all(|state| state.sliding_direction().is_some());
+    let warned = match can_squeal && uniform {
+        true => {
+            " A large disturbance may lead to another motion all the same; `amontons-stability bistable` looks for \
+             what can."
+        }
+        false => "",
+    };
     if rate.abs() <= ROUNDING * fastest.norm() {
         return format!(
-            "Small disturbances neither grow nor decay there: nothing damps the motion {how}."
+            "Small disturbances neither grow nor decay there: nothing damps the motion {how}.{warned}"
         );
     }
     if rate < 0.0 {
-        let warned = match can_squeal && uniform {
-            true => {
-                " A large disturbance may lead to another motion all the same; `amontons-stability bistable` looks \
-                 for what can."
-            }
-            false => "",
-        };
         return format!(
             "Small disturbances decay there: the slowest by {} 1/s, {how}.{warned}",
             number(-rate)

@@ -2,8 +2,8 @@
 
 include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
 
-/// So many a release carries.
-const PLATFORMS: usize = 2;
+/// Those that a release carries.
+const MADE: [&str; 2] = ["linux64", "win64"];
 
 /// What an FMU brings for one platform: this same crate, as a shared library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,16 +30,16 @@ impl Library {
         let platform = platform.trim();
         CARRIED.iter().find(|library| library.platform == platform).copied().ok_or_else(|| {
             let carried: Vec<&str> = CARRIED.iter().map(|library| library.platform).collect();
-            format!(
-                "this program carries libraries for {} only{}",
-                carried.join(" and "),
-                if carried.len() < PLATFORMS {
-                    "; one of a release carries linux64 and win64, and release/make or AMONTONS_FMU_LIBRARIES makes \
-                     such a one (README, Platforms)"
-                } else {
-                    ""
-                }
-            )
+            let carried = carried.join(" and ");
+            if MADE.contains(&platform) {
+                format!(
+                    "this program carries the library for {carried} only; one of a release carries all, and \
+                     release/make or AMONTONS_FMU_LIBRARIES makes such a one (README, Platforms)"
+                )
+            } else {
+                let made = MADE.join(" and ");
+                format!("FMUs are made for {made}; this program carries {carried}")
+            }
         })
     }
 }

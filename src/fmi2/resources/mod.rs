@@ -27,7 +27,9 @@ pub(super) fn folder(location: Option<&CStr>) -> Option<PathBuf> {
 /// `file:////…`, `file://localhost/…`, percent-encoded, with a slash at the end. A bare path is taken as it is.
 /// `spelled` makes a path of a host, which is empty for a file of this one, and what follows it.
 fn located<T>(uri: &[u8], spelled: fn(&[u8], Vec<u8>) -> Option<T>) -> Option<T> {
-    let Some(rest) = uri.strip_prefix(b"file:") else {
+    let Some((_, rest)) =
+        uri.split_at_checked(5).filter(|(scheme, _)| scheme.eq_ignore_ascii_case(b"file:"))
+    else {
         return spelled(b"", uri.to_vec());
     };
     let Some(authority) = rest.strip_prefix(b"//") else {

@@ -49,6 +49,7 @@ mod tests {
             "file://localhost/a%20b/%c3%bc/resources",
             "file:///a%20b/%C3%BC/resources/",
             "file:////a%20b/%C3%BC/resources",
+            "FILE:///a%20b/%C3%BC/resources",
             "/a b/ü/resources",
         ] {
             let found = located(uri.as_bytes()).unwrap();

@@ -28,3 +28,41 @@ pub fn feedthrough(scene: &Scene, variables: &[Variable], output: &Variable) -> 
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+    use crate::simulation::variables;
+
+    /// The names of the inputs that the slips of two contacts depend on: one on the common slider, one on a surface
+    /// of its own.
+    fn of_slips(effects: &str) -> Vec<Option<Vec<String>>> {
+        let scene = parse(
+            "two",
+            &format!(
+                "[slider]\nvelocity = 0.1\nangle = 0.0\n[friction]\ncoefficient = 0.5\n[effects]\n{effects}\n\
+                 [[mass]]\nname = \"a\"\nmass = 0.5\nforce = [0.0, -5.0]\n\
+                 [[mass]]\nname = \"b\"\nmass = 0.7\nforce = [0.0, -5.0]\n\
+                 [[spring]]\nname = \"ka\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n\
+                 [[spring]]\nname = \"kb\"\nbetween = [\"b\", \"ground\"]\ndirection = \"x\"\nstiffness = 200.0\n\
+                 [[contact]]\nname = \"common\"\nmass = \"a\"\n\
+                 [[contact]]\nname = \"own\"\nmass = \"b\"\nvelocity = 0.2\nfriction = 0.3\n\
+                 [integrator]\nstep = 1e-4\n"
+            ),
+        )
+        .unwrap();
+        let all = variables(&scene);
+        let slips = all.iter().filter(|one| one.template.quantity == Quantity::SlipVelocity);
+        let names = |places: Vec<usize>| places.iter().map(|&i| all[i].name.clone()).collect();
+        slips.map(|slip| feedthrough(&scene, &all, slip).map(names)).collect()
+    }
+
+    #[test]
+    fn a_slip_that_cannot_stop_depends_on_the_velocity_of_its_own_surface() {
+        let velocities = ["slider.velocity", "contact.own.velocity"];
+        let each = velocities.map(|name| Some(vec![name.to_owned()]));
+        assert_eq!(of_slips("sticking = false"), each);
+        assert_eq!(of_slips("sticking = true"), [None, None]);
+    }
+}
