@@ -9,9 +9,11 @@ use std::process::Command;
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const KEPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/licenses/THIRD-PARTY.txt");
-/// What licence files are called.
-const NAMES: [&str; 7] =
-    ["LICENSE", "LICENCE", "COPYING", "COPYRIGHT", "NOTICE", "UNLICENSE", "AUTHORS"];
+/// What licence files are called: how their names begin, one a line. A release goes by the same.
+const NAMES: &str = include_str!("../licenses/names.txt");
+/// Notes by hand, on what is no crate.
+const NOTES: [&str; 2] =
+    [include_str!("../licenses/RUST.txt"), include_str!("../licenses/RUNTIMES.txt")];
 /// Cargo's names of the platforms that an FMU may be for.
 const TARGETS: [&str; 2] = ["x86_64-unknown-linux-gnu", "x86_64-pc-windows-gnu"];
 
@@ -88,7 +90,7 @@ fn texts(one: &Crate) -> Vec<(String, String)> {
     let files = fs::read_dir(&one.folder).unwrap().map(|entry| entry.unwrap().path());
     let is_licence = |path: &PathBuf| {
         let name = path.file_name().unwrap().to_string_lossy().to_uppercase();
-        path.is_file() && NAMES.iter().any(|known| name.starts_with(known))
+        path.is_file() && NAMES.lines().any(|known| name.starts_with(known))
     };
     let mut found: Vec<(String, String)> = files
         .filter(is_licence)
@@ -126,7 +128,7 @@ fn collected() -> String {
         "What the library in this FMU is linked with\n===========================================\n\n\
          The library is Amontons, licensed as {}: see LICENSE-MIT.txt and LICENSE-APACHE.txt beside this file. It is\n\
          linked with these crates from https://crates.io, each with its licence (SPDX) and the texts that it brings,\n\
-         and with the Rust standard library, whose note comes last.\n\n{list}",
+         with the Rust standard library and with parts of compilers' run-time libraries, whose notes come last.\n\n{list}",
         env!("CARGO_PKG_LICENSE")
     );
     for (number, (text, users)) in parts.iter().enumerate() {
@@ -134,12 +136,10 @@ fn collected() -> String {
         whole +=
             &format!("\n{line}\n[{}] {}\n{line}\n\n{text}\n", number + 1, users.join("\n    "));
     }
+    for note in NOTES {
+        whole += &format!("\n{}\n{note}", "-".repeat(80));
+    }
     whole
-        + &format!(
-            "\n{}\n{}",
-            "-".repeat(80),
-            fs::read_to_string(Path::new(ROOT).join("licenses/RUST.txt")).unwrap()
-        )
 }
 
 #[test]
@@ -187,4 +187,53 @@ fn every_licence_is_one_that_asks_for_no_more_than_its_notice() {
             assert!(FREE.contains(&word), "{name} is licensed as {licence}");
         }
     }
+}
+
+/// What Python prints that runs a line among a release's own scripts, or the error that it ends with.
+fn release(code: &str) -> Result<String, String> {
+    let mut python = Command::new("python3");
+    python.args(["-B", "-c", &format!("import build, licences, pathlib\n{code}")]);
+    let output = python.current_dir(format!("{ROOT}/release")).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    if output.status.success() { Ok(text(output.stdout)) } else { Err(text(output.stderr)) }
+}
+
+#[test]
+fn a_release_brings_a_text_for_every_crate_in_its_programs_and_the_notes_on_what_is_no_crate() {
+    for platform in ["LINUX", "WINDOWS"] {
+        let whole = release(&format!("print(licences.third_party(build.{platform}))")).unwrap();
+        let line = format!("\n{}\n", "=".repeat(80));
+        let mut sections = whole.split(&line);
+        let listed = sections.next().unwrap().lines().filter_map(|line| line.strip_prefix("  "));
+        let sections: Vec<&str> = sections.collect();
+        let with_text: Vec<&str> =
+            sections.iter().flat_map(|text| text.lines().next().unwrap().split(", ")).collect();
+        let listed: Vec<&str> = listed.map(|line| line.split(':').next().unwrap()).collect();
+        assert!(listed.len() > 100, "{listed:?}");
+        for one in listed {
+            assert!(with_text.contains(&one), "{one} has no text");
+        }
+        // Of the font that plots are lettered with; its package is licensed otherwise.
+        assert!(whole.contains("SIL OPEN FONT LICENSE"), "{platform}");
+        for note in NOTES {
+            assert!(sections.iter().any(|section| section.trim() == note.trim()), "{note}");
+        }
+    }
+}
+
+#[test]
+fn a_release_fails_on_a_crate_without_a_text_unless_its_licence_has_one_for_all() {
+    let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("crate-without-licence");
+    fs::create_dir_all(&folder).unwrap();
+    let texts = |licence: &str| {
+        let folder = folder.display();
+        release(&format!(
+            "print(*licences.texts('one 1.2.3', pathlib.Path('{folder}'), '{licence}', ['A. Body <a@b.c>']))"
+        ))
+    };
+    let text = texts("MIT").unwrap();
+    assert!(text.contains("Copyright (c) A. Body <a@b.c>\n\nPermission is hereby granted, free"));
+    assert!(!text.contains("Amontons"), "{text}");
+    let error = texts("Zlib").unwrap_err();
+    assert!(error.contains("one 1.2.3, licensed as Zlib, brings no text"), "{error}");
 }
