@@ -61,8 +61,9 @@ pub enum Rows {
 }
 
 fn start_value(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("must be NAME=VALUE")?;
-    Ok((name.to_owned(), value.parse().map_err(|error| format!("{value}: {error}"))?))
+    let number = text.split_once('=').and_then(|(name, value)| Some((name, value.parse().ok()?)));
+    let (name, value) = number.ok_or("write it as NAME=VALUE, with a number")?;
+    Ok((name.to_owned(), value))
 }
 
 /// A simulation with one input and one output that are coupled.
@@ -227,6 +228,9 @@ fn write_run(
 }
 
 #[allow(dead_code, reason = "tests call `run` itself")]
-fn main() -> Result<(), Box<dyn Error>> {
-    run(&Arguments::parse())
+fn main() {
+    if let Err(error) = run(&Arguments::parse()) {
+        eprintln!("error: {error}");
+        std::process::exit(1);
+    }
 }

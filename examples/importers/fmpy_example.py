@@ -8,14 +8,18 @@
 import shutil
 from contextlib import ExitStack
 
-import fmpy
-from fmpy.fmi2 import FMU2Slave
 from shared import REACTION, VELOCITY, Run, arguments, finish
+
+try:
+    import fmpy
+    from fmpy.fmi2 import FMU2Slave
+except ImportError as error:
+    raise SystemExit(f"{error}: pip install fmpy") from None
 
 
 def alone(given):
     result = fmpy.simulate_fmu(
-        given.scene, stop_time=given.stop_time, output_interval=given.interval, start_values=given.values
+        given.scene.path, stop_time=given.stop_time, output_interval=given.interval, start_values=given.values
     )
     names = [name for name in result.dtype.names if name != "time"]
     return Run(result["time"].tolist(), {name: result[name].astype(float).tolist() for name in names})
@@ -25,13 +29,12 @@ class Part:
     """An instance whose variables are known by name."""
 
     def __init__(self, fmu, name, stack):
-        description = fmpy.read_model_description(fmu)
-        folder = fmpy.extract(fmu)
+        description = fmpy.read_model_description(fmu.path)
+        folder = fmpy.extract(fmu.path)
         stack.callback(shutil.rmtree, folder)
         self.references = {v.name: v.valueReference for v in description.modelVariables}
-        outputs = [v for v in description.modelVariables if v.causality == "output"]
-        self.reals = [v.name for v in outputs if v.type == "Real"]
-        self.others = [v.name for v in outputs if v.type != "Real"]
+        self.reals = [output.name for output in fmu.outputs("Real")]
+        self.others = [output.name for output in fmu.outputs("Integer", "Enumeration")]
         self.slave = FMU2Slave(
             guid=description.guid,
             unzipDirectory=folder,
@@ -103,4 +106,8 @@ def coupled(given):
 
 if __name__ == "__main__":
     given = arguments(f"FMPy {fmpy.__version__}", __doc__.splitlines()[0], rates=True)
-    finish(given, coupled(given) if given.drive else alone(given))
+    try:
+        run = coupled(given) if given.drive else alone(given)
+    except Exception as error:  # FMPy has no class of its own for what can go wrong; it has printed what the FMU says.
+        raise SystemExit(f"FMPy: {error}") from None
+    finish(given, run)

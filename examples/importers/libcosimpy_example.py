@@ -5,14 +5,16 @@
 """
 
 from importlib.metadata import version
-from pathlib import Path
 
-from libcosimpy.CosimEnums import CosimVariableType
-from libcosimpy.CosimExecution import CosimExecution
-from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
-from libcosimpy.CosimObserver import CosimObserver
-from libcosimpy.CosimSlave import CosimLocalSlave
-from shared import REACTION, VELOCITY, Run, arguments, finish, outputs
+from shared import REACTION, VELOCITY, Run, arguments, finish
+
+try:
+    from libcosimpy.CosimExecution import CosimExecution
+    from libcosimpy.CosimLogging import CosimLogLevel, log_output_level
+    from libcosimpy.CosimObserver import CosimObserver
+    from libcosimpy.CosimSlave import CosimLocalSlave
+except ImportError as error:
+    raise SystemExit(f"{error}: pip install libcosimpy") from None
 
 NANOSECOND = 1e-9  # s; libcosim counts its time in whole ones
 
@@ -21,23 +23,17 @@ class Part:
     """A slave of an execution whose variables are known by name."""
 
     def __init__(self, execution, fmu, name):
-        # A file that is not there, or no FMU, would end the process with a segmentation fault.
-        if not Path(fmu).is_file():
-            raise SystemExit(f"there is no file {fmu}")
-        self.outputs = outputs(fmu)
+        self.reals, self.integers = fmu.outputs("Real"), fmu.outputs("Integer")
+        self.unread = [output.name for output in fmu.outputs("Enumeration")]
         # Kept: the slave of an execution must outlive it.
-        self.slave = CosimLocalSlave(fmu_path=str(Path(fmu).resolve()), instance_name=name)
+        self.slave = CosimLocalSlave(fmu_path=fmu.path, instance_name=name)
         self.index = execution.add_local_slave(self.slave)
         self.references = {v.name.decode(): v.reference for v in execution.slave_variables(self.index)}
 
-    def of_kind(self, kind):
-        return [output for output in self.outputs if output.kind == kind]
-
     def row(self, observer):
-        reals, integers = self.of_kind("Real"), self.of_kind("Integer")
-        values = observer.last_real_values(self.index, [output.reference for output in reals])
-        counts = observer.last_integer_values(self.index, [output.reference for output in integers])
-        names = [output.name for output in reals + integers]
+        values = observer.last_real_values(self.index, [output.reference for output in self.reals])
+        counts = observer.last_integer_values(self.index, [output.reference for output in self.integers])
+        names = [output.name for output in self.reals + self.integers]
         return dict(zip(names, map(float, values + counts)))
 
 
@@ -63,12 +59,9 @@ def simulate(given):
             raise SystemExit(f"a step failed at {execution.status().current_time * NANOSECOND} s")
         times.append(execution.status().current_time * NANOSECOND)
         rows.append({prefix + n: v for prefix, part in parts.items() for n, v in part.row(observer).items()})
-    missing = {"first row": "libcosim initializes with its first step"} | {
-        prefix + output.name: "libcosim reads no enumerations"
-        for prefix, part in parts.items()
-        for output in part.of_kind("Enumeration")
-    }
-    return Run(times, {name: [row[name] for row in rows] for name in rows[0]}, missing)
+    unread = [prefix + name for prefix, part in parts.items() for name in part.unread]
+    # libcosim initializes with its first step: there is nothing to be read before.
+    return Run(times, {name: [row[name] for row in rows] for name in rows[0]}, unread, from_start=False)
 
 
 if __name__ == "__main__":
