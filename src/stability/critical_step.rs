@@ -247,7 +247,7 @@ fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> 
     };
     !friction
         || (0..SIZES).all(|size| {
-            let size = sizes.square * 0.5_f64.powi(size.cast_signed());
+            let size = libm::ldexp(sizes.square, -size.cast_signed());
             (1..=ANGLES).all(|angle| {
                 let square = on_circle(size, angle);
                 admits(square * damping.beta + damping.alpha, square)
