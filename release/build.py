@@ -89,12 +89,20 @@ def bins():
 
 def linux_programs():
     for_linux("zigbuild", "--release", *bins())
-    return checked([BUILT_BY_ZIG / LINUX / "release" / name for name in PROGRAMS], checks.linux)
+    return checked([linux_program(name) for name in PROGRAMS], checks.linux)
 
 
 def windows_programs():
     for_windows("build", "--release", *bins())
-    return checked([BUILT_BY_DEBIAN / WINDOWS / "release" / f"{name}.exe" for name in PROGRAMS], checks.windows)
+    return checked([windows_program(name) for name in PROGRAMS], checks.windows)
+
+
+def linux_program(name=PROGRAMS[0]):
+    return BUILT_BY_ZIG / LINUX / "release" / name
+
+
+def windows_program(name=PROGRAMS[0]):
+    return BUILT_BY_DEBIAN / WINDOWS / "release" / f"{name}.exe"
 
 
 def checked(programs, check):

@@ -1,5 +1,6 @@
 """Where things lie, and what else a release is made with."""
 
+import contextlib
 import os
 import shutil
 import subprocess
@@ -52,11 +53,15 @@ def zigbuild():
     return folder / "cargo-zigbuild", f"{folder}{os.pathsep}{os.environ['PATH']}"
 
 
-def run(command, **environment):
-    """Runs a command in the repository, with these variables set (or, where None, not)."""
+def run(command, stdout=None, **environment):
+    """Runs a command in the repository, with these variables set (or, where None, not); what it prints goes to a file
+    where one is named."""
     variables = {**os.environ, **environment}
     variables = {name: value for name, value in variables.items() if value is not None}
-    status = subprocess.run(command, cwd=ROOT, env=variables).returncode
+    with contextlib.nullcontext() if stdout is None else open(stdout, "w") as output:
+        # Found on the PATH that it gets.
+        program = shutil.which(command[0], path=variables["PATH"]) or command[0]
+        status = subprocess.run([program, *command[1:]], cwd=ROOT, env=variables, stdout=output).returncode
     if status != 0:
         raise Failed(f"{' '.join(map(str, command))} ended with {status}")
 

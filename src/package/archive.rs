@@ -4,7 +4,7 @@ use super::date::Date;
 use crate::Error;
 use std::io::{Cursor, Write};
 use zip::write::SimpleFileOptions;
-use zip::{CompressionMethod, DateTime, ZipWriter};
+use zip::{CompressionMethod, DateTime, System, ZipWriter};
 
 pub(super) struct Archive {
     writer: ZipWriter<Cursor<Vec<u8>>>,
@@ -24,6 +24,8 @@ impl Archive {
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(time)
+            // Whatever system this is: the bytes are to be the same.
+            .system(System::Unix)
             .unix_permissions(0o644);
         Ok(Self { writer: ZipWriter::new(Cursor::new(Vec::new())), options })
     }
