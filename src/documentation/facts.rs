@@ -58,7 +58,8 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
 }
 
 /// A number of things: "1 spring", "2 springs".
-fn counted(count: usize, one: &str, several: &str) -> String {
+#[must_use]
+pub fn counted(count: usize, one: &str, several: &str) -> String {
     format!("{count} {}", if count == 1 { one } else { several })
 }
 
@@ -97,13 +98,19 @@ fn contact(scene: &Scene) -> String {
 }
 
 fn normal_forces(scene: &Scene, forces: &[f64]) -> String {
-    let first = forces.iter().enumerate().take(MOST_FORCES);
-    let told = first.map(|(i, force)| format!("{force:.4} N at {}", scene.contact_name(i)));
     let more = match forces.len() {
         0..=MOST_FORCES => String::new(),
         all => format!(", and {} more", all - MOST_FORCES),
     };
-    told.collect::<Vec<_>>().join(", ") + &more
+    first_forces(scene, &forces[..forces.len().min(MOST_FORCES)]) + &more
+}
+
+/// Normal forces, N, of a scene's first contacts, with the contacts' names.
+#[must_use]
+pub fn first_forces(scene: &Scene, forces: &[f64]) -> String {
+    let told = forces.iter().enumerate();
+    let told = told.map(|(i, force)| format!("{force:.4} N at {}", scene.contact_name(i)));
+    told.collect::<Vec<_>>().join(", ")
 }
 
 fn method(subject: Subject<'_>) -> String {

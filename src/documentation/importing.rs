@@ -19,7 +19,8 @@ pub(super) fn section(scene: &Scene) -> String {
     let experiment = scene.experiment;
     let (stop, interval) = (experiment.stop_time, experiment.output_interval);
     let file = file(scene);
-    let outputs = outputs(scene);
+    let variables = fmu_variables(scene);
+    let outputs = outputs(&variables);
     let plot = outputs.first().map_or("time", |variable| &*variable.name);
     let python = format!(
         "from fmpy import simulate_fmu\n\
@@ -53,6 +54,7 @@ pub(super) fn section(scene: &Scene) -> String {
             "During a run",
             tried(
                 scene,
+                &variables,
                 &[
                     Quantity::SliderVelocity,
                     Quantity::OwnVelocity,
@@ -66,6 +68,7 @@ pub(super) fn section(scene: &Scene) -> String {
             "Before it",
             tried(
                 scene,
+                &variables,
                 &[
                     Quantity::InitialVelocity,
                     Quantity::Stiffness,
@@ -84,7 +87,7 @@ pub(super) fn section(scene: &Scene) -> String {
         "To be watched",
         outputs.iter().map(|v| v.name.clone()).collect::<Vec<_>>().join(", "),
     ));
-    if let Some(text) = coupling(scene) {
+    if let Some(text) = coupling(scene, &variables) {
         pairs.push(("To be coupled", text));
     }
     markup::facts(&mut html, &pairs);
@@ -99,8 +102,7 @@ fn file(scene: &Scene) -> String {
 }
 
 /// The first settable variable of each of these kinds that the scene has, with its value.
-fn tried(scene: &Scene, kinds: &[Quantity]) -> Vec<String> {
-    let variables = fmu_variables(scene);
+fn tried(scene: &Scene, variables: &[Variable], kinds: &[Quantity]) -> Vec<String> {
     let first = |quantity: &Quantity| {
         let is_it = |v: &&Variable| v.template.quantity == *quantity && v.is_settable();
         let variable = variables.iter().find(is_it)?;
@@ -111,8 +113,7 @@ fn tried(scene: &Scene, kinds: &[Quantity]) -> Vec<String> {
 }
 
 /// Outputs that tell most: a displacement, forces and the state of the first contact.
-fn outputs(scene: &Scene) -> Vec<Variable> {
-    let variables = fmu_variables(scene);
+fn outputs(variables: &[Variable]) -> Vec<&Variable> {
     let kinds = [
         Quantity::Displacement,
         Quantity::Velocity,
@@ -120,22 +121,17 @@ fn outputs(scene: &Scene) -> Vec<Variable> {
         Quantity::FrictionForce,
         Quantity::ContactState,
     ];
-    let first = |quantity: &Quantity| {
-        variables
-            .iter()
-            .find(|v| v.causality == Causality::Output && v.template.quantity == *quantity)
-            .cloned()
-    };
-    kinds.iter().filter_map(first).collect()
+    kinds.iter().filter_map(|&kind| first(variables, kind, Causality::Output)).collect()
+}
+
+fn first(variables: &[Variable], quantity: Quantity, causality: Causality) -> Option<&Variable> {
+    variables.iter().find(|v| v.template.quantity == quantity && v.causality == causality)
 }
 
 /// How another FMU is to be joined to it.
-fn coupling(scene: &Scene) -> Option<String> {
-    let variables = fmu_variables(scene);
+fn coupling(scene: &Scene, variables: &[Variable]) -> Option<String> {
     let name = |quantity: Quantity, causality: Causality| {
-        let found =
-            variables.iter().find(|v| v.template.quantity == quantity && v.causality == causality);
-        found.map(|variable| variable.name.clone())
+        first(variables, quantity, causality).map(|variable| variable.name.clone())
     };
     let velocity = name(Quantity::SliderVelocity, Causality::Input)
         .or_else(|| name(Quantity::OwnVelocity, Causality::Input));

@@ -30,6 +30,7 @@ mod variables;
 
 pub use accuracy::accuracy_page;
 pub use cross_check::{CrossCheck, cross_check};
+pub use facts::{counted, first_forces};
 pub use run::{ReferenceRun, reference_run};
 
 use crate::Error;

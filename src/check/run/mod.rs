@@ -95,19 +95,19 @@ fn unpack(archive: &Archive, library: &str, folder: &Path) -> Result<(), String>
 
 /// Begins a supervisor; it goes on for as long as its standard input is open.
 fn supervise(folder: &Path, library: &str, options: &Run) -> io::Result<Child> {
-    let mut command = Command::new(&options.program);
-    command
-        .arg(COMMAND)
-        .args([
-            folder.as_os_str(),
-            library.as_ref(),
-            options.timeout.as_secs().to_string().as_ref(),
-        ])
+    command(&options.program, folder, library, options.timeout)
         .stdin(Stdio::piped())
-        .stdout(Stdio::null());
-    // Ctrl-C is for the one that asked.
+        .stdout(Stdio::null())
+        .spawn()
+}
+
+/// What begins one of the processes of [`run_library`]. It has a group of its own: Ctrl-C is for the one that asked.
+fn command(program: &Path, folder: &Path, library: &str, timeout: Duration) -> Command {
+    let mut command = Command::new(program);
+    let seconds = timeout.as_secs().to_string();
+    command.arg(COMMAND).args([folder.as_os_str(), library.as_ref(), seconds.as_ref()]);
     process::group(&mut command);
-    command.spawn()
+    command
 }
 
 /// How it ended; none where `watch` has ended it.

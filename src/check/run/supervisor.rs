@@ -2,12 +2,12 @@
 //! with it all that the library began, also where the one that asked is there no more.
 
 use super::journal::{self, Journal};
-use super::{COMMAND, JOURNAL, OFTEN, process};
+use super::{JOURNAL, OFTEN, process};
 use crate::check::rules::Rule;
 use std::fs::{self, File};
 use std::io;
 use std::path::Path;
-use std::process::{Child, Command, ExitStatus, Stdio};
+use std::process::{Child, ExitStatus, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -48,19 +48,15 @@ fn start(folder: &Path, library: &str, timeout: Duration) -> io::Result<Child> {
     let output = File::create(folder.join(OUTPUT))?;
     let work = folder.join("work");
     fs::create_dir(&work)?;
-    let mut command = Command::new(std::env::current_exe()?);
-    command
-        .arg(COMMAND)
+    super::command(&std::env::current_exe()?, folder, library, timeout)
         // What a thread keeps for its next request counts as in use; without it the heap is counted exactly.
         .env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
         .arg(format!("--supervisor={}", std::process::id()))
-        .args([folder.as_os_str(), library.as_ref(), timeout.as_secs().to_string().as_ref()])
         .current_dir(work)
         .stdin(Stdio::null())
         .stdout(output.try_clone()?)
-        .stderr(output);
-    process::group(&mut command);
-    command.spawn()
+        .stderr(output)
+        .spawn()
 }
 
 fn wait(worker: &mut Child, timeout: Duration) -> End {

@@ -7,7 +7,7 @@ use crate::arguments::Export;
 use crate::scenes;
 use amontons::Error;
 use amontons::accuracy::Choice;
-use amontons::documentation::{Subject, documentation};
+use amontons::documentation::{Subject, counted, documentation, first_forces};
 use amontons::integrator::tidy;
 use amontons::model::{Equilibrium, LumpedModel};
 use amontons::output::check_folder;
@@ -148,17 +148,12 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     Ok(())
 }
 
-fn counted(count: usize, one: &str, several: &str) -> String {
-    format!("{count} {}", if count == 1 { one } else { several })
-}
-
 /// The normal forces that the run starts with, of the first contacts.
 fn print_equilibrium(scene: &Scene, equilibrium: &Equilibrium) {
     const MOST: usize = 4;
-    let forces = equilibrium.normal_force.iter().enumerate().take(MOST);
-    let forces = forces.map(|(i, force)| format!("{force:.4} N at {}", scene.contact_name(i)));
-    let more = if equilibrium.normal_force.len() > MOST { ", …" } else { "" };
-    let forces = forces.collect::<Vec<_>>().join(", ");
+    let all = &equilibrium.normal_force;
+    let forces = first_forces(scene, &all[..all.len().min(MOST)]);
+    let more = if all.len() > MOST { ", …" } else { "" };
     if !forces.is_empty() {
         println!("  equilibrium    {forces}{more}");
     }
