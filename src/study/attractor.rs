@@ -9,8 +9,9 @@ const SAME_IRREGULAR: f64 = 0.25;
 /// Frequencies of one cycle differ by less than this, relative.
 const SAME_FREQUENCY: f64 = 1e-3;
 
-/// Are these endings one motion? All rest is one; cycles are that agree in amplitude and in their strongest
-/// frequencies, and irregular motions of about one amplitude. What has not settled is like nothing.
+/// Are these endings one motion? All rest is one, and so is all growth without bound; cycles are that agree in the
+/// extents of all displacements and in their periods or strongest frequencies; motions without a period that agree in
+/// about these extents. What has not settled is like nothing.
 #[must_use]
 pub fn is_same(a: &Ending, b: &Ending) -> bool {
     let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
@@ -20,13 +21,23 @@ pub fn is_same(a: &Ending, b: &Ending) -> bool {
             ending.lines.iter().any(|[line, _]| near(*line, frequency, SAME_FREQUENCY))
         })
     };
-    let amplitudes = |part| near(a.amplitude, b.amplitude, part);
+    let has_extents = |part: f64| {
+        let largest = |ending: &Ending| ending.extents.iter().copied().fold(0.0, f64::max);
+        let margin = part * largest(a).max(largest(b));
+        a.extents.len() == b.extents.len()
+            && a.extents.iter().zip(&b.extents).all(|(a, b)| (a - b).abs() <= margin)
+    };
     match [a.kind, b.kind] {
-        [Kind::Equilibrium, Kind::Equilibrium] => true,
-        [Kind::Irregular, Kind::Irregular] => amplitudes(SAME_IRREGULAR),
-        // A cycle whose weakest telling line is at the limit may be called one kind or the other.
+        [Kind::Equilibrium, Kind::Equilibrium] | [Kind::Unbounded, Kind::Unbounded] => true,
+        [Kind::Irregular, Kind::Irregular] => has_extents(SAME_IRREGULAR),
+        [Kind::Periodic, Kind::Periodic] => {
+            let periods = a.period.zip(b.period);
+            has_extents(SAME_AMPLITUDE)
+                && periods.map_or_else(|| has(a, b) && has(b, a), |(a, b)| near(a, b, SAME_FREQUENCY))
+        }
+        // A cycle at the limit of two kinds may be called either.
         [a_kind, b_kind] if a_kind.is_cycle() && b_kind.is_cycle() => {
-            amplitudes(SAME_AMPLITUDE) && has(a, b) && has(b, a)
+            has_extents(SAME_AMPLITUDE) && has(a, b) && has(b, a)
         }
         _ => false,
     }
@@ -71,6 +82,7 @@ mod tests {
         let ending = json!({
             "kind": kind,
             "amplitude": amplitude,
+            "extents": [amplitude],
             "frequency": lines.first().map(|line| line[0]),
             "lines": lines,
             "shares": [1.0, 0.0, 0.0, 0.0],

@@ -7,7 +7,8 @@
 //! are decided make room.
 
 use super::attractor::attractors;
-use super::ending::{Ending, Kind, Settling};
+use super::ending::{Ending, Kind};
+use super::settling::Settling;
 use super::initial::{initial_value, starting_from};
 use super::look::Look;
 use super::{Journal, Watch};
@@ -220,7 +221,9 @@ impl Plane<'_> {
                     let Some(time) = next_time(&group) else { break };
                     batch.advance_to(time);
                     for (simulation, traveller) in batch.simulations().iter_mut().zip(&mut group) {
-                        attempt(simulation, |simulation| traveller.note(simulation));
+                        attempt(simulation, |simulation| {
+                            traveller.note(simulation, &|| self.watch.is_over())
+                        });
                     }
                 }
                 for (simulation, mut traveller) in batch.into_simulations().into_iter().zip(group) {
@@ -267,12 +270,16 @@ impl Traveller {
     }
 
     /// Takes note of a row.
-    fn note(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
+    fn note(
+        &mut self,
+        simulation: &mut Simulation,
+        is_over: &dyn Fn() -> bool,
+    ) -> Result<(), Error> {
         if self.found.is_some() {
             return Ok(());
         }
         self.meter.note(simulation.displacement(), simulation.velocity());
-        if let Some(ending) = self.settling.note(simulation)? {
+        if let Some(ending) = self.settling.note(simulation, is_over)? {
             let habits = habits(self.sizes.iter());
             self.found = Some(Found::Settled(Box::new(ending), habits));
         }

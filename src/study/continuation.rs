@@ -2,15 +2,20 @@
 //! "pseudo-continuation" (Figs. 6 and 7).
 //!
 //! The first value upwards starts at rest, the first downwards as the scene says; each other one from the state in
-//! which the one before has ended. All with a small push. The paper pushes where µ
-//! rises, out of an equilibrium that has become unstable. Here falling values are pushed too: a cycle that has lost
-//! its stability would else be followed for as long as rounding takes to grow.
+//! which the one before has ended, or from its own equilibrium where that one rests. All start with a small push. The
+//! paper pushes where µ rises, out of an equilibrium that has become unstable. Here falling values are pushed too: a
+//! cycle that has lost its stability would else be followed for as long as rounding takes to grow.
+//!
+//! A change of µ is a push too. Where a motion gives way to another, the change is halved until the motion stays or the
+//! change is as small as the resolution: only what a motion does not survive at that size is a jump. So jumps do not
+//! depend on the values of µ that are asked for.
 
 use super::Watch;
-use super::ending::{Ending, settle};
+use super::ending::{Ending, Kind};
 use super::journal::Journal;
 use super::look::Look;
 use super::push::Push;
+use super::settling::settle;
 use crate::Error;
 use crate::scene::Scene;
 use crate::simulation::{Progress, Simulation, Snapshot, assign};
@@ -19,15 +24,17 @@ use crate::sweep::FRICTION;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Amplitudes that differ by more than this part, from one value to the next or between the branches, may be of
-/// different motions.
-const OTHER_AMPLITUDE: f64 = 0.05;
+/// Extents that differ by more than this part, from one value to the next or between the ways, may be of different
+/// motions.
+const OTHER_EXTENT: f64 = 0.05;
+/// Sizes of irregular motions that do.
+const OTHER_IRREGULAR: f64 = 0.25;
 /// Frequencies that do.
 const OTHER_FREQUENCY: f64 = 0.02;
 /// What another kind adds: with nothing else it is no other motion, as a second frequency may come and go gently.
-const OTHER_KIND: f64 = 0.8 * OTHER_AMPLITUDE;
-/// What is left of a jump where its bounds have come together, in parts of what it was; a slope leaves less.
-const LEFT: f64 = 0.5;
+const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
+/// Displacements with less than this part of the largest extent do not tell motions apart.
+const SEEN: f64 = 1e-2;
 
 /// Which way µ goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -62,10 +69,13 @@ pub struct Plan<'a> {
     pub look: &'a Look,
     /// Values of µ, ascending.
     pub values: &'a [f64],
-    /// How far apart the bounds of a fold are in the end, in µ.
+    /// The size of a change of µ that a motion must survive, and the width of the bracket of a jump.
     pub resolution: f64,
     /// The push that each value starts with.
     pub push: Push,
+    /// Ranges of µ in which the motions of both ways are to be compared by runs of their own, wherever one of them is
+    /// rest and the other is not: those of candidates.
+    pub ranges: &'a [[f64; 2]],
 }
 
 /// A value of µ on one of the ways.
@@ -79,7 +89,7 @@ pub struct Point {
 
 /// Where one motion gives way to another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Fold {
+pub struct Jump {
     /// Which way µ goes.
     pub way: Way,
     /// The last µ that still has the motion, and the first that has it no more.
@@ -88,7 +98,7 @@ pub struct Fold {
     pub endings: [Ending; 2],
 }
 
-impl Fold {
+impl Jump {
     /// The middle of its bounds.
     #[must_use]
     pub fn at(&self) -> f64 {
@@ -99,12 +109,21 @@ impl Fold {
 /// A range of µ in which the two ways end in different motions.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bistable {
-    /// From and to, by the folds that bound it or, where it reaches the ends of what was followed, those values.
+    /// From and to, by the jumps that bound it or, where it reaches the ends of what was followed, those values.
     pub range: [f64; 2],
-    /// Is an end of it bounded by a fold?
+    /// `true` for an end that is bounded by a jump.
     pub bounded: [bool; 2],
-    /// Is one of the two motions rest?
+    /// `true` if one of the two motions is rest.
     pub rests: bool,
+}
+
+/// The motions of both ways at one value of µ.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Both {
+    /// µ.
+    pub friction: f64,
+    /// Upwards and downwards.
+    pub endings: [Ending; 2],
 }
 
 /// What was followed.
@@ -115,9 +134,13 @@ pub struct Continuation {
     /// By ascending µ too.
     pub falling: Vec<Point>,
     /// By ascending µ, rising ones first.
-    pub folds: Vec<Fold>,
+    pub jumps: Vec<Jump>,
     /// By ascending µ.
     pub bistable: Vec<Bistable>,
+    /// Ranges of µ in which it is not known whether both ways end in the same motion, by ascending µ.
+    pub unknown: Vec<[f64; 2]>,
+    /// For each of [`Plan::ranges`] one value of µ in each part of it in which one way rests and the other does not.
+    pub compared: Vec<Vec<Both>>,
 }
 
 /// A piece of the work: what was found, and the state from which the next value starts.
@@ -127,12 +150,12 @@ struct Piece {
     progress: Option<Progress>,
 }
 
-/// Where a value starts.
+/// The state that a value starts in.
 #[derive(Clone, Copy)]
 enum Start<'a> {
-    /// In the state that the value before has ended in.
-    State(&'a Progress),
-    /// The first of a way: upwards at rest, downwards as the scene says, which may be in a cycle.
+    /// That in which another value has ended.
+    From(&'a Reached),
+    /// That of the first value of a way: upwards at rest, downwards as the scene says, which may be in a cycle.
     Scene(Way),
 }
 
@@ -143,8 +166,25 @@ struct Reached {
     progress: Option<Progress>,
 }
 
-/// Follows both ways, then refines the folds, on all cores. `None` if the watch ended it; what was finished is in
-/// the journal.
+impl Reached {
+    fn ending(&self) -> Option<&Ending> {
+        self.point.ending.as_ref().ok()
+    }
+}
+
+/// A way as far as it was followed.
+#[derive(Clone)]
+struct Followed {
+    /// What the journal calls it.
+    label: String,
+    /// All values that it has passed, in its order, those between the asked ones included.
+    passed: Vec<Reached>,
+    jumps: Vec<Jump>,
+    /// `true` while the last motion is one that has left another at a jump and has not settled.
+    is_leaving: bool,
+}
+
+/// Follows both ways, each on a core. `None` if the watch ended it; what was finished is in the journal.
 ///
 /// # Errors
 /// A scene without a common friction coefficient, a value that µ cannot have, or a journal that cannot be written.
@@ -157,72 +197,121 @@ pub fn continuation(
         assign(&mut plan.scene.clone(), FRICTION, *value)?;
     }
     let done = AtomicUsize::new(0);
-    // Two ways, and what folds take: about a tenth.
+    // Two ways, and the comparisons: about a tenth.
     #[allow(clippy::cast_precision_loss)]
     let all = 2.2 * plan.values.len() as f64;
     #[allow(clippy::cast_precision_loss)]
     let step_done = || (watch.progress)(done.fetch_add(1, Ordering::Relaxed) as f64 / all);
-    let ways = collect(2, &|i| plan.follow(Way::ALL[i], journal, watch, &step_done), &|_| {})?;
-    let Some(ways) = ways.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
-    let jumps: Vec<(Way, &[Reached])> = Way::ALL
-        .into_iter()
-        .zip(&ways)
-        .flat_map(|(way, reached)| reached.windows(2).map(move |two| (way, two)))
-        .filter(|(_, two)| differ(&two[0].point, &two[1].point))
-        .collect();
-    let refine = |i: usize| plan.refine(jumps[i].0, jumps[i].1, journal, watch);
-    let folds = collect(jumps.len(), &refine, &|_| {})?;
-    let Some(folds) = folds.into_iter().collect::<Option<Vec<_>>>() else { return Ok(None) };
-    let mut folds: Vec<Fold> = folds.into_iter().flatten().collect();
-    folds.sort_by(|a, b| (a.way as u8).cmp(&(b.way as u8)).then(a.at().total_cmp(&b.at())));
-    let [rising, falling] = <[_; 2]>::try_from(ways).unwrap_or_default();
-    let rising: Vec<Point> = rising.into_iter().map(|reached| reached.point).collect();
-    let falling: Vec<Point> = falling.into_iter().rev().map(|reached| reached.point).collect();
-    let bistable = bistable(&rising, &falling, &folds);
-    Ok(Some(Continuation { rising, falling, folds, bistable }))
+    let run = Run { plan, journal, watch };
+    let ways = collect(2, &|i| run.follow(Way::ALL[i], &step_done), &|_| {})?;
+    let Some(ways) = ways.into_iter().collect::<Option<Vec<Followed>>>() else { return Ok(None) };
+    let Some((bistable, unknown)) = run.compare_ways(&ways)? else { return Ok(None) };
+    let mut compared = Vec::new();
+    for range in plan.ranges {
+        let Some(both) = run.compare_inside(*range, &bistable, &ways)? else { return Ok(None) };
+        compared.push(both);
+    }
+    let mut jumps: Vec<Jump> = ways.iter().flat_map(|way| way.jumps.clone()).collect();
+    jumps.sort_by(|a, b| (a.way as u8).cmp(&(b.way as u8)).then(a.at().total_cmp(&b.at())));
+    let asked = |way: &Followed| -> Vec<Point> {
+        let points = way.passed.iter().map(|reached| &reached.point);
+        points.filter(|point| plan.values.contains(&point.friction)).cloned().collect()
+    };
+    let rising = asked(&ways[0]);
+    let falling = asked(&ways[1]).into_iter().rev().collect();
+    Ok(Some(Continuation { rising, falling, jumps, bistable, unknown, compared }))
 }
 
-impl Plan<'_> {
+/// A plan on its way.
+struct Run<'a> {
+    plan: &'a Plan<'a>,
+    journal: &'a Journal,
+    watch: Watch<'a>,
+}
+
+impl Run<'_> {
     /// All values of one way, in its order, as far as it goes.
-    fn follow(
-        &self,
-        way: Way,
-        journal: &Journal,
-        watch: Watch<'_>,
-        step_done: &dyn Fn(),
-    ) -> Result<Option<Vec<Reached>>, Error> {
-        let mut values = self.values.to_vec();
+    fn follow(&self, way: Way, step_done: &dyn Fn()) -> Result<Option<Followed>, Error> {
+        let mut values = self.plan.values.to_vec();
         if way == Way::Falling {
             values.reverse();
         }
-        let mut reached: Vec<Reached> = Vec::with_capacity(values.len());
-        for value in values {
-            let before = reached.last().and_then(|last| last.progress.as_ref());
-            let key = format!("{} {value:?}", way.name());
-            let start = before.map_or(Start::Scene(way), Start::State);
-            let Some(next) = self.reach(&key, value, start, journal, watch)? else {
-                return Ok(None);
-            };
-            let has_failed = next.progress.is_none();
-            reached.push(next);
-            step_done();
-            if has_failed {
+        let label = way.name().to_owned();
+        let Some(first) = self.reach(&label, values[0], Start::Scene(way))? else {
+            return Ok(None);
+        };
+        let mut followed = Followed::from(label, first);
+        step_done();
+        for value in &values[1..] {
+            if followed.passed.last().is_none_or(|last| last.progress.is_none()) {
                 break;
             }
+            if !self.advance(way, &mut followed, *value)? {
+                return Ok(None);
+            }
+            step_done();
         }
-        Ok(Some(reached))
+        Ok(Some(followed))
+    }
+
+    /// Follows a way from the last value that it has passed to another one. The change of µ is halved wherever the
+    /// motion gives way to another, until it stays or the change is as small as the resolution. `false` if the watch
+    /// ended it.
+    fn advance(&self, way: Way, followed: &mut Followed, to: f64) -> Result<bool, Error> {
+        let resolution = self.plan.resolution * (1.0 + 1e-9);
+        let Some(mut here) = followed.passed.last().cloned() else { return Ok(true) };
+        let mut step = to - here.point.friction;
+        loop {
+            let from = here.point.friction;
+            let is_whole = step.abs() >= (to - from).abs() * (1.0 - 1e-9);
+            let target = if is_whole { to } else { from + step };
+            let Some(next) = self.reach(&followed.label, target, Start::From(&here))? else {
+                return Ok(false);
+            };
+            let stays = match (here.ending(), next.ending()) {
+                (Some(before), Some(after)) => {
+                    followed.is_leaving || distance(before, after) <= OTHER_EXTENT
+                }
+                _ => false,
+            };
+            let half = 0.5 * (target - from);
+            // No double lies between them where half of the change is nothing.
+            if !stays && half.abs() >= 0.5 * resolution && from + half != target {
+                step = half;
+                continue;
+            }
+            if let (Some(before), Some(after)) = (here.ending(), next.ending()) {
+                if !stays {
+                    let (between, endings) = ([from, target], [before.clone(), after.clone()]);
+                    followed.jumps.push(Jump { way, between, endings });
+                }
+                // A motion that has left another one and not yet settled may become any motion.
+                followed.is_leaving = (followed.is_leaving || !stays)
+                    && after.kind == Kind::Unsettled
+                    && !after.rests();
+            }
+            step = if stays { 2.0 * step } else { to - target };
+            let is_over = target == to || next.progress.is_none();
+            followed.passed.push(next.clone());
+            if is_over {
+                return Ok(true);
+            }
+            here = next;
+        }
     }
 
     /// One value, from where it starts.
     fn reach(
         &self,
-        key: &str,
+        label: &str,
         friction: f64,
         start: Start<'_>,
-        journal: &Journal,
-        watch: Watch<'_>,
     ) -> Result<Option<Reached>, Error> {
-        let work = || match self.run(friction, start, watch) {
+        let key = match start {
+            Start::Scene(_) => format!("{label} {friction:?}"),
+            Start::From(from) => format!("{label} {friction:?} from {:?}", from.point.friction),
+        };
+        let work = || match self.run(friction, start) {
             Ok(None) => Ok(None),
             Ok(Some((ending, progress))) => {
                 Ok(Some(Piece { ending: Ok(ending), progress: Some(progress) }))
@@ -230,145 +319,163 @@ impl Plan<'_> {
             // A finding, not the end of the study.
             Err(error) => Ok(Some(Piece { ending: Err(error.to_string()), progress: None })),
         };
-        let piece = journal.piece(key, work)?;
+        let piece = self.journal.piece(&key, work)?;
         Ok(piece.map(|Piece { ending, progress }| Reached {
             point: Point { friction, ending },
             progress,
         }))
     }
 
-    fn run(
-        &self,
-        friction: f64,
-        start: Start<'_>,
-        watch: Watch<'_>,
-    ) -> Result<Option<(Ending, Progress)>, Error> {
-        let mut scene = self.scene.clone();
+    fn run(&self, friction: f64, start: Start<'_>) -> Result<Option<(Ending, Progress)>, Error> {
+        let mut scene = self.plan.scene.clone();
         assign(&mut scene, FRICTION, friction)?;
         let mut simulation = match start {
-            Start::State(progress) => Simulation::resume(Snapshot::new(scene, progress.clone()))?,
             Start::Scene(Way::Falling) => Simulation::new(scene, 0.0)?,
-            Start::Scene(Way::Rising) => {
+            Start::From(Reached { point, progress: Some(progress) })
+                if !point.ending.as_ref().is_ok_and(Ending::rests) =>
+            {
+                Simulation::resume(Snapshot::new(scene, progress.clone()))?
+            }
+            // An equilibrium moves with µ; a motion that rests follows it.
+            Start::Scene(Way::Rising) | Start::From(_) => {
                 scene.rest();
                 Simulation::new(scene, 0.0)?
             }
         };
-        self.push.give(&mut simulation);
-        let ending = settle(&mut simulation, self.look, &|| watch.is_over())?;
+        self.plan.push.give(&mut simulation);
+        let ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
         Ok(ending.map(|ending| (ending, simulation.save().into_progress())))
     }
 
-    /// Brings the bounds of a jump together, from the state of the value that still has the motion. `None` inside
-    /// where nothing is left of the jump: there the motion changes steeply, but as one.
-    fn refine(
+    /// The ranges of µ in which both ways end in different motions, and those in which that is not known: between each
+    /// two neighbouring jumps both ways are run at a value in the middle.
+    #[allow(clippy::type_complexity)]
+    fn compare_ways(
         &self,
-        way: Way,
-        two: &[Reached],
-        journal: &Journal,
-        watch: Watch<'_>,
-    ) -> Result<Option<Option<Fold>>, Error> {
-        let [first, last] = two else { return Ok(Some(None)) };
-        let (Ok(first_ending), Ok(last_ending)) = (&first.point.ending, &last.point.ending) else {
-            return Ok(Some(None));
-        };
-        let Some(mut state) = first.progress.clone() else { return Ok(Some(None)) };
-        let mut between = [first.point.friction, last.point.friction];
-        let mut endings = [first_ending.clone(), last_ending.clone()];
-        let whole = distance(first_ending, last_ending);
-        while (between[1] - between[0]).abs() > self.resolution {
-            let middle = 0.5 * (between[0] + between[1]);
-            // No double lies between them.
-            if between.contains(&middle) {
-                break;
-            }
-            if watch.is_over() {
-                return Ok(None);
-            }
-            let key = format!("{} fold {middle:?}", way.name());
-            let Some(reached) = self.reach(&key, middle, Start::State(&state), journal, watch)?
-            else {
+        ways: &[Followed],
+    ) -> Result<Option<(Vec<Bistable>, Vec<[f64; 2]>)>, Error> {
+        let values = self.plan.values;
+        let ends = [values[0], values[values.len() - 1]];
+        let jumps = ways.iter().flat_map(|way| way.jumps.iter().map(Jump::at));
+        let mut bounds: Vec<f64> = jumps.chain(ends).collect();
+        bounds.sort_by(f64::total_cmp);
+        // Jumps of both ways at the same place have nothing between them.
+        bounds.dedup_by(|a, b| (*a - *b).abs() <= 2.0 * self.plan.resolution && !ends.contains(a));
+        let (mut bistable, mut unknown): (Vec<Bistable>, Vec<[f64; 2]>) = Default::default();
+        for range in bounds.windows(2).map(|two| [two[0], two[1]]) {
+            let Some(both) = self.both(f64::midpoint(range[0], range[1]), ways)? else {
                 return Ok(None);
             };
-            let (Ok(ending), Some(progress)) = (reached.point.ending, reached.progress) else {
-                return Ok(Some(None));
+            let Some(Both { endings: [up, down], .. }) = both else {
+                unknown.push(range);
+                continue;
             };
-            if distance(&endings[0], &ending) <= distance(&ending, &endings[1]) {
-                (between[0], endings[0], state) = (middle, ending, progress);
-            } else {
-                (between[1], endings[1]) = (middle, ending);
+            if distance(&up, &down) <= OTHER_EXTENT {
+                continue;
+            }
+            let rests = up.rests() != down.rests();
+            let bounded = range.map(|end| !ends.contains(&end));
+            match bistable.last_mut() {
+                Some(last) if last.range[1] == range[0] && last.rests == rests => {
+                    (last.range[1], last.bounded[1]) = (range[1], bounded[1]);
+                }
+                _ => bistable.push(Bistable { range, bounded, rests }),
             }
         }
-        let left = distance(&endings[0], &endings[1]);
-        let is_left = left > LEFT * whole && left > OTHER_AMPLITUDE;
-        Ok(Some(is_left.then_some(Fold { way, between, endings })))
+        Ok(Some((bistable, unknown)))
+    }
+
+    /// Both ways' motions in the middle of each part of a range in which one way rests and the other does not.
+    fn compare_inside(
+        &self,
+        [from, to]: [f64; 2],
+        bistable: &[Bistable],
+        ways: &[Followed],
+    ) -> Result<Option<Vec<Both>>, Error> {
+        let mut found = Vec::new();
+        for range in bistable.iter().filter(|range| range.rests) {
+            let [from, to] = [from.max(range.range[0]), to.min(range.range[1])];
+            if from < to {
+                let Some(both) = self.both(f64::midpoint(from, to), ways)? else { return Ok(None) };
+                found.extend(both);
+            }
+        }
+        Ok(Some(found))
+    }
+
+    /// The motions of both ways at a value; `None` inside where one of them is not known there.
+    fn both(&self, friction: f64, ways: &[Followed]) -> Result<Option<Option<Both>>, Error> {
+        let mut endings = Vec::new();
+        for (way, followed) in Way::ALL.into_iter().zip(ways) {
+            let Some(start) = followed.nearest(friction) else { return Ok(Some(None)) };
+            let from = start.point.friction;
+            let label = format!("{}, compared at {friction:?}:", way.name());
+            let mut there = Followed::from(label, start);
+            if from != friction && !self.advance(way, &mut there, friction)? {
+                return Ok(None);
+            }
+            let ending = there.passed.pop().and_then(|last| last.point.ending.ok());
+            match ending {
+                Some(ending) if ending.is_known() && there.jumps.is_empty() => endings.push(ending),
+                _ => return Ok(Some(None)),
+            }
+        }
+        let endings = <[Ending; 2]>::try_from(endings).ok();
+        Ok(Some(endings.map(|endings| Both { friction, endings })))
     }
 }
 
-/// How different two motions are: 0 for the same; one rests and the other does not: as far as can be.
+impl Followed {
+    fn from(label: String, first: Reached) -> Self {
+        Self { label, passed: vec![first], jumps: Vec::new(), is_leaving: false }
+    }
+
+    /// The passed value nearest to another one with a motion, on the same side of all jumps.
+    fn nearest(&self, friction: f64) -> Option<Reached> {
+        let is_beside = |reached: &&Reached| {
+            let (low, high) = (reached.point.friction.min(friction), reached.point.friction.max(friction));
+            reached.progress.is_some()
+                && !self.jumps.iter().any(|jump| (low..=high).contains(&jump.at()))
+        };
+        let apart = |reached: &&Reached| (reached.point.friction - friction).abs();
+        let beside = self.passed.iter().filter(is_beside);
+        beside.min_by(|a, b| apart(a).total_cmp(&apart(b))).cloned()
+    }
+}
+
+/// How different two motions are: 0 for the same; where one rests or grows without bound and the other does not, as far
+/// as can be.
 fn distance(a: &Ending, b: &Ending) -> f64 {
-    const REST: f64 = 10.0;
+    const FAR: f64 = 10.0;
+    let is_unbounded = |ending: &Ending| ending.kind == Kind::Unbounded;
     match (a.rests(), b.rests()) {
-        (true, true) => 0.0,
-        (true, false) | (false, true) => REST,
-        (false, false) => {
-            // One output may be zero throughout, and the whole may hide what one output shows.
-            let log =
-                |a: f64, b: f64| if a > 0.0 && b > 0.0 { libm::log(a / b).abs() } else { 0.0 };
-            let ratio = log(a.size, b.size).max(log(a.amplitude, b.amplitude));
-            let pitch = match (a.frequency, b.frequency) {
-                (Some(a), Some(b)) => libm::log(a / b).abs(),
-                (None, None) => 0.0,
-                _ => 1.0,
-            };
-            // Frequencies change less than amplitudes where motions are the same.
-            let kind = if a.kind == b.kind { 0.0 } else { OTHER_KIND };
-            ratio + pitch * OTHER_AMPLITUDE / OTHER_FREQUENCY + kind
+        (true, true) => return 0.0,
+        (true, false) | (false, true) => return FAR,
+        (false, false) if is_unbounded(a) && is_unbounded(b) => return 0.0,
+        (false, false) if is_unbounded(a) != is_unbounded(b) => return FAR,
+        (false, false) => {}
+    }
+    let largest = |ending: &Ending| ending.extents.iter().copied().fold(0.0, f64::max);
+    let seen = SEEN * largest(a).max(largest(b));
+    let log = |a: f64, b: f64| if a > 0.0 && b > 0.0 { libm::log(a / b).abs() } else { 0.0 };
+    let extents = a.extents.iter().zip(&b.extents).filter(|(a, b)| a.max(**b) >= seen);
+    let extents = extents.map(|(a, b)| log(*a, *b)).fold(0.0, f64::max);
+    let size = match [a.kind, b.kind] {
+        [Kind::Periodic, Kind::Periodic] => extents.max(log(a.size, b.size)),
+        // Over a window the extents of a motion without a period vary.
+        [Kind::Irregular | Kind::Undecided, _] | [_, Kind::Irregular | Kind::Undecided] => {
+            log(a.size, b.size) * OTHER_EXTENT / OTHER_IRREGULAR
         }
-    }
-}
-
-/// Are two points known to have different motions?
-fn differ(a: &Point, b: &Point) -> bool {
-    match (&a.ending, &b.ending) {
-        (Ok(a), Ok(b)) => a.is_known() && b.is_known() && distance(a, b) > OTHER_AMPLITUDE,
-        _ => false,
-    }
-}
-
-/// Where the two ways end in different motions, the ends by the folds.
-fn bistable(rising: &[Point], falling: &[Point], folds: &[Fold]) -> Vec<Bistable> {
-    // A way that failed is shorter, at its end: rising ones lack the last values, falling ones the first.
-    let pairs: Vec<(&Point, &Point)> = rising
-        .iter()
-        .filter_map(|up| {
-            let down = falling.iter().find(|down| down.friction == up.friction)?;
-            Some((up, down))
-        })
-        .collect();
-    let mut found = Vec::new();
-    let mut place = 0_usize;
-    let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
-    let kind = |(up, down): &(&Point, &Point)| (differ(up, down), rests(up) != rests(down));
-    for run in pairs.chunk_by(|a, b| kind(a) == kind(b)) {
-        let (before, after) = (place.checked_sub(1), place + run.len());
-        place = after;
-        let (first, last) = (run[0], run[run.len() - 1]);
-        if !differ(first.0, first.1) {
-            continue;
-        }
-        // From the last value where both ways agree up to the first where they do not.
-        let fold_between = |from: Option<&(&Point, &Point)>, to: Option<&(&Point, &Point)>| {
-            let (from, to) = (from?.0.friction, to?.0.friction);
-            let inside = |fold: &&Fold| (from..=to).contains(&fold.at());
-            folds.iter().find(inside).map(Fold::at)
-        };
-        let low = fold_between(before.and_then(|i| pairs.get(i)), Some(&first));
-        let high = fold_between(Some(&last), pairs.get(after));
-        found.push(Bistable {
-            range: [low.unwrap_or(first.0.friction), high.unwrap_or(last.0.friction)],
-            bounded: [low.is_some(), high.is_some()],
-            rests: kind(&first).1,
-        });
-    }
-    found
+        _ => log(a.size, b.size),
+    };
+    // Of two lines that are equally strong either may be the first.
+    let pitch = |a: &Ending, b: &Ending| match (a.frequency, &b.lines[..]) {
+        (Some(a), [_, ..]) => b.lines.iter().map(|line| log(a, line[0])).fold(1.0, f64::min),
+        (None, []) => 0.0,
+        _ => 1.0,
+    };
+    let pitch = pitch(a, b).max(pitch(b, a));
+    // Frequencies change less than extents where motions are the same.
+    let kind = if a.kind == b.kind { 0.0 } else { OTHER_KIND };
+    size + pitch * OTHER_EXTENT / OTHER_FREQUENCY + kind
 }

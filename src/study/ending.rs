@@ -1,67 +1,25 @@
-//! What a motion ends in: rest, or a cycle of which kind.
-//!
-//! A motion is looked at window by window. It is *settled* when it rests, or when its size and its lines are the
-//! same in windows that follow each other, and no faint line grows. What is compared is a mixture of all
-//! displacements, so that nothing hides where one output does not see it.
+//! What a motion ends in: rest, a motion of some kind for ever, or growth without bound.
 
-use super::look::{Look, output};
-use crate::Error;
-use crate::accuracy::half_range;
-use crate::integrator::Statistics;
-use crate::model::LumpedModel;
-use crate::simulation::{Simulation, Variable};
-use crate::spectral::{Line, Lines, Window, lines};
-use crate::stability::Spectrum;
+use super::recurrence::Closure;
 use serde::{Deserialize, Serialize};
 
-/// The size of a settled motion differs by less than this from one window to the next, relative.
-const SAME_SIZE: f64 = 1e-3;
-/// Drifting one way all the time it must not have further to go than this, relative.
-const LEFT_TO_GO: f64 = 2e-3;
-/// A drift that does not slow down must be below this, relative: rounding.
-const STANDING: f64 = 1e-7;
-/// Lines of more than this part of the strongest one must be the same.
-const STRONG: f64 = 1e-2;
-/// By this part of their resolution, and by this part of their amplitude.
-const SAME_PLACE: f64 = 0.1;
-const SAME_LINE: f64 = 1e-2;
-/// Lines of more than this part of the strongest one must not grow.
-const FAINT: f64 = 1e-4;
-/// Growth: through the last three windows each time, and in all by more than this part and what the strongest line's side
-/// lobes, in parts of it, can feign.
-const GROWN: f64 = 0.01;
-const SIDE_LOBES: f64 = 3e-5;
-/// What moves by less than this part of the largest displacement, or of the equilibrium's, rests.
-const ROUNDING: f64 = 1e-12;
-/// A motion decays to rest if it, going on as it does, ends below this part of what is left of it.
-const REST: f64 = 0.2;
-/// A motion whose lines never stay has settled as irregular when over so many windows its size has no trend.
-const IRREGULAR_WINDOWS: usize = 12;
-/// Lines of more than this part of the strongest one tell the kinds of motion apart. Weaker ones may be high
-/// multiples, as kinks have them, which rows this far apart show at another frequency.
-const TELLING: f64 = 1e-2;
-/// Lines of more than this part of the strongest one are told.
-const TOLD: f64 = 1e-3;
-/// The highest order of a combination of two frequencies, and of a subharmonic.
-const HIGHEST_ORDER: i32 = 12;
-const SUBHARMONICS: i32 = 8;
-/// How well a frequency meets a multiple, in parts of the lines' resolution.
-const MEETS: f64 = 0.01;
-/// What part of the power the lines of a motion that is not irregular have.
-const IN_LINES: f64 = 0.98;
-
-/// What kind of motion it is.
+/// The kind of motion that a motion ends in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
     /// It rests, or decays to rest.
     Equilibrium,
-    /// All lines are multiples of one frequency.
+    /// Its whole state comes back after a period.
     Periodic,
-    /// All lines are combinations of two frequencies.
+    /// Its state does not come back, neighbouring motions do not part exponentially, and all lines of its spectrum are
+    /// combinations of two frequencies.
     QuasiPeriodic,
-    /// Neither: more frequencies, or chaos.
+    /// Its state does not come back, and neighbouring motions part exponentially.
     Irregular,
+    /// It goes on with a steady size, but none of the other kinds could be shown.
+    Undecided,
+    /// It grows, and nothing in the scene can stop it: the motion leaves the range in which the model holds.
+    Unbounded,
     /// It had not settled when it was left.
     Unsettled,
 }
@@ -75,35 +33,46 @@ impl Kind {
             Self::Periodic => "periodic",
             Self::QuasiPeriodic => "quasi-periodic",
             Self::Irregular => "irregular",
+            Self::Undecided => "undecided",
+            Self::Unbounded => "unbounded",
             Self::Unsettled => "unsettled",
         }
     }
 
-    /// Does it go on moving for ever?
+    /// `true` of a motion that has settled and does not rest.
     #[must_use]
     pub const fn is_cycle(self) -> bool {
-        matches!(self, Self::Periodic | Self::QuasiPeriodic | Self::Irregular)
+        matches!(self, Self::Periodic | Self::QuasiPeriodic | Self::Irregular | Self::Undecided)
     }
 }
 
-/// What a motion ends in, as its last window shows it.
+/// What a motion ends in.
+///
+/// Of a periodic motion everything is found over one period, turning points included; of any other over the last window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ending {
     /// What kind of motion it is.
     pub kind: Kind,
-    /// Half of what lies between the output's smallest and largest value, turns between the rows included; in its
-    /// unit. Of an equilibrium what is left of the motion.
+    /// Half of the difference between the output's largest and smallest value, in its unit. Of an equilibrium that of
+    /// what is left of the motion.
     pub amplitude: f64,
     /// Of the output's strongest line, Hz; `None` where nothing oscillates.
     pub frequency: Option<f64>,
-    /// s after which a periodic motion comes again.
+    /// s after which the whole state of a periodic motion comes back.
     pub period: Option<f64>,
+    /// How far the state of a motion with a period is from itself after that period, root mean square over a period, in
+    /// parts of the motion's size; 0 is exact.
+    #[serde(default)]
+    pub closure: Option<f64>,
+    /// The rate at which neighbours of an irregular motion part, 1/s.
+    #[serde(default)]
+    pub parting: Option<f64>,
     /// The output's strongest lines, the strongest first: frequency, Hz, and amplitude in its unit.
     pub lines: Vec<[f64; 2]>,
-    /// How much of the time contacts are in each state, all contacts together, in the order of
+    /// The part of the time for which contacts are in each state, all contacts together, in the order of
     /// [`ContactState::ALL`](crate::contact::ContactState::ALL).
     pub shares: [f64; 4],
-    /// Was each state taken at all, also between the rows?
+    /// `true` for each state that a contact took, also between the rows.
     pub taken: [bool; 4],
     /// s from where the motion was first looked at.
     pub time: f64,
@@ -112,581 +81,73 @@ pub struct Ending {
     /// Size of the motion of all degrees of freedom together, m: root mean square of a mixture of their displacements.
     #[serde(default)]
     pub size: f64,
+    /// Half of the difference between the largest and the smallest displacement of each degree of freedom, m.
+    #[serde(default)]
+    pub extents: Vec<f64>,
 }
 
 impl Ending {
-    /// Is it a motion in which no contact changes its state: one of the linear system, of which every size is one?
+    /// `true` of a motion in which no contact changes its state: one of the linear system, of which every size is one.
     #[must_use]
     pub fn is_linear(&self) -> bool {
         self.taken.iter().filter(|taken| **taken).count() <= 1
     }
 
-    /// Had it settled, or was it seen to leave rest or to come to it?
+    /// `true` if it had settled, or was seen to leave rest or to come to it.
     #[must_use]
     pub fn is_known(&self) -> bool {
         match self.kind {
-            Kind::Equilibrium => true,
+            Kind::Equilibrium | Kind::Unbounded => true,
             Kind::Unsettled => self.is_linear() && self.rate != 0.0,
             _ => !self.is_linear(),
         }
     }
 
-    /// Does it rest, or was it left on its way to rest?
+    /// `true` if it rests, or was left on its way to rest.
     #[must_use]
     pub fn rests(&self) -> bool {
         self.kind == Kind::Equilibrium
             || self.kind == Kind::Unsettled && self.rate < 0.0 && self.is_linear()
     }
-}
 
-/// A motion that is looked at until it is settled.
-pub(crate) struct Settling {
-    look: Look,
-    output: Variable,
-    /// Rows since the clock's zero, and those that a window began with.
-    row: u64,
-    began: u64,
-    followed: Vec<f64>,
-    mixture: Vec<f64>,
-    states: [u64; 4],
-    taken: [bool; 4],
-    before: Statistics,
-    seen: Vec<Seen>,
-    /// Of the rows of a window.
-    weights: Vec<f64>,
-}
-
-/// A window that was looked at.
-struct Seen {
-    /// Deviation of the mixture from its mean, root mean square of the weighted values, and whether a contact changed
-    /// its state.
-    size: f64,
-    changed: bool,
-    mixture: Vec<f64>,
-    /// Found when they are needed.
-    lines: Option<Lines>,
-}
-
-impl Settling {
-    /// Looks at a simulation from where it is.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    pub(crate) fn new(simulation: &Simulation, look: &Look) -> Result<Self, Error> {
-        let row = (simulation.time() / look.interval).round() as u64;
-        let mut settling = Self {
-            look: look.clone(),
-            output: output(simulation.scene(), &look.of)?,
-            row,
-            began: row,
-            followed: Vec::new(),
-            mixture: Vec::new(),
-            states: [0; 4],
-            taken: [false; 4],
-            before: simulation.statistics(),
-            seen: Vec::new(),
-            #[allow(clippy::cast_possible_truncation)]
-            weights: Window::BlackmanHarris.weights(look.rows() as usize),
-        };
-        settling.note_states(simulation);
-        settling.states = [0; 4];
-        Ok(settling)
-    }
-
-    /// When the next row is due, s.
-    #[allow(clippy::cast_precision_loss)]
-    pub(crate) fn next_time(&self) -> f64 {
-        (self.row + 1) as f64 * self.look.interval
-    }
-
-    /// Takes note of the row that is due; what the motion ends in, once that is known.
-    pub(crate) fn note(&mut self, simulation: &mut Simulation) -> Result<Option<Ending>, Error> {
-        self.row += 1;
-        self.followed.push(simulation.read(&self.output)?);
-        self.mixture.push(mixture(simulation.displacement()));
-        self.note_states(simulation);
-        if self.followed.len() as u64 == self.look.rows() {
-            self.close(simulation)
-        } else {
-            Ok(None)
-        }
-    }
-
-    fn note_states(&mut self, simulation: &Simulation) {
-        for state in simulation.contact_states() {
-            self.states[*state as usize - 1] += 1;
-            self.taken[*state as usize - 1] = true;
-        }
-    }
-
-    /// The end of a window.
-    fn close(&mut self, simulation: &Simulation) -> Result<Option<Ending>, Error> {
-        let now = simulation.statistics();
-        for ((taken, now), before) in
-            self.taken.iter_mut().zip(now.entered).zip(self.before.entered)
-        {
-            *taken |= now > before;
-        }
-        let changed = now.state_changes() > self.before.state_changes();
-        let size = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-        // Against its equilibrium, too: what is left of a motion at rest is rounding of forces.
-        let largest =
-            size(simulation.displacement()).max(size(&simulation.reference().displacement));
-        let kind = self
-            .judge(changed, largest, &|| simulation.is_driven_on() || has_growing_mode(simulation));
-        let is_last = self.seen.len() >= self.look.windows();
-        if kind.is_none() && !is_last {
-            self.followed.clear();
-            self.states = [0; 4];
-            self.taken = [false; 4];
-            self.before = now;
-            self.note_states(simulation);
-            self.states = [0; 4];
-            return Ok(None);
-        }
-        let kind = kind.unwrap_or((Kind::Unsettled, None));
-        Ok(Some(self.ending(kind, simulation.is_driven_on())))
-    }
-
-    /// Looks at the window that has ended, in which contacts changed their states or did not, with the last ones:
-    /// the kind of the motion, once it is settled, and the frequency of which all lines of a periodic one are
-    /// multiples, Hz. The largest displacement, m, tells what is rounding; what decays does not rest if a mode grows
-    /// that is still hidden, or signals drive it on.
-    fn judge(
-        &mut self,
-        changed: bool,
-        largest: f64,
-        goes_on: &dyn Fn() -> bool,
-    ) -> Option<(Kind, Option<f64>)> {
-        let size = weighted_deviation(&self.mixture, &self.weights);
-        let mixture = std::mem::take(&mut self.mixture);
-        self.seen.push(Seen { size, changed, mixture, lines: None });
-        // Older ones are not looked at again, but for their size.
-        if let Some(old) = self.seen.len().checked_sub(5) {
-            (self.seen[old].mixture, self.seen[old].lines) = (Vec::new(), None);
-        }
-        let rests = size <= ROUNDING * largest || rests(&self.seen);
-        if rests && (size == 0.0 || !goes_on()) {
-            return Some((Kind::Equilibrium, None));
-        }
-        let sizes: Vec<f64> = self.seen.iter().map(|seen| seen.size).collect();
-        if is_steady(&sizes) && self.has_steady_lines() {
-            return Some(self.kind());
-        }
-        (changed && has_no_trend(&sizes)).then_some((Kind::Irregular, None))
-    }
-
-    fn ending(&self, (kind, base): (Kind, Option<f64>), driven: bool) -> Ending {
-        let found = lines(&self.followed, self.look.interval, TOLD);
-        let all = self.states.iter().sum::<u64>().max(1) as f64;
-        Ending {
-            kind,
-            amplitude: half_range(&self.followed),
-            frequency: found.lines.first().map(|line| line.frequency),
-            period: base.map(|base| 1.0 / base),
-            lines: found
-                .lines
-                .iter()
-                .take(8)
-                .map(|line| [line.frequency, line.amplitude])
-                .collect(),
-            shares: self.states.map(|count| count as f64 / all),
-            taken: self.taken,
-            time: (self.row - self.began) as f64 * self.look.interval,
-            rate: match &self.seen[..] {
-                [.., before, last] if !driven && before.size > 0.0 && last.size > 0.0 => {
-                    libm::log(last.size / before.size) / self.look.window
-                }
-                _ => 0.0,
-            },
-            size: self.seen.last().map_or(0.0, |last| last.size),
-        }
-    }
-
-    /// Are the lines of the last windows the same, and does none grow?
-    fn has_steady_lines(&mut self) -> bool {
-        let interval = self.look.interval;
-        let Some(first) = self.seen.len().checked_sub(4) else { return false };
-        for seen in &mut self.seen[first..] {
-            if seen.lines.is_none() {
-                seen.lines = Some(lines(&seen.mixture, interval, FAINT));
+    /// How the kind is known, in words; `None` where the kind says all.
+    #[must_use]
+    pub fn evidence(&self) -> Option<String> {
+        match (self.kind, self.period, self.closure, self.parting) {
+            (Kind::Periodic, Some(period), Some(closure), _) => Some(format!(
+                "the state comes back after {period:.6e} s to within {closure:.1e} of its size"
+            )),
+            (Kind::QuasiPeriodic, ..) => Some(
+                "the state does not come back, neighbouring motions do not part, all lines combine two frequencies"
+                    .to_owned(),
+            ),
+            (Kind::Irregular, .., Some(rate)) => {
+                Some(format!("neighbouring motions part by e^({rate:.3} t/s)"))
             }
+            (Kind::Undecided, Some(period), Some(closure), _) => Some(format!(
+                "the state comes back after {period:.6e} s to within {closure:.1e} of its size, and no nearer; a longer \
+                 --longest may decide"
+            )),
+            (Kind::Undecided, ..) => Some(
+                "the state does not come back, and whether neighbouring motions part is not clear; a longer --window may \
+                 decide"
+                    .to_owned(),
+            ),
+            _ => None,
         }
-        // Then the motion is linear, and a line that changes at all ends elsewhere.
-        let unchanged = self.seen[first..].iter().all(|seen| !seen.changed);
-        let windows: Vec<&Lines> =
-            self.seen[first..].iter().filter_map(|seen| seen.lines.as_ref()).collect();
-        let [oldest, .., last] = windows[..] else { return false };
-        let Some(strongest) = last.lines.first() else { return false };
-        last.lines.iter().all(|line| {
-            let strong = line.amplitude >= STRONG * strongest.amplitude;
-            let stays = |other: &&Lines| {
-                near(line, other, SAME_PLACE)
-                    .is_some_and(|other| (other / line.amplitude - 1.0).abs() <= SAME_LINE)
-            };
-            let before: Vec<f64> =
-                windows.iter().map(|window| near(line, window, 1.0).unwrap_or(0.0)).collect();
-            let feigned = SIDE_LOBES * strongest.amplitude;
-            // Not through all windows: at first what a push has brought besides may decay faster.
-            let last = &before[1..];
-            let grows = last.windows(2).all(|two| two[1] > two[0])
-                && last[2] > (1.0 + GROWN) * last[0] + feigned;
-            if unchanged && goes_one_way(&before) {
-                return false;
-            }
-            if strong { [oldest, windows[2]].iter().all(stays) } else { !grows }
-        })
     }
 
-    /// The kind of a motion with steady lines: as the mixture and the output have them, since in a mixture of many
-    /// displacements some lines are faint.
-    fn kind(&self) -> (Kind, Option<f64>) {
-        let Some(Seen { lines: Some(mixture), .. }) = self.seen.last() else {
-            return (Kind::Irregular, None);
+    /// Takes over what was found of a periodic motion.
+    pub(super) fn come_back(&mut self, Closure { period, distance }: Closure) {
+        (self.period, self.closure) = (Some(period), Some(distance));
+        // A line of a periodic motion is a multiple of its base frequency.
+        let exact = |frequency: f64| match (frequency * period).round() {
+            0.0 => frequency,
+            multiple => multiple / period,
         };
-        let followed = lines(&self.followed, self.look.interval, TELLING);
-        let telling = [telling(mixture), telling(&followed)].concat();
-        let share = mixture.share.min(if followed.lines.is_empty() { 1.0 } else { followed.share });
-        kind_of(&telling, share, mixture.resolution)
-    }
-}
-
-/// Advances a simulation until its motion is settled; `None` if the watch ended it.
-///
-/// # Errors
-/// As [`Simulation::advance_to`].
-pub(crate) fn settle(
-    simulation: &mut Simulation,
-    look: &Look,
-    is_over: &dyn Fn() -> bool,
-) -> Result<Option<Ending>, Error> {
-    let mut settling = Settling::new(simulation, look)?;
-    loop {
-        if settling.row.is_multiple_of(256) && is_over() {
-            return Ok(None);
-        }
-        simulation.advance_to(settling.next_time())?;
-        if let Some(ending) = settling.note(simulation)? {
-            return Ok(Some(ending));
-        }
-    }
-}
-
-/// Does a mode of the contact state that the motion is in grow, by more than rounding?
-fn has_growing_mode(simulation: &Simulation) -> bool {
-    const MORE_THAN_ROUNDING: f64 = 1e-9;
-    let scene = simulation.acting();
-    let mut model = LumpedModel::from(scene);
-    model.linearise(simulation.reference());
-    let states = simulation.contact_states();
-    // What cannot be analysed is left to what is seen.
-    Spectrum::of(&model, states, scene.friction_coefficient).is_ok_and(|spectrum| {
-        let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
-        spectrum.growth_rate() > MORE_THAN_ROUNDING * fastest
-    })
-}
-
-/// A sum of all displacements with factors that no symmetry of a structure has.
-#[allow(clippy::cast_precision_loss)]
-fn mixture(displacement: &[f64]) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let factor = |i: usize| 0.5 + (i as f64 * GOLDEN).fract();
-    displacement.iter().enumerate().fold(0.0, |sum, (i, x)| sum + factor(i) * x)
-}
-
-/// From the mean, root mean square.
-#[allow(clippy::cast_precision_loss)]
-fn deviation(values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    let mean = values.iter().fold(0.0, |sum, x| sum + x) / count;
-    (values.iter().fold(0.0, |sum, x| sum + (x - mean) * (x - mean)) / count).sqrt()
-}
-
-/// The same of weighted values: as many periods as fit in a window, whole or not, have the same size wherever it
-/// begins.
-fn weighted_deviation(values: &[f64], weights: &[f64]) -> f64 {
-    let over = |quantity: &dyn Fn(f64) -> f64| {
-        let pairs = values.iter().zip(weights);
-        pairs.fold(0.0, |sum, (value, weight)| sum + weight * quantity(*value))
-    };
-    let sum = over(&|_| 1.0);
-    let mean = over(&|x| x) / sum;
-    (over(&|x| (x - mean) * (x - mean)) / sum).sqrt()
-}
-
-/// Does a motion decay to rest? No contact changes its state any more, and the limit of its size, by Aitken's
-/// extrapolation, is near zero: twice one after the other.
-fn rests(seen: &[Seen]) -> bool {
-    let Some(first) = seen.len().checked_sub(4) else { return false };
-    let last = &seen[first..];
-    let tends_to_zero = |three: &[Seen]| {
-        let [a, b, c] = [three[0].size, three[1].size, three[2].size];
-        let (before, after) = (b - a, c - b);
-        let limit = c - after * after / (after - before);
-        after < 0.0 && before < after && limit.abs() <= REST * c
-    };
-    last[1..].iter().all(|seen| !seen.changed) && last.windows(3).all(tends_to_zero)
-}
-
-/// Does the size stay, over the last four windows?
-fn is_steady(sizes: &[f64]) -> bool {
-    let Some(first) = sizes.len().checked_sub(4) else { return false };
-    let last = &sizes[first..];
-    let change: Vec<f64> = last.windows(2).map(|two| two[1] / two[0] - 1.0).collect();
-    if change.iter().any(|change| change.abs() > SAME_SIZE) {
-        return false;
-    }
-    let one_way =
-        change.iter().all(|change| *change > 0.0) || change.iter().all(|change| *change < 0.0);
-    if !one_way || change.iter().all(|change| change.abs() <= STANDING) {
-        return true;
-    }
-    let slowing = change[2].abs() / change[1].abs();
-    change[1].abs() < change[0].abs()
-        && slowing < 1.0
-        && change[2].abs() * slowing / (1.0 - slowing) <= LEFT_TO_GO
-}
-
-/// Do amplitudes only grow, or only decay, by more than rounding?
-fn goes_one_way(amplitudes: &[f64]) -> bool {
-    let ratios = amplitudes.windows(2).map(|two| two[1] / two[0] - 1.0);
-    ratios.clone().all(|ratio| ratio > STANDING) || ratios.clone().all(|ratio| ratio < -STANDING)
-}
-
-/// Has the size, though it varies, no trend over many windows?
-#[allow(clippy::cast_precision_loss)]
-fn has_no_trend(sizes: &[f64]) -> bool {
-    let Some(first) = sizes.len().checked_sub(IRREGULAR_WINDOWS) else { return false };
-    let (a, b) = sizes[first..].split_at(IRREGULAR_WINDOWS / 2);
-    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
-    let spread = deviation(&sizes[first..]);
-    let rises = sizes[first..].windows(2).filter(|two| two[1] > two[0]).count();
-    // A drift goes one way, what varies goes both.
-    (mean(a) - mean(b)).abs() <= spread && (3..=8).contains(&rises) && spread <= 0.5 * mean(b)
-}
-
-/// The amplitude of the line of a window that is within this part of the resolution of another line.
-fn near(line: &Line, window: &Lines, part: f64) -> Option<f64> {
-    let at = |other: &&Line| (other.frequency - line.frequency).abs() <= part * window.resolution;
-    window.lines.iter().find(at).map(|other| other.amplitude)
-}
-
-/// The frequencies of the lines that tell the kinds of motion apart, Hz, the strongest first.
-fn telling(found: &Lines) -> Vec<f64> {
-    let strongest = found.lines.first().map_or(0.0, |line| line.amplitude);
-    let is_telling = |line: &&Line| line.amplitude >= TELLING * strongest;
-    found.lines.iter().filter(is_telling).map(|line| line.frequency).collect()
-}
-
-/// What the lines of a steady motion tell: their frequencies, the strongest first, what part of the power they
-/// have, and how well they are known, all in Hz. With the kind, the frequency of which all are multiples.
-fn kind_of(telling: &[f64], share: f64, resolution: f64) -> (Kind, Option<f64>) {
-    let Some(&main) = telling.first() else { return (Kind::Equilibrium, None) };
-    if share < IN_LINES {
-        return (Kind::Irregular, None);
-    }
-    let meets = MEETS * resolution;
-    let multiple =
-        |base: f64, of: f64| (of - (of / base).round() * base).abs() <= meets * (1.0 + of / base);
-    for part in 1..=SUBHARMONICS {
-        let base = main / f64::from(part);
-        // Not so many that anything would do.
-        if base > 2.0 * resolution && telling.iter().all(|&of| multiple(base, of)) {
-            return (Kind::Periodic, Some(base));
-        }
-    }
-    let Some(&second) = telling.iter().find(|&&of| !multiple(main, of)) else {
-        return (Kind::Irregular, None);
-    };
-    let combines = |of: f64| {
-        (-HIGHEST_ORDER..=HIGHEST_ORDER).any(|n| {
-            let rest = of - f64::from(n) * main;
-            let m = (rest / second).round();
-            let order = f64::from(n.abs()) + m.abs();
-            order <= f64::from(HIGHEST_ORDER) && (rest - m * second).abs() <= meets * (1.0 + order)
-        })
-    };
-    let is_of_two = telling.iter().all(|&of| combines(of));
-    (if is_of_two { Kind::QuasiPeriodic } else { Kind::Irregular }, None)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scene::{Method, builtin};
-    use crate::simulation::assign;
-    use crate::study::Wish;
-    use std::f64::consts::TAU;
-
-    /// What a built-in scene with other values ends in, by exact motion.
-    fn ending(name: &str, values: &[(&str, f64)]) -> Ending {
-        let mut scene = builtin(name).unwrap().scene();
-        for (name, value) in values {
-            assign(&mut scene, name, *value).unwrap();
-        }
-        let look = Look::of(&scene, &Wish::default()).unwrap();
-        (scene.method, scene.step) = (Method::EventDriven, look.interval);
-        let mut simulation = Simulation::new(scene, 0.0).unwrap();
-        settle(&mut simulation, &look, &|| false).unwrap().unwrap()
-    }
-
-    /// In how many windows of two seconds a made-up motion is known, and what as.
-    fn known(changes: bool, motion: impl Fn(f64) -> f64) -> Option<(usize, Kind, Option<f64>)> {
-        let scene = builtin("set1").unwrap().scene();
-        let look = Look::of(&scene, &Wish::default()).unwrap();
-        let simulation = Simulation::new(scene, 0.0).unwrap();
-        let mut settling = Settling::new(&simulation, &look).unwrap();
-        for window in 0..20 {
-            let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;
-            settling.mixture = (0..look.rows()).map(time).map(&motion).collect();
-            settling.followed = settling.mixture.clone();
-            let largest = settling.mixture.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-            if let Some((kind, base)) = settling.judge(changes, largest, &|| false) {
-                return Some((settling.seen.len(), kind, base));
-            }
-        }
-        None
-    }
-
-    fn sine(frequency: f64, t: f64) -> f64 {
-        (TAU * frequency * t).sin()
-    }
-
-    #[test]
-    fn set_1_ends_in_two_frequencies_that_have_no_common_one() {
-        // The paper's Fig. 4, at about 170 and 215 Hz there.
-        let ending = ending("set1", &[]);
-        assert_eq!((ending.kind, ending.period), (Kind::QuasiPeriodic, None));
-        assert_eq!(ending.frequency, Some(ending.lines[0][0]));
-        for frequency in [167.0, 219.2] {
-            let line = ending.lines.iter().find(|line| (line[0] - frequency).abs() < 0.5);
-            assert!(line.is_some(), "{frequency} {:?}", ending.lines);
-        }
-        // Fig. 4: slip, stick and detachment.
-        assert_eq!(ending.taken, [true, false, true, true]);
-        assert!((ending.shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
-    }
-
-    #[test]
-    fn set_1_at_a_lower_friction_has_one_frequency() {
-        let values = [("friction.coefficient", 1.5), ("slider.velocity", 0.05)];
-        let ending = ending("set1", &values);
-        assert_eq!(ending.kind, Kind::Periodic);
-        let period = ending.period.unwrap() * ending.frequency.unwrap();
-        assert!((period - period.round()).abs() < 1e-4, "{period}");
-    }
-
-    #[test]
-    fn what_decays_ends_at_rest() {
-        let of_set2 = ending("set2", &[("friction.coefficient", 1.7)]);
-        assert_eq!((of_set2.kind, of_set2.taken), (Kind::Equilibrium, [true, false, false, false]));
-        assert!(ending("set1", &[("friction.coefficient", 0.5)]).rests());
-        assert_eq!(
-            known(false, |t| (-0.05 * t).exp() * sine(40.0, t)).unwrap().1,
-            Kind::Equilibrium
-        );
-        assert_eq!(known(false, |_| 7.0), Some((1, Kind::Equilibrium, None)));
-    }
-
-    #[test]
-    fn a_growing_mode_hidden_beside_a_decaying_one_is_not_rest() {
-        // Both modules alike but for a part in 5000: what is alike decays, what is not grows by 0.4 1/s.
-        let values = [
-            ("friction.coefficient", 1.2),
-            ("initial.module[1].v1", 0.005),
-            ("initial.module[2].v1", 0.005_001),
-        ];
-        let ending = ending("set1", &values);
-        assert!(!ending.rests() && ending.taken[2], "{ending:?}");
-    }
-
-    #[test]
-    fn what_signals_drive_on_does_not_rest_however_it_decays() {
-        let scene = builtin("set1").unwrap().scene();
-        let look = Look::of(&scene, &Wish::default()).unwrap();
-        let simulation = Simulation::new(scene, 0.0).unwrap();
-        let mut settling = Settling::new(&simulation, &look).unwrap();
-        for window in 0..8 {
-            let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;
-            let decaying = |t: f64| (-0.5 * t).exp() * sine(40.0, t);
-            settling.mixture = (0..look.rows()).map(time).map(decaying).collect();
-            assert_eq!(settling.judge(false, 1.0, &|| true), None);
-        }
-        let driven = builtin("den_hartog").unwrap().scene();
-        assert!(Simulation::new(driven, 0.0).unwrap().is_driven_on());
-        assert!(!simulation.is_driven_on());
-    }
-
-    #[test]
-    fn sums_of_sines_are_of_the_kind_that_their_frequencies_make() {
-        let one = known(true, |t| sine(219.38, t) + 0.1 * sine(438.76, t));
-        let (windows, kind, base) = one.unwrap();
-        assert_eq!((windows, kind), (4, Kind::Periodic));
-        assert!((base.unwrap() / 219.38 - 1.0).abs() < 1e-5);
-        // A third and a half of the strongest: a sixth.
-        let below = known(true, |t| sine(180.0, t) + 0.1 * sine(60.0, t) + 0.05 * sine(90.0, t));
-        let (_, kind, base) = below.unwrap();
-        assert_eq!(kind, Kind::Periodic);
-        assert!((base.unwrap() / 30.0 - 1.0).abs() < 1e-5);
-        let two = |t| sine(219.38, t) + 0.3 * sine(167.81, t) + 0.02 * sine(219.38 - 167.81, t);
-        assert_eq!(known(true, two), Some((4, Kind::QuasiPeriodic, None)));
-        let three = |t| two(t) + 0.1 * sine(91.237, t);
-        assert_eq!(known(true, three), Some((4, Kind::Irregular, None)));
-    }
-
-    #[test]
-    fn noise_is_irregular() {
-        let noise = |t: f64| {
-            let mut bits = t.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15);
-            bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
-            (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
-        };
-        let (_, kind, base) = known(true, noise).unwrap();
-        assert_eq!((kind, base), (Kind::Irregular, None));
-        let (_, kind, _) = known(true, |t| 0.5 * sine(200.0, t) + noise(t)).unwrap();
-        assert_eq!(kind, Kind::Irregular);
-        // Also where one line stands out, but a tenth of the power is in none.
-        assert_eq!(kind_of(&[200.0], 0.9, 2.0), (Kind::Irregular, None));
-        assert_eq!(kind_of(&[200.0], 0.99, 2.0), (Kind::Periodic, Some(200.0)));
-    }
-
-    #[test]
-    fn what_still_grows_or_decays_is_not_settled_however_slowly() {
-        // By 0.05 % a window, far less than what a cycle may vary, for 20 windows.
-        for rate in [2.5e-4, -2.5e-4] {
-            assert_eq!(known(true, |t| (rate * t).exp() * sine(200.0, t)), None, "{rate}");
-        }
-        assert_eq!(known(false, |t| (2.5e-4 * t).exp() * sine(200.0, t)), None);
-        // Nor where a line beside the main one does, of a motion without events, by 0.2 % a window.
-        let beside = |t: f64| sine(200.0, t) + 0.05 * (-1e-3 * t).exp() * sine(91.3, t);
-        assert_eq!(known(false, beside), None);
-        // What comes to its end is.
-        let ends = |t: f64| (1.0 - (-t).exp()) * sine(200.0, t);
-        let (windows, kind, _) = known(true, ends).unwrap();
-        assert!((5..8).contains(&windows) && kind == Kind::Periodic, "{windows}");
-    }
-
-    #[test]
-    fn a_plateau_on_which_a_faint_line_grows_is_not_settled() {
-        // From 2e-4 to 1e-2 of the strong line over the twenty windows, in which the size is the same to 1e-4.
-        let faint = |t: f64| 2e-4 * (0.1 * t).exp() * sine(167.0, t);
-        assert_eq!(known(true, |t| sine(219.2, t) + faint(t)), None);
-        assert!(known(true, |t| sine(219.2, t) + 2e-4 * sine(167.0, t)).is_some());
-    }
-
-    #[test]
-    fn a_window_that_holds_no_whole_number_of_periods_has_the_same_size_wherever_it_begins() {
-        let weights = Window::BlackmanHarris.weights(2000);
-        let size = |phase: f64| {
-            let wave = |i: i32| {
-                let part = (21.4 * f64::from(i) / 2000.0 + phase).fract();
-                if part < 0.8 { part } else { 4.0 * (1.0 - part) }
-            };
-            weighted_deviation(&(0..2000).map(wave).collect::<Vec<_>>(), &weights)
-        };
-        for i in 1..20 {
-            // Of a triangle from 0 to 0.8: that over √12.
-            let off = size(0.05 * f64::from(i)) / (0.8 / 12.0_f64.sqrt()) - 1.0;
-            assert!(off.abs() < 1e-4, "{i}: {off}");
+        if self.kind == Kind::Periodic {
+            self.frequency = self.frequency.map(exact);
+            self.lines.iter_mut().for_each(|line| line[0] = exact(line[0]));
         }
     }
 }

@@ -1,7 +1,8 @@
 //! What a scene ends in over the values of a parameter (the paper's Fig. 3): amplitude, frequency and contact states
 //! of each limit cycle, and from which value on contacts take a state or no longer do.
 
-use super::ending::{Ending, Kind, settle};
+use super::ending::{Ending, Kind};
+use super::settling::settle;
 use super::portrait::{Portrait, portrait};
 use super::push::Push;
 use super::{Journal, Look, Watch};

@@ -55,6 +55,9 @@ impl Look {
     /// rounded down to a 1, 2 or 5; windows of 50 periods of the slowest mode at rest in sliding, rounded up;
     /// 60 windows. What has no modes is looked at as its experiment says.
     ///
+    /// Rows that are wished farther apart than the fastest mode allows are taken as often as that asks for, at a whole
+    /// part of the interval, so that no frequency is mistaken for another one.
+    ///
     /// # Errors
     /// No such output, or a window of fewer than 64 rows or five periods.
     pub fn of(scene: &Scene, wish: &Wish<'_>) -> Result<Self, Error> {
@@ -65,10 +68,13 @@ impl Look {
             })?,
         };
         let frequencies = frequencies(scene);
-        let interval = wish.interval.unwrap_or_else(|| match frequencies {
-            Some([_, fastest]) => round_down(1.0 / (ROWS_A_PERIOD * fastest)),
-            None => scene.experiment.output_interval,
-        });
+        let needed = frequencies.map(|[_, fastest]| round_down(1.0 / (ROWS_A_PERIOD * fastest)));
+        let interval = match (wish.interval, needed) {
+            (Some(wished), Some(needed)) => wished / (wished / needed * (1.0 - 1e-9)).ceil(),
+            (Some(wished), None) => wished,
+            (None, Some(needed)) => needed,
+            (None, None) => scene.experiment.output_interval,
+        };
         let wanted = wish.window.unwrap_or_else(|| match frequencies {
             Some([slowest, _]) => round_up(PERIODS / slowest).min(MOST_ROWS * interval),
             None => scene.experiment.stop_time,

@@ -3,8 +3,11 @@
 //! | file | what it is |
 //! | --- | --- |
 //! | `look` | which output is looked at, how often, for how long |
-//! | `ending` | what a motion ends in: when it is settled, what kind it is |
-//! | `continuation` | what it ends in over µ, upwards and downwards; folds |
+//! | `ending` | the kinds of motion, and what is known of a motion that has settled |
+//! | `settling` | when a motion has settled |
+//! | `recurrence` | the kind of a settled motion, from its whole state |
+//! | `period` | what a periodic motion does over one period |
+//! | `continuation` | what it ends in over µ, upwards and downwards; jumps |
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
 //! | `portrait` | phase portraits of a settled motion |
@@ -25,13 +28,16 @@ mod initial;
 mod journal;
 mod limit_cycle;
 mod look;
+mod period;
 pub mod perturbation;
 mod portrait;
 mod push;
+mod recurrence;
+mod settling;
 pub mod transient;
 
 pub use attractor::{attractors, is_same};
-pub use continuation::{Bistable, Continuation, Fold, Plan, Point, Way, continuation};
+pub use continuation::{Bistable, Both, Continuation, Jump, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
 pub use journal::Journal;

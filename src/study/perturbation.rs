@@ -1,7 +1,8 @@
 //! How far a scene may be pushed: what it ends in from each of many initial values, and the thresholds between.
 
 use super::attractor::attractors;
-use super::ending::{Ending, settle};
+use super::ending::Ending;
+use super::settling::settle;
 use super::initial::{initial_value, starting_from};
 use super::look::Look;
 use super::{Journal, Watch};

@@ -1,0 +1,335 @@
+//! The kind of a settled motion, decided in the whole state.
+//!
+//! A periodic motion is one whose state comes back: displacements and velocities of all masses together, over a whole
+//! period, and not only one output of it. A motion that does not come back is irregular where neighbouring motions
+//! part exponentially, and quasi-periodic where they do not and its spectrum consists of combinations of two
+//! frequencies. Where neither can be shown, the kind stays undecided.
+
+use super::ending::Kind;
+use super::push::Push;
+use crate::Error;
+use crate::scene::Method;
+use crate::simulation::{Simulation, Snapshot};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// A period is looked for up to this many periods of the strongest line.
+const MOST_PERIODS: f64 = 64.0;
+/// The most rows over which a period is looked for.
+const MOST_ROWS: f64 = 200_000.0;
+/// Rows pass a state that comes back exactly at this distance or less, in parts of the motion's size: half of the way
+/// between two rows.
+const NEAR: f64 = 0.4;
+/// A state that comes back to within this part of the motion's size may belong to a periodic motion.
+const COMES_BACK: f64 = 2e-3;
+/// A state that comes back to within this part belongs to one.
+const CLOSED: f64 = 1e-6;
+/// The paper's scheme sees events at whole steps only, so its motion comes back to within the way of a few steps.
+const STEPS: f64 = 4.0;
+/// How far apart neighbouring motions start, in parts of the motion's size.
+const APART: f64 = 1e-9;
+/// Beyond this distance they are no neighbours any more.
+const PARTED: f64 = 1e-3;
+/// Windows over which neighbours are followed.
+const WINDOWS_APART: u64 = 4;
+/// From one half of that time to the next, neighbours that part exponentially move away by at least this factor; those
+/// of a regular motion, whose distance grows in proportion to time at most, by less than [`REGULAR`].
+const EXPONENTIAL: f64 = 30.0;
+const REGULAR: f64 = 6.0;
+
+/// How a motion comes back to where it was.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Closure {
+    /// s after which the state comes back.
+    pub period: f64,
+    /// How far the state then is from where it was, root mean square over a period, in parts of the motion's size.
+    pub distance: f64,
+}
+
+/// Displacements and velocities of a motion, by the sizes of which distances between states are measured.
+#[derive(Clone, Copy, Debug)]
+struct Scale {
+    /// The largest half-range of a displacement, m, and of a velocity, m/s.
+    displacement: f64,
+    velocity: f64,
+}
+
+impl Scale {
+    /// Distance between two states, in parts of the motion's size.
+    fn distance(&self, a: &Simulation, b: &State) -> f64 {
+        let apart = |a: &[f64], b: &[f64]| {
+            a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
+        };
+        let displacement = apart(a.displacement(), &b.displacement) / self.displacement;
+        let velocity = apart(a.velocity(), &b.velocity) / self.velocity;
+        displacement.max(velocity)
+    }
+}
+
+/// A copy of a state.
+struct State {
+    displacement: Vec<f64>,
+    velocity: Vec<f64>,
+}
+
+impl State {
+    fn of(simulation: &Simulation) -> Self {
+        Self {
+            displacement: simulation.displacement().to_vec(),
+            velocity: simulation.velocity().to_vec(),
+        }
+    }
+
+    /// Where a simulation is, along the direction in which this state moves, m²/s: zero where it passes this state.
+    fn passed(&self, simulation: &Simulation) -> f64 {
+        let pairs = simulation.displacement().iter().zip(&self.displacement);
+        pairs.zip(&self.velocity).fold(0.0, |sum, ((a, b), v)| sum + (a - b) * v)
+    }
+}
+
+/// A motion from a saved state on, at times after that state.
+struct Course<'a> {
+    from: &'a Snapshot,
+    start: f64,
+}
+
+impl Course<'_> {
+    fn begin(&self) -> Result<Simulation, Error> {
+        Simulation::resume(self.from.clone())
+    }
+
+    /// Brings a simulation to a time (s) after the saved state.
+    fn bring(&self, simulation: &mut Simulation, after: f64) -> Result<(), Error> {
+        simulation.advance_to(self.start + after)
+    }
+}
+
+/// The shortest period after which the motion of a simulation comes back, looked for over [`MOST_PERIODS`] periods of
+/// its strongest line (Hz) in rows of `interval` (s). `None` where it does not come back in that time.
+///
+/// # Errors
+/// A step fails.
+pub(super) fn closure(
+    simulation: &Simulation,
+    interval: f64,
+    frequency: f64,
+) -> Result<Option<Closure>, Error> {
+    let mut start = Simulation::resume(simulation.save())?;
+    let scale = begin_fast(&mut start, interval, frequency)?;
+    if scale.displacement <= 0.0 || scale.velocity <= 0.0 {
+        return Ok(None);
+    }
+    let (from, origin) = (start.save(), State::of(&start));
+    let course = Course { from: &from, start: start.time() };
+    let rows = (MOST_PERIODS / (frequency * interval)).min(MOST_ROWS);
+    let mut before = (0.0, 0.0);
+    let mut has_left = false;
+    let mut row = 0.0;
+    while row < rows {
+        row += 1.0;
+        course.bring(&mut start, row * interval)?;
+        let (distance, passed) = (scale.distance(&start, &origin), origin.passed(&start));
+        has_left |= distance > NEAR;
+        let (last_distance, last_passed) = std::mem::replace(&mut before, (distance, passed));
+        if !has_left || last_passed > 0.0 || passed <= 0.0 || last_distance.min(distance) > NEAR {
+            continue;
+        }
+        let span = [(row - 1.0) * interval, row * interval];
+        let period = passage(&course, &origin, (span, [last_passed, passed]))?;
+        let mut there = course.begin()?;
+        course.bring(&mut there, period)?;
+        if scale.distance(&there, &origin) > COMES_BACK.max(4.0 * tolerance(&there, scale)) {
+            continue;
+        }
+        let distance = distance_over(&course, there, period, interval, scale)?;
+        if distance <= COMES_BACK.max(tolerance(&start, scale)) {
+            return Ok(Some(Closure { period, distance }));
+        }
+    }
+    Ok(None)
+}
+
+/// Is a motion that comes back this well periodic, as it stands?
+pub(super) fn is_closed(simulation: &Simulation, frequency: f64, closure: Closure) -> bool {
+    let scheme = match simulation.scene().method {
+        Method::EventDriven => 0.0,
+        Method::ForwardIncrement => STEPS * TAU * frequency * simulation.scene().step,
+    };
+    closure.distance <= CLOSED.max(scheme)
+}
+
+/// How far a motion of the paper's scheme may be from itself after a period: the way of a few steps. 0 of exact motion.
+fn tolerance(simulation: &Simulation, scale: Scale) -> f64 {
+    match simulation.scene().method {
+        Method::EventDriven => 0.0,
+        Method::ForwardIncrement => {
+            STEPS * simulation.scene().step * scale.velocity / scale.displacement
+        }
+    }
+}
+
+/// Moves on over two periods of the strongest line to find how large the motion is, then to where it is nearly as
+/// fast as it becomes, from which a return is seen best.
+fn begin_fast(
+    simulation: &mut Simulation,
+    interval: f64,
+    frequency: f64,
+) -> Result<Scale, Error> {
+    let start = simulation.time();
+    let speed = |simulation: &Simulation| {
+        simulation.velocity().iter().fold(0.0, |sum, v| sum + v * v).sqrt()
+    };
+    let rows = (2.0 / (frequency * interval)).ceil().min(MOST_ROWS);
+    let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; 2 * simulation.displacement().len()];
+    let mut fastest = 0.0;
+    let mut row = 0.0;
+    loop {
+        let values = simulation.displacement().iter().chain(simulation.velocity());
+        for (range, value) in ranges.iter_mut().zip(values) {
+            *range = [range[0].min(*value), range[1].max(*value)];
+        }
+        fastest = f64::max(fastest, speed(simulation));
+        if row >= rows {
+            break;
+        }
+        row += 1.0;
+        simulation.advance_to(start + row * interval)?;
+    }
+    let half = |ranges: &[[f64; 2]]| {
+        ranges.iter().fold(0.0, |most, [low, high]| f64::max(most, 0.5 * (high - low)))
+    };
+    let (displacements, velocities) = ranges.split_at(ranges.len() / 2);
+    let scale = Scale { displacement: half(displacements), velocity: half(velocities) };
+    for _ in 0..rows as usize {
+        if speed(simulation) >= 0.8 * fastest {
+            break;
+        }
+        row += 1.0;
+        simulation.advance_to(start + row * interval)?;
+    }
+    Ok(scale)
+}
+
+/// When the motion passes the state that it came from, s after that: between two times on either side, by false
+/// position.
+fn passage(
+    course: &Course<'_>,
+    origin: &State,
+    (mut times, mut passed): ([f64; 2], [f64; 2]),
+) -> Result<f64, Error> {
+    const MOST_TRIALS: usize = 60;
+    let mut before = course.begin()?;
+    course.bring(&mut before, times[0])?;
+    let before = before.save();
+    let mut time = times[1];
+    for _ in 0..MOST_TRIALS {
+        let part = (passed[0] / (passed[0] - passed[1])).clamp(0.0, 1.0);
+        let next = times[0] + part * (times[1] - times[0]);
+        let is_found = (next - time).abs() <= 1e-15 * next.abs();
+        time = next;
+        if is_found || !(times[0] < time && time < times[1]) {
+            break;
+        }
+        let mut simulation = Simulation::resume(before.clone())?;
+        course.bring(&mut simulation, time)?;
+        match origin.passed(&simulation) {
+            0.0 => break,
+            // The far end's value is halved, so that neither end stays for good (Illinois).
+            value if value < 0.0 => (times[0], passed) = (time, [value, 0.5 * passed[1]]),
+            value => (times[1], passed) = (time, [0.5 * passed[0], value]),
+        }
+    }
+    Ok(time)
+}
+
+/// How far a motion is from itself a period later, root mean square over a period, in parts of its size. `later` is
+/// the motion a period after the saved state.
+fn distance_over(
+    course: &Course<'_>,
+    mut later: Simulation,
+    period: f64,
+    interval: f64,
+    scale: Scale,
+) -> Result<f64, Error> {
+    let mut now = course.begin()?;
+    let rows = (period / interval).ceil().max(1.0);
+    let (mut sum, mut row) = (0.0, 0.0);
+    while row < rows {
+        row += 1.0;
+        let after = row / rows * period;
+        course.bring(&mut now, after)?;
+        course.bring(&mut later, period + after)?;
+        let distance = scale.distance(&later, &State::of(&now));
+        sum += distance * distance;
+    }
+    Ok((sum / rows).sqrt())
+}
+
+/// How neighbouring motions part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Parting {
+    /// Exponentially, at about this rate, 1/s.
+    Exponential(f64),
+    /// In proportion to time, or not at all.
+    Regular,
+    /// It cannot be told.
+    Unknown,
+}
+
+/// Follows a motion and a neighbour of it over [`WINDOWS_APART`] windows of `rows` rows.
+///
+/// # Errors
+/// A step fails.
+pub(super) fn parting(
+    simulation: &Simulation,
+    interval: f64,
+    frequency: f64,
+    rows: u64,
+    is_over: &dyn Fn() -> bool,
+) -> Result<Parting, Error> {
+    let mut motion = Simulation::resume(simulation.save())?;
+    let scale = begin_fast(&mut motion, interval, frequency)?;
+    let mut neighbour = Simulation::resume(motion.save())?;
+    neighbour.push(Push::of(motion.scene()).dof, APART * scale.velocity);
+    let (start, half) = (motion.time(), WINDOWS_APART * rows / 2);
+    // The largest distance in the last eighth of the first half, and of the whole.
+    let (mut early, mut late) = (0.0_f64, 0.0_f64);
+    for row in 1..=2 * half {
+        if row.is_multiple_of(256) && is_over() {
+            return Ok(Parting::Unknown);
+        }
+        #[allow(clippy::cast_precision_loss)]
+        let after = row as f64 * interval;
+        motion.advance_to(start + after)?;
+        neighbour.advance_to(start + after)?;
+        let distance = scale.distance(&motion, &State::of(&neighbour));
+        if distance > PARTED {
+            return Ok(Parting::Exponential(libm::log(distance / APART) / after));
+        }
+        if row <= half && row > half - half / 4 {
+            early = early.max(distance);
+        }
+        if row > 2 * half - half / 4 {
+            late = late.max(distance);
+        }
+    }
+    #[allow(clippy::cast_precision_loss)]
+    let apart = half as f64 * interval;
+    Ok(match late / early {
+        grown if grown >= EXPONENTIAL && late > 100.0 * APART => {
+            Parting::Exponential(libm::log(grown) / apart)
+        }
+        grown if grown <= REGULAR || late <= 100.0 * APART => Parting::Regular,
+        _ => Parting::Unknown,
+    })
+}
+
+/// The kind of a motion that does not come back, from how neighbours part and whether its lines are combinations of
+/// two frequencies.
+pub(super) const fn kind_without_period(parting: Parting, has_two_frequencies: bool) -> Kind {
+    match parting {
+        Parting::Exponential(_) => Kind::Irregular,
+        Parting::Regular if has_two_frequencies => Kind::QuasiPeriodic,
+        Parting::Regular | Parting::Unknown => Kind::Undecided,
+    }
+}

@@ -1,0 +1,753 @@
+//! Whether a motion has settled.
+//!
+//! A motion is looked at window by window. It is *settled* when it rests, or when its size and its lines are the
+//! same in windows that follow each other, and no faint line grows. What is compared is a mixture of all
+//! displacements, so that nothing hides where one output does not see it.
+
+use super::ending::{Ending, Kind};
+use super::look::{Look, output};
+use super::period::{OverPeriod, over_period};
+use super::recurrence::{Closure, Parting, closure, is_closed, kind_without_period, parting};
+use crate::Error;
+use crate::accuracy::half_range;
+use crate::integrator::Statistics;
+use crate::model::LumpedModel;
+use crate::simulation::{Simulation, Variable};
+use crate::spectral::{Line, Lines, Window, lines};
+use crate::stability::Spectrum;
+
+/// The size of a settled motion differs by less than this from one window to the next, relative.
+const SAME_SIZE: f64 = 1e-3;
+/// Drifting one way all the time it must not have further to go than this, relative.
+const LEFT_TO_GO: f64 = 2e-3;
+/// A drift that does not slow down must be below this, relative: rounding.
+const STANDING: f64 = 1e-7;
+/// Lines of more than this part of the strongest one must be the same.
+const STRONG: f64 = 1e-2;
+/// By this part of their resolution, and by this part of their amplitude.
+const SAME_PLACE: f64 = 0.1;
+const SAME_LINE: f64 = 1e-2;
+/// Lines of more than this part of the strongest one must not grow.
+const FAINT: f64 = 1e-4;
+/// Growth: through the last three windows each time, and in all by more than this part and what the strongest line's side
+/// lobes, in parts of it, can feign.
+const GROWN: f64 = 0.01;
+const SIDE_LOBES: f64 = 3e-5;
+/// What moves by less than this part of the largest displacement, or of the equilibrium's, rests.
+const ROUNDING: f64 = 1e-12;
+/// A motion decays to rest if it, going on as it does, ends below this part of what is left of it.
+const REST: f64 = 0.2;
+/// A motion whose lines never stay has settled as irregular when over so many windows its size has no trend.
+const IRREGULAR_WINDOWS: usize = 12;
+/// Lines of more than this part of the strongest one tell the kinds of motion apart. Weaker ones may be high
+/// multiples, as kinks have them, which rows this far apart show at another frequency.
+const TELLING: f64 = 1e-2;
+/// Lines of more than this part of the strongest one are told.
+const TOLD: f64 = 1e-3;
+/// The highest order of a combination of two frequencies.
+const HIGHEST_ORDER: i32 = 12;
+/// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
+/// factors of the last windows differ by less than this.
+const SAME_FACTOR: f64 = 1.5;
+/// A state that comes back no nearer over this many windows is taken for one that does not come back.
+const PATIENCE: usize = 8;
+/// The displacement, in parts of that of the equilibrium, beyond which a motion that still grows has left the range of
+/// the model.
+const OUT_OF_RANGE: f64 = 1e4;
+/// How well a frequency meets a multiple, in parts of the lines' resolution.
+const MEETS: f64 = 0.01;
+/// A motion that is looked at until it is settled.
+pub(crate) struct Settling {
+    look: Look,
+    output: Variable,
+    /// Rows since the clock's zero, and those that a window began with.
+    row: u64,
+    began: u64,
+    followed: Vec<f64>,
+    mixture: Vec<f64>,
+    /// The smallest and the largest displacement of each degree of freedom in the window, m.
+    extents: Vec<[f64; 2]>,
+    states: [u64; 4],
+    taken: [bool; 4],
+    before: Statistics,
+    seen: Vec<Seen>,
+    /// How the state came back at the end of each window since the motion was steady.
+    closures: Vec<Closure>,
+    /// Of the rows of a window.
+    weights: Vec<f64>,
+}
+
+/// A window that was looked at.
+struct Seen {
+    /// Deviation of the mixture from its mean, root mean square of the weighted values, and whether a contact changed
+    /// its state.
+    size: f64,
+    changed: bool,
+    mixture: Vec<f64>,
+    /// Found when they are needed.
+    lines: Option<Lines>,
+}
+
+/// What a window says of a motion, together with those before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Course {
+    /// It rests, or decays to rest.
+    Rests,
+    /// Its size and its lines stay.
+    Steady,
+    /// Its size varies without a trend.
+    Varies,
+    /// It grows, and nothing can stop it.
+    Unbounded,
+    /// None of these yet.
+    Open,
+}
+
+/// What a motion is held against.
+#[derive(Clone, Copy)]
+struct Surroundings<'a> {
+    /// The largest displacement, m, of the motion, and of the equilibrium.
+    largest: f64,
+    at_rest: f64,
+    /// `true` where signals still drive the motion.
+    is_driven: bool,
+    /// `true` where no contact can change its state, so that motions are linear at any size.
+    stays_linear: bool,
+    /// Growth rate of the fastest growing mode in the present contact states, in parts of the fastest mode's angular
+    /// frequency; `None` where motion in these states is not linear or cannot be analysed.
+    growth: &'a dyn Fn() -> Option<f64>,
+}
+
+/// Growth in parts of the fastest mode's angular frequency that rounding may feign.
+const MORE_THAN_ROUNDING: f64 = 1e-9;
+
+impl Settling {
+    /// Looks at a simulation from where it is.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub(crate) fn new(simulation: &Simulation, look: &Look) -> Result<Self, Error> {
+        let row = (simulation.time() / look.interval).round() as u64;
+        let mut settling = Self {
+            look: look.clone(),
+            output: output(simulation.scene(), &look.of)?,
+            row,
+            began: row,
+            followed: Vec::new(),
+            mixture: Vec::new(),
+            extents: Vec::new(),
+            states: [0; 4],
+            taken: [false; 4],
+            before: simulation.statistics(),
+            seen: Vec::new(),
+            closures: Vec::new(),
+            #[allow(clippy::cast_possible_truncation)]
+            weights: Window::BlackmanHarris.weights(look.rows() as usize),
+        };
+        settling.begin_window(simulation);
+        Ok(settling)
+    }
+
+    fn begin_window(&mut self, simulation: &Simulation) {
+        self.followed.clear();
+        self.mixture.clear();
+        self.extents.clear();
+        self.extents.resize(simulation.displacement().len(), [f64::INFINITY, f64::NEG_INFINITY]);
+        self.taken = [false; 4];
+        self.before = simulation.statistics();
+        self.note_states(simulation);
+        // The state that a window begins in is taken, but counted in the window before.
+        self.states = [0; 4];
+    }
+
+    /// When the next row is due, s.
+    #[allow(clippy::cast_precision_loss)]
+    pub(crate) fn next_time(&self) -> f64 {
+        (self.row + 1) as f64 * self.look.interval
+    }
+
+    /// Takes note of the row that is due; what the motion ends in, once that is known. A watch that says that it is over
+    /// leaves the kind of a motion open.
+    pub(crate) fn note(
+        &mut self,
+        simulation: &mut Simulation,
+        is_over: &dyn Fn() -> bool,
+    ) -> Result<Option<Ending>, Error> {
+        self.row += 1;
+        self.followed.push(simulation.read(&self.output)?);
+        self.mixture.push(mixture(simulation.displacement()));
+        for (extent, x) in self.extents.iter_mut().zip(simulation.displacement()) {
+            *extent = [extent[0].min(*x), extent[1].max(*x)];
+        }
+        self.note_states(simulation);
+        if self.followed.len() as u64 == self.look.rows() {
+            self.close(simulation, is_over)
+        } else {
+            Ok(None)
+        }
+    }
+
+    fn note_states(&mut self, simulation: &Simulation) {
+        for state in simulation.contact_states() {
+            self.states[*state as usize - 1] += 1;
+            self.taken[*state as usize - 1] = true;
+        }
+    }
+
+    /// The end of a window.
+    fn close(
+        &mut self,
+        simulation: &Simulation,
+        is_over: &dyn Fn() -> bool,
+    ) -> Result<Option<Ending>, Error> {
+        let now = simulation.statistics();
+        for ((taken, now), before) in
+            self.taken.iter_mut().zip(now.entered).zip(self.before.entered)
+        {
+            *taken |= now > before;
+        }
+        let changed = now.state_changes() > self.before.state_changes();
+        let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+        let course = self.judge(
+            changed,
+            Surroundings {
+                largest: largest(simulation.displacement()),
+                at_rest: largest(&simulation.reference().displacement),
+                is_driven: simulation.is_driven_on(),
+                stays_linear: stays_linear(simulation),
+                growth: &|| growth(simulation),
+            },
+        );
+        let kind = match course {
+            Course::Rests => Some((Kind::Equilibrium, None)),
+            Course::Unbounded => Some((Kind::Unbounded, None)),
+            Course::Steady | Course::Varies => {
+                self.kind(simulation, course == Course::Varies, is_over)?
+            }
+            Course::Open => None,
+        };
+        let is_last = self.seen.len() >= self.look.windows();
+        let (kind, parting) = match kind {
+            Some(known) => known,
+            None if is_last && self.closures.is_empty() => (Kind::Unsettled, None),
+            None if is_last => (Kind::Undecided, None),
+            None => {
+                self.begin_window(simulation);
+                return Ok(None);
+            }
+        };
+        let mut ending = self.ending(kind, simulation.is_driven_on());
+        ending.parting = parting;
+        if let Some(closure) = self.closures.last().filter(|_| kind.is_cycle()) {
+            ending.come_back(*closure);
+        }
+        if kind == Kind::Periodic
+            && let Some(period) = ending.period
+        {
+            let OverPeriod { amplitude, extents, shares } =
+                over_period(simulation, &self.output, period, self.look.interval)?;
+            (ending.amplitude, ending.extents, ending.shares) = (amplitude, extents, shares);
+        }
+        Ok(Some(ending))
+    }
+
+    /// Looks at the window that has ended, in which contacts changed their states or did not, with the last ones.
+    fn judge(&mut self, changed: bool, around: Surroundings<'_>) -> Course {
+        let size = weighted_deviation(&self.mixture, &self.weights);
+        let mixture = std::mem::take(&mut self.mixture);
+        self.seen.push(Seen { size, changed, mixture, lines: None });
+        // Older ones are not looked at again, but for their size.
+        if let Some(old) = self.seen.len().checked_sub(5) {
+            (self.seen[old].mixture, self.seen[old].lines) = (Vec::new(), None);
+        }
+        // Against the equilibrium, too: what is left of a motion at rest is rounding of forces.
+        let is_rounding = size <= ROUNDING * around.largest.max(around.at_rest);
+        if size == 0.0 {
+            return Course::Rests;
+        }
+        let is_free = !around.is_driven;
+        if is_free && (is_rounding || rests(&self.seen) || is_calm(&self.seen)) {
+            let growth = (around.growth)();
+            let is_growing = growth.is_some_and(|growth| growth > MORE_THAN_ROUNDING);
+            let is_decaying = growth.is_some_and(|growth| growth < -MORE_THAN_ROUNDING);
+            // A calm motion has only its eigenvalues to say that it decays.
+            if is_decaying || !is_growing && (is_rounding || rests(&self.seen)) {
+                return Course::Rests;
+            }
+        }
+        let sizes: Vec<f64> = self.seen.iter().map(|seen| seen.size).collect();
+        if is_free && is_unbounded(&sizes, around) {
+            return Course::Unbounded;
+        }
+        if is_steady(&sizes) && self.has_steady_lines() {
+            return Course::Steady;
+        }
+        if changed && has_no_trend(&sizes) { Course::Varies } else { Course::Open }
+    }
+
+    /// The kind of a motion that has settled, with the rate at which neighbours part; `None` while its state still comes
+    /// nearer to where it was, from window to window.
+    fn kind(
+        &mut self,
+        simulation: &Simulation,
+        varies: bool,
+        is_over: &dyn Fn() -> bool,
+    ) -> Result<Option<(Kind, Option<f64>)>, Error> {
+        let interval = self.look.interval;
+        let Some(last) = self.seen.last_mut() else { return Ok(None) };
+        let found = last.lines.take().unwrap_or_else(|| lines(&last.mixture, interval, FAINT));
+        let telling = telling(&found);
+        let resolution = found.resolution;
+        last.lines = Some(found);
+        let Some(&main) = telling.first() else { return Ok(Some((Kind::Undecided, None))) };
+        if let Some(found) = closure(simulation, interval, main)? {
+            self.closures.push(found);
+            if is_closed(simulation, main, found) || is_closing(&self.closures) {
+                return Ok(Some((Kind::Periodic, None)));
+            }
+            if self.closures.len() < PATIENCE {
+                return Ok(None);
+            }
+        }
+        let parting = parting(simulation, interval, main, self.look.rows(), is_over)?;
+        let is_of_two = !varies && has_two_frequencies(&telling, resolution);
+        let kind = kind_without_period(parting, is_of_two);
+        if kind != Kind::Undecided {
+            self.closures.clear();
+        }
+        let rate = match parting {
+            Parting::Exponential(rate) => Some(rate),
+            Parting::Regular | Parting::Unknown => None,
+        };
+        Ok(Some((kind, rate)))
+    }
+
+    fn ending(&self, kind: Kind, driven: bool) -> Ending {
+        let found = lines(&self.followed, self.look.interval, TOLD);
+        let all = self.states.iter().sum::<u64>().max(1) as f64;
+        Ending {
+            kind,
+            amplitude: half_range(&self.followed),
+            frequency: found.lines.first().map(|line| line.frequency),
+            period: None,
+            closure: None,
+            parting: None,
+            lines: found
+                .lines
+                .iter()
+                .take(8)
+                .map(|line| [line.frequency, line.amplitude])
+                .collect(),
+            shares: self.states.map(|count| count as f64 / all),
+            taken: self.taken,
+            time: (self.row - self.began) as f64 * self.look.interval,
+            rate: match &self.seen[..] {
+                [.., before, last] if !driven && before.size > 0.0 && last.size > 0.0 => {
+                    libm::log(last.size / before.size) / self.look.window
+                }
+                _ => 0.0,
+            },
+            size: self.seen.last().map_or(0.0, |last| last.size),
+            extents: self.extents.iter().map(|[low, high]| 0.5 * (high - low)).collect(),
+        }
+    }
+
+    /// Are the lines of the last windows the same, and does none grow?
+    fn has_steady_lines(&mut self) -> bool {
+        let interval = self.look.interval;
+        let Some(first) = self.seen.len().checked_sub(4) else { return false };
+        for seen in &mut self.seen[first..] {
+            if seen.lines.is_none() {
+                seen.lines = Some(lines(&seen.mixture, interval, FAINT));
+            }
+        }
+        // Then the motion is linear, and a line that changes at all ends elsewhere.
+        let unchanged = self.seen[first..].iter().all(|seen| !seen.changed);
+        let windows: Vec<&Lines> =
+            self.seen[first..].iter().filter_map(|seen| seen.lines.as_ref()).collect();
+        let [oldest, .., last] = windows[..] else { return false };
+        let Some(strongest) = last.lines.first() else { return false };
+        last.lines.iter().all(|line| {
+            let strong = line.amplitude >= STRONG * strongest.amplitude;
+            let stays = |other: &&Lines| {
+                near(line, other, SAME_PLACE)
+                    .is_some_and(|other| (other / line.amplitude - 1.0).abs() <= SAME_LINE)
+            };
+            let before: Vec<f64> =
+                windows.iter().map(|window| near(line, window, 1.0).unwrap_or(0.0)).collect();
+            let feigned = SIDE_LOBES * strongest.amplitude;
+            // Not through all windows: at first what a push has brought besides may decay faster.
+            let last = &before[1..];
+            let grows = last.windows(2).all(|two| two[1] > two[0])
+                && last[2] > (1.0 + GROWN) * last[0] + feigned;
+            if unchanged && goes_one_way(&before) {
+                return false;
+            }
+            if strong { [oldest, windows[2]].iter().all(stays) } else { !grows }
+        })
+    }
+}
+
+/// Advances a simulation until its motion is settled; `None` if the watch ended it.
+///
+/// # Errors
+/// As [`Simulation::advance_to`].
+pub(crate) fn settle(
+    simulation: &mut Simulation,
+    look: &Look,
+    is_over: &dyn Fn() -> bool,
+) -> Result<Option<Ending>, Error> {
+    let mut settling = Settling::new(simulation, look)?;
+    loop {
+        if settling.row.is_multiple_of(256) && is_over() {
+            return Ok(None);
+        }
+        simulation.advance_to(settling.next_time())?;
+        if let Some(ending) = settling.note(simulation, is_over)? {
+            return Ok(Some(ending));
+        }
+    }
+}
+
+/// Growth rate of the fastest growing mode in the contact states that the motion is in, in parts of the fastest mode's
+/// angular frequency. `None` where motion in these states is not linear, or cannot be analysed.
+fn growth(simulation: &Simulation) -> Option<f64> {
+    let scene = simulation.acting();
+    let mut model = LumpedModel::from(scene);
+    if !model.law.friction.about().is_constant() {
+        return None;
+    }
+    model.linearise(simulation.reference());
+    let states = simulation.contact_states();
+    let spectrum = Spectrum::of(&model, states, scene.friction_coefficient).ok()?;
+    let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
+    Some(spectrum.growth_rate() / fastest.max(spectrum.growth_rate().abs()))
+}
+
+/// `true` where no contact can stick, open or slip the other way, so that motions are linear at any size.
+fn stays_linear(simulation: &Simulation) -> bool {
+    let scene = simulation.scene();
+    let contacts = &LumpedModel::from(scene).law;
+    contacts.friction.about().is_constant()
+        && (scene.contact_count() == 0 || !scene.effects.sticking && !scene.effects.detachment)
+}
+
+/// Has no contact changed its state over two windows, in the last of which the motion got smaller?
+fn is_calm(seen: &[Seen]) -> bool {
+    matches!(seen, [.., before, last] if !before.changed && !last.changed && last.size < before.size)
+}
+
+/// Does a motion grow that nothing can stop? Either its contacts cannot change their states, or it is far larger than
+/// the equilibrium's displacements and still grows at a steady rate.
+fn is_unbounded(sizes: &[f64], around: Surroundings<'_>) -> bool {
+    let [.., a, b, c] = sizes else { return false };
+    if !(a < b && b < c) {
+        return false;
+    }
+    let is_far = around.at_rest > 0.0 && around.largest > OUT_OF_RANGE * around.at_rest;
+    (around.stays_linear && (around.growth)().is_some_and(|growth| growth > MORE_THAN_ROUNDING))
+        || is_far && c / b > 1.5 && b / a > 1.5
+}
+
+/// Does the state come back nearer from window to window, by about the same factor each time?
+fn is_closing(closures: &[Closure]) -> bool {
+    let Some(first) = closures.len().checked_sub(4) else { return false };
+    let last = &closures[first..];
+    let same = last.windows(2).all(|two| (two[1].period / two[0].period - 1.0).abs() < 1e-2);
+    let factors: Vec<f64> =
+        last.windows(2).map(|two| two[1].distance / two[0].distance).collect();
+    let [least, most] =
+        [factors.iter().copied().fold(f64::INFINITY, f64::min), factors.iter().copied().fold(0.0, f64::max)];
+    same && most < 0.95 && most <= SAME_FACTOR * least
+}
+
+/// A sum of all displacements with factors that no symmetry of a structure has.
+#[allow(clippy::cast_precision_loss)]
+fn mixture(displacement: &[f64]) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let factor = |i: usize| 0.5 + (i as f64 * GOLDEN).fract();
+    displacement.iter().enumerate().fold(0.0, |sum, (i, x)| sum + factor(i) * x)
+}
+
+/// From the mean, root mean square.
+#[allow(clippy::cast_precision_loss)]
+fn deviation(values: &[f64]) -> f64 {
+    let count = values.len() as f64;
+    let mean = values.iter().fold(0.0, |sum, x| sum + x) / count;
+    (values.iter().fold(0.0, |sum, x| sum + (x - mean) * (x - mean)) / count).sqrt()
+}
+
+/// The same of weighted values: as many periods as fit in a window, whole or not, have the same size wherever it
+/// begins.
+fn weighted_deviation(values: &[f64], weights: &[f64]) -> f64 {
+    let over = |quantity: &dyn Fn(f64) -> f64| {
+        let pairs = values.iter().zip(weights);
+        pairs.fold(0.0, |sum, (value, weight)| sum + weight * quantity(*value))
+    };
+    let sum = over(&|_| 1.0);
+    let mean = over(&|x| x) / sum;
+    (over(&|x| (x - mean) * (x - mean)) / sum).sqrt()
+}
+
+/// Does a motion decay to rest? No contact changes its state any more, and the limit of its size, by Aitken's
+/// extrapolation, is near zero: twice one after the other.
+fn rests(seen: &[Seen]) -> bool {
+    let Some(first) = seen.len().checked_sub(4) else { return false };
+    let last = &seen[first..];
+    let tends_to_zero = |three: &[Seen]| {
+        let [a, b, c] = [three[0].size, three[1].size, three[2].size];
+        let (before, after) = (b - a, c - b);
+        let limit = c - after * after / (after - before);
+        after < 0.0 && before < after && limit.abs() <= REST * c
+    };
+    last[1..].iter().all(|seen| !seen.changed) && last.windows(3).all(tends_to_zero)
+}
+
+/// Does the size stay, over the last four windows?
+fn is_steady(sizes: &[f64]) -> bool {
+    let Some(first) = sizes.len().checked_sub(4) else { return false };
+    let last = &sizes[first..];
+    let change: Vec<f64> = last.windows(2).map(|two| two[1] / two[0] - 1.0).collect();
+    if change.iter().any(|change| change.abs() > SAME_SIZE) {
+        return false;
+    }
+    let one_way =
+        change.iter().all(|change| *change > 0.0) || change.iter().all(|change| *change < 0.0);
+    if !one_way || change.iter().all(|change| change.abs() <= STANDING) {
+        return true;
+    }
+    let slowing = change[2].abs() / change[1].abs();
+    change[1].abs() < change[0].abs()
+        && slowing < 1.0
+        && change[2].abs() * slowing / (1.0 - slowing) <= LEFT_TO_GO
+}
+
+/// Do amplitudes only grow, or only decay, by more than rounding?
+fn goes_one_way(amplitudes: &[f64]) -> bool {
+    let ratios = amplitudes.windows(2).map(|two| two[1] / two[0] - 1.0);
+    ratios.clone().all(|ratio| ratio > STANDING) || ratios.clone().all(|ratio| ratio < -STANDING)
+}
+
+/// Has the size, though it varies, no trend over many windows?
+#[allow(clippy::cast_precision_loss)]
+fn has_no_trend(sizes: &[f64]) -> bool {
+    let Some(first) = sizes.len().checked_sub(IRREGULAR_WINDOWS) else { return false };
+    let (a, b) = sizes[first..].split_at(IRREGULAR_WINDOWS / 2);
+    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
+    let spread = deviation(&sizes[first..]);
+    let rises = sizes[first..].windows(2).filter(|two| two[1] > two[0]).count();
+    // A drift goes one way, what varies goes both.
+    (mean(a) - mean(b)).abs() <= spread && (3..=8).contains(&rises) && spread <= 0.5 * mean(b)
+}
+
+/// The amplitude of the line of a window that is within this part of the resolution of another line.
+fn near(line: &Line, window: &Lines, part: f64) -> Option<f64> {
+    let at = |other: &&Line| (other.frequency - line.frequency).abs() <= part * window.resolution;
+    window.lines.iter().find(at).map(|other| other.amplitude)
+}
+
+/// The frequencies of the lines that tell the kinds of motion apart, Hz, the strongest first.
+fn telling(found: &Lines) -> Vec<f64> {
+    let strongest = found.lines.first().map_or(0.0, |line| line.amplitude);
+    let is_telling = |line: &&Line| line.amplitude >= TELLING * strongest;
+    found.lines.iter().filter(is_telling).map(|line| line.frequency).collect()
+}
+
+/// Are all of these frequencies, Hz, the strongest first and each known this well, combinations of two of them?
+fn has_two_frequencies(telling: &[f64], resolution: f64) -> bool {
+    let Some(&main) = telling.first() else { return false };
+    let meets = MEETS * resolution;
+    let is_multiple =
+        |of: f64| (of - (of / main).round() * main).abs() <= meets * (1.0 + of / main);
+    let Some(&second) = telling.iter().find(|&&of| !is_multiple(of)) else { return false };
+    let combines = |of: f64| {
+        (-HIGHEST_ORDER..=HIGHEST_ORDER).any(|n| {
+            let rest = of - f64::from(n) * main;
+            let m = (rest / second).round();
+            let order = f64::from(n.abs()) + m.abs();
+            order <= f64::from(HIGHEST_ORDER) && (rest - m * second).abs() <= meets * (1.0 + order)
+        })
+    };
+    telling.iter().all(|&of| combines(of))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{Method, builtin};
+    use crate::simulation::assign;
+    use crate::study::Wish;
+    use std::f64::consts::TAU;
+
+    /// What a built-in scene with other values ends in, by exact motion.
+    fn ending(name: &str, values: &[(&str, f64)]) -> Ending {
+        let mut scene = builtin(name).unwrap().scene();
+        for (name, value) in values {
+            assign(&mut scene, name, *value).unwrap();
+        }
+        let look = Look::of(&scene, &Wish::default()).unwrap();
+        (scene.method, scene.step) = (Method::EventDriven, look.interval);
+        let mut simulation = Simulation::new(scene, 0.0).unwrap();
+        settle(&mut simulation, &look, &|| false).unwrap().unwrap()
+    }
+
+    /// In how many windows of two seconds a made-up motion is known, and what as.
+    fn known(changes: bool, motion: impl Fn(f64) -> f64) -> Option<(usize, Kind, Option<f64>)> {
+        let scene = builtin("set1").unwrap().scene();
+        let look = Look::of(&scene, &Wish::default()).unwrap();
+        let simulation = Simulation::new(scene, 0.0).unwrap();
+        let mut settling = Settling::new(&simulation, &look).unwrap();
+        for window in 0..20 {
+            let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;
+            settling.mixture = (0..look.rows()).map(time).map(&motion).collect();
+            settling.followed = settling.mixture.clone();
+            let largest = settling.mixture.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+            if let Some((kind, base)) = settling.judge(changes, largest, &|| false) {
+                return Some((settling.seen.len(), kind, base));
+            }
+        }
+        None
+    }
+
+    fn sine(frequency: f64, t: f64) -> f64 {
+        (TAU * frequency * t).sin()
+    }
+
+    #[test]
+    fn set_1_ends_in_two_frequencies_that_have_no_common_one() {
+        // The paper's Fig. 4, at about 170 and 215 Hz there.
+        let ending = ending("set1", &[]);
+        assert_eq!((ending.kind, ending.period), (Kind::QuasiPeriodic, None));
+        assert_eq!(ending.frequency, Some(ending.lines[0][0]));
+        for frequency in [167.0, 219.2] {
+            let line = ending.lines.iter().find(|line| (line[0] - frequency).abs() < 0.5);
+            assert!(line.is_some(), "{frequency} {:?}", ending.lines);
+        }
+        // Fig. 4: slip, stick and detachment.
+        assert_eq!(ending.taken, [true, false, true, true]);
+        assert!((ending.shares.iter().sum::<f64>() - 1.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn set_1_at_a_lower_friction_has_one_frequency() {
+        let values = [("friction.coefficient", 1.5), ("slider.velocity", 0.05)];
+        let ending = ending("set1", &values);
+        assert_eq!(ending.kind, Kind::Periodic);
+        let period = ending.period.unwrap() * ending.frequency.unwrap();
+        assert!((period - period.round()).abs() < 1e-4, "{period}");
+    }
+
+    #[test]
+    fn what_decays_ends_at_rest() {
+        let of_set2 = ending("set2", &[("friction.coefficient", 1.7)]);
+        assert_eq!((of_set2.kind, of_set2.taken), (Kind::Equilibrium, [true, false, false, false]));
+        assert!(ending("set1", &[("friction.coefficient", 0.5)]).rests());
+        assert_eq!(
+            known(false, |t| (-0.05 * t).exp() * sine(40.0, t)).unwrap().1,
+            Kind::Equilibrium
+        );
+        assert_eq!(known(false, |_| 7.0), Some((1, Kind::Equilibrium, None)));
+    }
+
+    #[test]
+    fn a_growing_mode_hidden_beside_a_decaying_one_is_not_rest() {
+        // Both modules alike but for a part in 5000: what is alike decays, what is not grows by 0.4 1/s.
+        let values = [
+            ("friction.coefficient", 1.2),
+            ("initial.module[1].v1", 0.005),
+            ("initial.module[2].v1", 0.005_001),
+        ];
+        let ending = ending("set1", &values);
+        assert!(!ending.rests() && ending.taken[2], "{ending:?}");
+    }
+
+    #[test]
+    fn what_signals_drive_on_does_not_rest_however_it_decays() {
+        let scene = builtin("set1").unwrap().scene();
+        let look = Look::of(&scene, &Wish::default()).unwrap();
+        let simulation = Simulation::new(scene, 0.0).unwrap();
+        let mut settling = Settling::new(&simulation, &look).unwrap();
+        for window in 0..8 {
+            let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;
+            let decaying = |t: f64| (-0.5 * t).exp() * sine(40.0, t);
+            settling.mixture = (0..look.rows()).map(time).map(decaying).collect();
+            assert_eq!(settling.judge(false, 1.0, &|| true), None);
+        }
+        let driven = builtin("den_hartog").unwrap().scene();
+        assert!(Simulation::new(driven, 0.0).unwrap().is_driven_on());
+        assert!(!simulation.is_driven_on());
+    }
+
+    #[test]
+    fn sums_of_sines_are_of_the_kind_that_their_frequencies_make() {
+        let one = known(true, |t| sine(219.38, t) + 0.1 * sine(438.76, t));
+        let (windows, kind, base) = one.unwrap();
+        assert_eq!((windows, kind), (4, Kind::Periodic));
+        assert!((base.unwrap() / 219.38 - 1.0).abs() < 1e-5);
+        // A third and a half of the strongest: a sixth.
+        let below = known(true, |t| sine(180.0, t) + 0.1 * sine(60.0, t) + 0.05 * sine(90.0, t));
+        let (_, kind, base) = below.unwrap();
+        assert_eq!(kind, Kind::Periodic);
+        assert!((base.unwrap() / 30.0 - 1.0).abs() < 1e-5);
+        let two = |t| sine(219.38, t) + 0.3 * sine(167.81, t) + 0.02 * sine(219.38 - 167.81, t);
+        assert_eq!(known(true, two), Some((4, Kind::QuasiPeriodic, None)));
+        let three = |t| two(t) + 0.1 * sine(91.237, t);
+        assert_eq!(known(true, three), Some((4, Kind::Irregular, None)));
+    }
+
+    #[test]
+    fn noise_is_irregular() {
+        let noise = |t: f64| {
+            let mut bits = t.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15);
+            bits = (bits ^ (bits >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+            bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+            (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
+        };
+        let (_, kind, base) = known(true, noise).unwrap();
+        assert_eq!((kind, base), (Kind::Irregular, None));
+        let (_, kind, _) = known(true, |t| 0.5 * sine(200.0, t) + noise(t)).unwrap();
+        assert_eq!(kind, Kind::Irregular);
+        // Also where one line stands out, but a tenth of the power is in none.
+        assert_eq!(kind_of(&[200.0], 0.9, 2.0), (Kind::Irregular, None));
+        assert_eq!(kind_of(&[200.0], 0.99, 2.0), (Kind::Periodic, Some(200.0)));
+    }
+
+    #[test]
+    fn what_still_grows_or_decays_is_not_settled_however_slowly() {
+        // By 0.05 % a window, far less than what a cycle may vary, for 20 windows.
+        for rate in [2.5e-4, -2.5e-4] {
+            assert_eq!(known(true, |t| (rate * t).exp() * sine(200.0, t)), None, "{rate}");
+        }
+        assert_eq!(known(false, |t| (2.5e-4 * t).exp() * sine(200.0, t)), None);
+        // Nor where a line beside the main one does, of a motion without events, by 0.2 % a window.
+        let beside = |t: f64| sine(200.0, t) + 0.05 * (-1e-3 * t).exp() * sine(91.3, t);
+        assert_eq!(known(false, beside), None);
+        // What comes to its end is.
+        let ends = |t: f64| (1.0 - (-t).exp()) * sine(200.0, t);
+        let (windows, kind, _) = known(true, ends).unwrap();
+        assert!((5..8).contains(&windows) && kind == Kind::Periodic, "{windows}");
+    }
+
+    #[test]
+    fn a_plateau_on_which_a_faint_line_grows_is_not_settled() {
+        // From 2e-4 to 1e-2 of the strong line over the twenty windows, in which the size is the same to 1e-4.
+        let faint = |t: f64| 2e-4 * (0.1 * t).exp() * sine(167.0, t);
+        assert_eq!(known(true, |t| sine(219.2, t) + faint(t)), None);
+        assert!(known(true, |t| sine(219.2, t) + 2e-4 * sine(167.0, t)).is_some());
+    }
+
+    #[test]
+    fn a_window_that_holds_no_whole_number_of_periods_has_the_same_size_wherever_it_begins() {
+        let weights = Window::BlackmanHarris.weights(2000);
+        let size = |phase: f64| {
+            let wave = |i: i32| {
+                let part = (21.4 * f64::from(i) / 2000.0 + phase).fract();
+                if part < 0.8 { part } else { 4.0 * (1.0 - part) }
+            };
+            weighted_deviation(&(0..2000).map(wave).collect::<Vec<_>>(), &weights)
+        };
+        for i in 1..20 {
+            // Of a triangle from 0 to 0.8: that over √12.
+            let off = size(0.05 * f64::from(i)) / (0.8 / 12.0_f64.sqrt()) - 1.0;
+            assert!(off.abs() < 1e-4, "{i}: {off}");
+        }
+    }
+}
