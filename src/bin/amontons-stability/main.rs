@@ -15,6 +15,8 @@ use amontons::model::{Equilibrium, LumpedModel, equilibrium};
 use amontons::scene::{self, Scene};
 use amontons::simulation::assign;
 use amontons::stability::candidates::uniform_sliding;
+use amontons::sweep::FRICTION;
+use amontons::sweep::range::check_once;
 use arguments::{Arguments, Command, Common};
 use clap::Parser;
 use std::io::{self, BufWriter, Write};
@@ -74,11 +76,15 @@ fn main() -> ExitCode {
 /// The scene with the values of the command line.
 fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
     let (mut scene, _) = scene::find(&common.scene)?;
+    check_once(&common.set)?;
     for (name, value) in &common.set {
         assign(&mut scene, name, *value)?;
     }
     if let Some(friction) = friction {
-        assign(&mut scene, "friction.coefficient", friction)?;
+        if common.set.iter().any(|(set, _)| set == FRICTION) {
+            eprintln!("note: {FRICTION} takes the value of --friction, not that of --set");
+        }
+        assign(&mut scene, FRICTION, friction)?;
     }
     scene.check()?;
     Ok(scene)

@@ -9,6 +9,7 @@ use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{
     Inputs, Simulation, Variable, assign, broken_assumptions, is_close, variables,
 };
+use amontons::sweep::range::check_once;
 use std::error::Error;
 use std::io::{BufWriter, ErrorKind, Write, stdout};
 
@@ -79,6 +80,7 @@ fn write_output(
 /// own experiment, as in the FMU, however much of it is run.
 fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error>> {
     let (mut scene, _) = scene::find(&arguments.scene)?;
+    check_once(&arguments.set)?;
     for (name, value) in &arguments.set {
         assign(&mut scene, name, *value)?;
     }

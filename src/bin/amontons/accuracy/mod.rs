@@ -10,6 +10,7 @@ use amontons::picture;
 use amontons::progress::Progress;
 use amontons::scene::{self, Method};
 use amontons::simulation::Simulation;
+use amontons::sweep::range::check_once;
 use std::error::Error;
 use std::io::{ErrorKind, stdout};
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -44,6 +45,7 @@ struct Report<'a> {
 pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
     let (mut scene, _) = scene::find(&arguments.scene)?;
+    check_once(&arguments.set)?;
     for (name, value) in &arguments.set {
         assign(&mut scene, name, *value)?;
     }

@@ -3,8 +3,8 @@
 use super::basin::Basin;
 use super::limit_cycle::LimitCycle;
 use super::perturbation::Perturbation;
-use crate::arguments::{Integrator, Values, assignment, positive};
-use amontons::sweep::range;
+use crate::arguments::{Integrator, Values, positive};
+use amontons::sweep::range::{self, assignment};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 

@@ -15,6 +15,7 @@ use amontons::progress::Progress;
 use amontons::scene::{self, Method, Scene, Selection, Source};
 use amontons::simulation::assign;
 use amontons::study::{Look, Watch, Wish, pace};
+use amontons::sweep::range::check_once;
 use arguments::{Common, Looking, Study};
 use folder::Folder;
 use std::error::Error;
@@ -33,6 +34,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
 /// The scene with the values of the command line, and its files.
 fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
     let (mut scene, source) = scene::find(&common.scene)?;
+    check_once(&common.set)?;
     for (name, value) in &common.set {
         assign(&mut scene, name, *value)?;
     }
