@@ -34,7 +34,7 @@ pub use attractor::{attractors, is_same};
 pub use continuation::{Bistable, Continuation, Fold, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
-pub use journal::Journal;
+pub use journal::{Journal, Owner};
 pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
 pub use look::{Look, Wish, output, pace, unit};
 pub use portrait::{Orbit, Portrait};

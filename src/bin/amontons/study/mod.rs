@@ -10,6 +10,7 @@ pub mod perturbation;
 pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
+use amontons::documentation::counted;
 use amontons::integrator::select;
 use amontons::progress::Progress;
 use amontons::scene::{self, Method, Scene, Selection, Source};
@@ -113,8 +114,8 @@ fn watched<T>(
 /// What a person is told who has ended a study.
 fn interrupted(folder: &Folder) -> Box<dyn Error> {
     eprintln!(
-        "note: {} finished pieces are kept in {}; the same command goes on from there",
-        folder.journal().len(),
+        "note: {} kept in {}; the same command continues from there",
+        counted(folder.journal().len(), "finished piece is", "finished pieces are"),
         folder.journal_path().display()
     );
     Box::new(Interrupted)
