@@ -13,6 +13,7 @@
 //! | `initial` | runs from other initial values |
 //! | `perturbation` | what perturbations end in, and the thresholds between |
 //! | `basin` | which points of a plane of initial values end in which attractor |
+//! | `work` | how far the work on many points is |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
@@ -29,6 +30,7 @@ pub mod perturbation;
 mod portrait;
 mod push;
 pub mod transient;
+mod work;
 
 pub use attractor::{attractors, is_same};
 pub use continuation::{Bistable, Continuation, Fold, Plan, Point, Way, continuation};
