@@ -5,8 +5,9 @@ mod program;
 use amontons::scene::BUILTIN;
 use program::{folder, run, text};
 use std::fs;
+use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
-use std::process::Output;
+use std::process::{Command, Output, Stdio};
 
 fn amontons(folder: &Path, arguments: &[&str]) -> Output {
     run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
@@ -334,4 +335,101 @@ fn two_exports_of_a_scene_are_equal_byte_for_byte() {
     }
     let read = |name| fs::read(folder.path().join(name)).unwrap();
     assert!(read("a.fmu") == read("b.fmu"));
+}
+
+#[test]
+fn a_name_that_has_two_values_is_refused_with_both() {
+    let folder = folder();
+    let both = ["--set", "friction.coefficient=0.4", "--set", "friction.coefficient=0.6"];
+    for command in [&["simulate"][..], &["accuracy"], &["study", "transient"]] {
+        let words = ["friction.coefficient twice", "0.4", "0.6"];
+        assert_refused(folder.path(), &[command, &["set1"], &both].concat(), 2, &words);
+    }
+}
+
+#[test]
+fn a_decimal_comma_is_answered_by_the_number_that_is_meant() {
+    let folder = folder();
+    for (arguments, meant) in [
+        (&["simulate", "set1", "--set", "friction.coefficient=0,45"][..], "=0.45"),
+        (&["simulate", "set1", "--sweep", "friction.coefficient=0,4:0.5/3"], "write 0.4"),
+        (&["study", "continuation", "set1", "--friction", "0.4:0,5:0.1"], "write 0.5"),
+    ] {
+        assert_refused(folder.path(), arguments, 2, &[meant]);
+    }
+}
+
+#[test]
+fn studies_of_one_scene_with_other_values_do_not_share_a_folder() {
+    let folder = folder();
+    let study = |values: &[&str]| {
+        let all = [&["study", "transient", "set1", "--stop-time", "0.05"], values].concat();
+        amontons(folder.path(), &all)
+    };
+    let history = |name: &str| fs::read(folder.path().join(name).join("history.csv")).unwrap();
+    let other = ["--set", "friction.coefficient=1.5"];
+    assert!(study(&[]).status.success());
+    let first = history("set1-transient");
+    for _ in 0..2 {
+        // The second time it finds its own again.
+        let second = study(&other);
+        let note = text(&second.stderr);
+        assert!(second.status.success(), "{note}");
+        for word in ["set.friction.coefficient is not given there and 1.5 here", "set1-transient-2"]
+        {
+            assert!(note.contains(word), "{note}");
+        }
+    }
+    assert!(history("set1-transient") == first && history("set1-transient-2") != first);
+    assert!(!folder.path().join("set1-transient-3").exists());
+    // A folder that is named is this study's, or is dropped by name.
+    let named = [&other[..], &["-o", "set1-transient"]].concat();
+    program::assert_refused(&study(&named), 1, &["another study", "-o", "--anew"]);
+    assert!(history("set1-transient") == first);
+    assert!(study(&[&named[..], &["--anew"]].concat()).status.success());
+    assert_eq!(history("set1-transient"), history("set1-transient-2"));
+    // Results that no journal explains may be a person's own.
+    fs::create_dir(folder.path().join("set2-transient")).unwrap();
+    fs::write(folder.path().join("set2-transient/results.csv"), "mine\n").unwrap();
+    let output = amontons(folder.path(), &["study", "transient", "set2", "--stop-time", "0.05"]);
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert_eq!(fs::read(folder.path().join("set2-transient/results.csv")).unwrap(), b"mine\n");
+    assert!(folder.path().join("set2-transient-2/results.csv").is_file());
+}
+
+#[test]
+fn long_work_says_how_far_it_is_where_nobody_looks() {
+    let folder = folder();
+    let mut command = Command::new(env!("CARGO_BIN_EXE_amontons"));
+    command.args(["simulate", "set1", "--stop-time", "1000", "-o", "out.csv"]);
+    let mut run = command.current_dir(folder.path()).stderr(Stdio::piped()).spawn().unwrap();
+    let lines = BufReader::new(run.stderr.take().unwrap()).lines();
+    let line = lines.map(Result::unwrap).find(|line| !line.starts_with("warning: ")).unwrap();
+    run.kill().unwrap();
+    run.wait().unwrap();
+    assert!(line.starts_with("the run: ") && line.ends_with(" left"), "{line}");
+    assert!(line.contains(" %, about "), "{line}");
+}
+
+#[test]
+fn a_limit_cycle_skips_friction_above_the_static_one_with_a_note() {
+    let folder = folder();
+    let path = scene_file(folder.path(), "[friction]", "[friction]\nstatic = 0.4");
+    let all = ["study", "limit-cycle", path.to_str().unwrap(), "--parameter"];
+    let range = |range| {
+        let looks = ["--window", "0.05", "--interval", "2e-4", "-o", "found"];
+        amontons(folder.path(), &[&all[..], &[range], &looks].concat())
+    };
+    let output = range("friction.coefficient=0.3:0.6:0.1");
+    let note = text(&output.stderr);
+    assert!(output.status.success(), "{note}");
+    assert!(
+        note.contains("2 values of friction.coefficient from 0.5 to 0.6 are skipped"),
+        "{note}"
+    );
+    let table = fs::read_to_string(folder.path().join("found/results.csv")).unwrap();
+    let values: Vec<&str> =
+        table.lines().skip(1).map(|row| row.split(',').next().unwrap()).collect();
+    assert_eq!(values, ["0.3", "0.4"]);
+    program::assert_refused(&range("friction.coefficient=0.5:0.6:0.1"), 3, &["friction.static"]);
 }

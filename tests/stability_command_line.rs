@@ -145,8 +145,8 @@ fn a_divergence_is_called_one_and_the_lost_equilibrium_is_noted() {
 
 #[test]
 fn a_map_can_be_had_as_data() {
-    let x = "friction.coefficient=0:1.96:2";
-    let printed = printed(&["map", "set2", "--x", x, "--y", "slider.velocity=-0.1:0.1:3", "--csv"]);
+    let x = "friction.coefficient=0:1.96/2";
+    let printed = printed(&["map", "set2", "--x", x, "--y", "slider.velocity=-0.1:0.1/3", "--csv"]);
     let verdicts: Vec<&str> = printed.lines().skip(1).collect();
     assert_eq!(verdicts[0], "0.0,-0.1,stable");
     assert_eq!(verdicts[2], "0.0,0.0,no equilibrium in sliding");
@@ -249,9 +249,9 @@ fn pictures_are_written_as_their_ending_asks() {
             "map",
             "set2",
             "--x",
-            "friction.coefficient=0:3:8",
+            "friction.coefficient=0:3/8",
             "--y",
-            "slider.angle=0.3:0.7:4",
+            "slider.angle=0.3:0.7/4",
             "--plot",
             "map.png",
         ],
@@ -380,9 +380,9 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
                 "map",
                 "set1",
                 "--x",
-                "damping.beta=0:1:3",
+                "damping.beta=0:1/3",
                 "--y",
-                "damping.beta=0:1:2",
+                "damping.beta=0:1/2",
                 "--plot",
                 "m.svg",
             ],
@@ -394,16 +394,16 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
                 "map",
                 "set1",
                 "--x",
-                "damping.beta=0:1:9999",
+                "damping.beta=0:1/9999",
                 "--y",
-                "slider.angle=0:1:9999",
+                "slider.angle=0:1/9999",
                 "--plot",
                 "m.svg",
             ],
             2,
             &["too many"],
         ),
-        (&["map", "set1", "--x", "k=0:1:1", "--y", "k=0:1:2", "--plot", "m.svg"], 2, &["from 2"]),
+        (&["map", "set1", "--x", "k=0:1/1", "--y", "k=0:1/2", "--plot", "m.svg"], 2, &["from 2"]),
     ];
     let folder = folder();
     for (arguments, code, words) in cases {

@@ -110,8 +110,8 @@ const PLANE: [&str; 8] = [
     "basin",
     "set2",
     "--step=2e-5",
-    "--x=module[1].v2=-0.3:0.3:24",
-    "--y=module[2].v2=-0.3:0.3:24",
+    "--x=module[1].v2=-0.3:0.3/24",
+    "--y=module[2].v2=-0.3:0.3/24",
     "--pictures=png",
     "-o",
 ];
@@ -138,7 +138,7 @@ fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
     assert_refused(
         &output,
         130,
-        &["finished pieces are kept", "journal.jsonl", "goes on from there"],
+        &["finished pieces are kept", "journal.jsonl", "continues from there"],
     );
     assert!(!folder.path().join("cut/results.csv").exists());
     let kept = lines();
@@ -168,17 +168,17 @@ fn planes_that_make_no_sense_are_refused_with_what_would() {
         let arguments = ["study", "basin", "set2", "--x", x, "--y", y, "-o", "plane"];
         assert_refused(&amontons(folder.path(), &arguments), code, words);
     };
-    let x = "module[1].v2=-0.3:0.3:4";
+    let x = "module[1].v2=-0.3:0.3/4";
     refused(
         x,
-        "module[2].v9=-1:1:4",
+        "module[2].v9=-1:1/4",
         2,
         &["module[2].v9", "initial.module[2].v1", "initial.module[2].v4"],
     );
-    refused(x, "initial.module[1].v2=-1:1:4", 2, &["both axes are initial.module[1].v2"]);
-    refused(x, "slider.velocity=-1:1:4", 2, &["no initial value slider.velocity"]);
-    refused(x, "module[2].v2=-1:1", 2, &["A:B:N"]);
-    refused(x, "module[2].v2", 2, &["NAME=A:B:N"]);
+    refused(x, "initial.module[1].v2=-1:1/4", 2, &["both axes are initial.module[1].v2"]);
+    refused(x, "slider.velocity=-1:1/4", 2, &["no initial value slider.velocity"]);
+    refused(x, "module[2].v2=-1:1", 2, &["A:B/N"]);
+    refused(x, "module[2].v2", 2, &["NAME=A:B/N"]);
     fs::write(folder.path().join("file"), "").unwrap();
     let output = amontons(folder.path(), &all("file", &[]));
     assert_refused(&output, 1, &["file"]);

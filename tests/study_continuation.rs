@@ -161,7 +161,7 @@ fn a_wider_range_is_not_mixed_with_what_another_one_has_left() {
     program::assert_refused(
         &follow("1.5:1.53:0.01"),
         1,
-        &["journal.jsonl", "another study", "--anew"],
+        &["another study", "settings.values", "--anew"],
     );
 }
 

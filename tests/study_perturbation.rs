@@ -175,7 +175,7 @@ fn the_program_tells_and_draws_thresholds() {
         "perturbation",
         "set2",
         "--direction=module[1].v2",
-        "--amplitude=0.05:0.25:3",
+        "--amplitude=0.05:0.25/3",
         "--resolution=0.05",
         "-o=out",
     ];
@@ -214,14 +214,14 @@ fn perturbations_that_make_no_sense_are_refused_with_what_would() {
     let v2 = "module[1].v2";
     refused(
         "module[1].w2",
-        "0:1:3",
+        "0:1/3",
         &[],
         2,
         &["no initial value module[1].w2", "initial.module[1]."],
     );
-    refused(v2, "0:1", &[], 2, &["A:B:N"]);
-    refused(v2, "1:0:3", &[], 2, &["first value must be below the last"]);
-    refused(v2, "0:1:3", &["--resolution", "2"], 2, &["--resolution", "1e-3"]);
+    refused(v2, "0:1", &[], 2, &["A:B/N"]);
+    refused(v2, "1:0/3", &[], 2, &["first value must be below the last"]);
+    refused(v2, "0:1/3", &["--resolution", "2"], 2, &["--resolution", "1e-3"]);
     std::fs::write(folder.path().join("file"), "").unwrap();
-    refused(v2, "0:1:3", &["-o", "file"], 1, &["file"]);
+    refused(v2, "0:1/3", &["-o", "file"], 1, &["file"]);
 }

@@ -269,7 +269,7 @@ fn a_sweep_says_what_the_runs_of_its_values_say() {
     // A number of values that fills no whole number of vectors.
     let common = ["simulate", "set1", "--stop-time", "0.2", "--set", "initial.module[1].v1=0.3"];
     let coarse = ["--step", "1e-5", "--output-interval", "1e-3"];
-    let sweep = ["--sweep", "friction.coefficient=0.5:2.5:11", "--window", "0.05", "-o", "all.csv"];
+    let sweep = ["--sweep", "friction.coefficient=0.5:2.5/11", "--window", "0.05", "-o", "all.csv"];
     let output = amontons(folder.path(), &[&common[..], &coarse, &sweep].concat());
     assert!(output.status.success(), "{}", text(&output.stderr));
     let all = fs::read_to_string(folder.path().join("all.csv")).unwrap();
@@ -315,7 +315,7 @@ fn a_sweep_says_what_the_runs_of_its_values_say() {
     }
     assert!(stuck > 0.0 && rows.iter().any(|row| &row[10] == "1.0"));
 
-    let one = ["--sweep", "friction.coefficient=0.5:2.5:2", "--of", "module[2].x3"];
+    let one = ["--sweep", "friction.coefficient=0.5:2.5/2", "--of", "module[2].x3"];
     let printed = text(&amontons(folder.path(), &[&common[..], &one].concat()).stdout);
     assert!(
         printed.starts_with("friction.coefficient,amplitude.module[2].x3,frequency,"),
@@ -328,12 +328,12 @@ fn a_value_that_cannot_run_is_left_out_with_its_reason() {
     let folder = folder();
     // At this angle Set 1 jams from 3.577 on.
     let jams = ["simulate", "set1", "--stop-time", "0.01", "--set", "slider.angle=-0.5"];
-    let some = ["--sweep", "friction.coefficient=3:4:3"];
+    let some = ["--sweep", "friction.coefficient=3:4/3"];
     let output = amontons(folder.path(), &[&jams[..], &some].concat());
     let (printed, notes) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success() && printed.lines().count() == 3, "{printed}{notes}");
     assert!(notes.contains("friction.coefficient = 4.0 is left out") && notes.contains("jams"));
-    let none = ["--sweep", "friction.coefficient=3.8:4:3", "-o", "none.csv"];
+    let none = ["--sweep", "friction.coefficient=3.8:4/3", "-o", "none.csv"];
     let output = amontons(folder.path(), &[&jams[..], &none].concat());
     assert_refused(&output, 3, &["no equilibrium", "jams"]);
     assert!(!folder.path().join("none.csv").exists());
@@ -346,17 +346,19 @@ fn sweeps_that_make_no_sense_are_refused_with_what_would() {
         let all = [&["simulate", "set1", "--stop-time", "0.01", "--sweep"], arguments].concat();
         assert_refused(&amontons(folder.path(), &all), code, words);
     };
-    refused(&["friction.coeficient=0:1:3"], 2, &["did you mean friction.coefficient?"]);
-    refused(&["module[1].x1=0:1:3"], 2, &["module[1].x1", "output"]);
-    refused(&["module[1].m1=0:1:3"], 3, &["module[1].m1 = 0", "above zero"]);
-    refused(&["friction.coefficient"], 2, &["NAME=A:B:N"]);
-    refused(&["friction.coefficient=0:1"], 2, &["A:B:N"]);
-    refused(&["friction.coefficient=0:1:1"], 2, &["whole number from 2"]);
-    refused(&["friction.coefficient=1:0:3"], 2, &["first value must be below the last"]);
-    refused(&["friction.coefficient=0:1:3", "--of", "module[1].x5"], 2, &["module[1].x"]);
-    refused(&["friction.coefficient=0:1:3", "--window", "1e-5"], 2, &["no two rows", "0.0002 s"]);
-    refused(&["friction.coefficient=0:1:3", "--input", "in.csv"], 2, &["--input"]);
-    refused(&["friction.coefficient=0:1:3", "-o", "no/such/place.csv"], 1, &["place.csv"]);
+    refused(&["friction.coeficient=0:1/3"], 2, &["did you mean friction.coefficient?"]);
+    refused(&["module[1].x1=0:1/3"], 2, &["module[1].x1", "output"]);
+    refused(&["module[1].m1=0:1/3"], 3, &["module[1].m1 = 0", "above zero"]);
+    refused(&["friction.coefficient"], 2, &["NAME=A:B/N"]);
+    refused(&["friction.coefficient=0:1"], 2, &["A:B/N"]);
+    refused(&["friction.coefficient=0:1/1"], 2, &["whole number from 2"]);
+    let both = ["0:1/3 for 3 values", "0:1:3.0 for steps of 3"];
+    refused(&["friction.coefficient=0:1:3"], 2, &both);
+    refused(&["friction.coefficient=1:0/3"], 2, &["first value must be below the last"]);
+    refused(&["friction.coefficient=0:1/3", "--of", "module[1].x5"], 2, &["module[1].x"]);
+    refused(&["friction.coefficient=0:1/3", "--window", "1e-5"], 2, &["no two rows", "0.0002 s"]);
+    refused(&["friction.coefficient=0:1/3", "--input", "in.csv"], 2, &["--input"]);
+    refused(&["friction.coefficient=0:1/3", "-o", "no/such/place.csv"], 1, &["place.csv"]);
 }
 
 #[test]
@@ -365,7 +367,7 @@ fn an_interrupted_sweep_leaves_no_file_that_looks_complete() {
     let mut command = Command::new(env!("CARGO_BIN_EXE_amontons"));
     command.current_dir(folder.path());
     command.args(["simulate", "set1", "--stop-time", "20", "-o", "all.csv"]);
-    command.args(["--sweep", "friction.coefficient=0.5:2.5:1000"]);
+    command.args(["--sweep", "friction.coefficient=0.5:2.5/1000"]);
     let child = command.stderr(Stdio::piped()).spawn().unwrap();
     std::thread::sleep(Duration::from_secs(2));
     let id = child.id().to_string();

@@ -11,6 +11,7 @@ use super::ending::{Ending, Kind};
 use super::settling::Settling;
 use super::initial::{initial_value, starting_from};
 use super::look::Look;
+use super::work::Work;
 use super::{Journal, Watch};
 use crate::Error;
 use crate::contact::ContactState;
@@ -34,6 +35,8 @@ const HABITUAL: usize = 4 * SHORT_WINDOWS as usize;
 /// velocity, over so many short windows.
 const ALIKE: f64 = 2e-2;
 const KEPT: usize = 2;
+/// The part of the longest time that a point takes which is decided early, as a guess for what is left.
+const EARLY: f64 = 0.05;
 /// Points of a row that are one piece of work.
 const PIECE: usize = 64;
 
@@ -106,13 +109,9 @@ pub fn basin(
         )));
     }
     let plane = Plane { scene, names, look, width: Width::available().into_iter().next(), watch };
-    let share = |from: f64, to: f64, done: usize, all: usize| {
-        #[allow(clippy::cast_precision_loss)]
-        (watch.progress)(from + (to - from) * (done as f64 / all as f64));
-    };
-
+    let all = x.values.len() * y.values.len();
     let mut known = Vec::new();
-    let part = if early { 0.1 } else { 0.0 };
+    let mut part = 0.0;
     if early {
         let (columns, rows) = (spread(x.values.len()), spread(y.values.len()));
         let points: Vec<[f64; 2]> = rows
@@ -121,12 +120,20 @@ pub fn basin(
             .map(|[column, row]| [x.values[column], y.values[row]])
             .collect();
         let pieces: Vec<&[[f64; 2]]> = points.chunks(8).collect();
+        #[allow(clippy::cast_precision_loss)]
+        let first = points.len() as f64;
+        #[allow(clippy::cast_precision_loss)]
+        let others = EARLY * all as f64;
+        part = first / (first + others);
+        let meter = Work::of(points.len(), [0.0, part], watch);
         let work = |i: usize| {
-            journal
-                .piece(&format!("first {:?}", pieces[i]), || plane.endings(pieces[i], &[], &None))
+            meter.piece(pieces[i].len(), |told| {
+                journal.piece(&format!("first {:?}", pieces[i]), || {
+                    plane.endings(pieces[i], &[], &None, told)
+                })
+            })
         };
-        let done = |done| share(0.0, part, done, pieces.len());
-        let found: Option<Vec<_>> = collect(pieces.len(), &work, &done)?.into_iter().collect();
+        let found: Option<Vec<_>> = collect(pieces.len(), &work, &|_| {})?.into_iter().collect();
         let Some(found) = found else { return Ok(None) };
         known = what_is_known(found.into_iter().flatten());
     }
@@ -139,14 +146,16 @@ pub fn basin(
     let rows = y.values.iter().map(|&y| x.values.iter().map(move |&x| [x, y]).collect());
     let rows: Vec<Vec<[f64; 2]>> = rows.collect();
     let pieces: Vec<&[[f64; 2]]> = rows.iter().flat_map(|row| row.chunks(PIECE)).collect();
+    let meter = Work::of(all, [part, 1.0], watch);
     let work = |i: usize| {
         let [first, .., last] = [pieces[i][0], pieces[i][pieces[i].len() - 1]];
         let way = if early { "from" } else { "all from" };
         let key = format!("{way} {first:?} to {last:?}, {}", pieces[i].len());
-        journal.piece(&key, || plane.endings(pieces[i], &known, &resting))
+        meter.piece(pieces[i].len(), |told| {
+            journal.piece(&key, || plane.endings(pieces[i], &known, &resting, told))
+        })
     };
-    let done = |done| share(part, 1.0, done, pieces.len());
-    let found: Option<Vec<_>> = collect(pieces.len(), &work, &done)?.into_iter().collect();
+    let found: Option<Vec<_>> = collect(pieces.len(), &work, &|_| {})?.into_iter().collect();
     let Some(found) = found else { return Ok(None) };
     let found: Vec<Found> = found.into_iter().flatten().collect();
     if let Some(Found::Failed(reason)) =
@@ -187,6 +196,7 @@ impl Plane<'_> {
         points: &[[f64; 2]],
         known: &[Known],
         resting: &Option<Vec<ContactState>>,
+        told: &dyn Fn(f64),
     ) -> Result<Option<Vec<Found>>, Error> {
         let mut found: Vec<Option<Found>> = vec![None; points.len()];
         let mut moving = Vec::new();
@@ -204,6 +214,8 @@ impl Plane<'_> {
         let size = moving.first().map_or(1, |(first, _)| Batch::size(first, self.width));
         #[allow(clippy::cast_possible_truncation)]
         let rows = self.look.rows() as usize / SHORT_WINDOWS as usize;
+        #[allow(clippy::cast_precision_loss)]
+        let short = rows as f64 * self.look.interval;
         while !moving.is_empty() {
             let mut going = Vec::new();
             let mut left = std::mem::take(&mut moving).into_iter();
@@ -236,8 +248,14 @@ impl Plane<'_> {
                                 traveller.judge(&simulation, known, resting);
                             }
                             match traveller.found.take() {
-                                None => going.push((simulation, traveller)),
-                                decided => found[traveller.place] = decided,
+                                None => {
+                                    told(short / self.look.longest);
+                                    going.push((simulation, traveller));
+                                }
+                                decided => {
+                                    told(1.0 - (simulation.time() - short) / self.look.longest);
+                                    found[traveller.place] = decided;
+                                }
                             }
                         }
                     }

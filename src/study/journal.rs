@@ -106,7 +106,7 @@ impl Journal {
             append(file, &json!({ "key": key, "piece": value })).map_err(|error| {
                 Error::unusable_file(format!(
                     "cannot write {}: {error}; what was finished before is kept there, and the same command \
-                     goes on from it",
+                     continues from it",
                     path.display()
                 ))
             })?;
@@ -118,6 +118,42 @@ impl Journal {
     fn pages(&self) -> MutexGuard<'_, Pages> {
         // A worker that panicked has noted nothing half.
         self.pages.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+/// Whose a journal's file is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Owner {
+    /// There is none, or one without a first line.
+    Nobody,
+    /// This study's.
+    This,
+    /// Another study's.
+    Another {
+        /// In what it is another.
+        why: String,
+        /// Is any of its pieces finished?
+        has_pieces: bool,
+    },
+}
+
+impl Owner {
+    /// Whose the journal in a file is: this study's, or another's.
+    #[must_use]
+    pub fn of(path: &Path, study: &Value) -> Self {
+        let Ok(text) = std::fs::read(path) else { return Self::Nobody };
+        // A line that is not whole was cut off.
+        let Some(end) = text.iter().position(|byte| *byte == b'\n') else { return Self::Nobody };
+        let has_pieces = text[end + 1..].contains(&b'\n');
+        let head: Option<Value> = serde_json::from_slice(&text[..end]).ok();
+        match head.as_ref().and_then(|head| head.get("study")) {
+            Some(known) if known == study => Self::This,
+            Some(known) => Self::Another { why: difference(known, study), has_pieces },
+            None => Self::Another {
+                why: "its journal is none that a study of this version has written".to_owned(),
+                has_pieces: true,
+            },
+        }
     }
 }
 
@@ -143,11 +179,10 @@ fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<Strin
         if lines.next().is_none() {
             return Ok(None);
         }
-        let differing =
-            differing(known, study).map_or_else(String::new, |key| format!(": {key} differs"));
         return Err(Error::unusable_file(format!(
-            "{} is of another study{differing}; give another folder with -o, or --anew to drop it",
-            path.display()
+            "{} is of another study: {}; give another folder with -o, or --anew to drop it",
+            path.display(),
+            difference(known, study)
         )));
     }
     lines
@@ -161,13 +196,32 @@ fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<Strin
         .map(Some)
 }
 
-/// The first thing in which two studies differ.
-fn differing(a: &Value, b: &Value) -> Option<String> {
-    let (a, b) = (a.as_object()?, b.as_object()?);
-    // What kind it is says more than the settings that go with it.
-    let first = ["study", "scene"].into_iter().map(str::to_owned);
-    first.chain(a.keys().chain(b.keys()).cloned()).find(|key| a.get(key) != b.get(key))
+/// The first thing in which two studies differ, with what it is there, in a file, and here.
+fn difference(there: &Value, here: &Value) -> String {
+    let (mut path, mut two) = (String::new(), [there, here]);
+    while let [Value::Object(a), Value::Object(b)] = two {
+        // What kind it is says more than the settings that go with it, and these more than what follows from them.
+        let first = ["study", "scene", "set", "settings"].into_iter();
+        let keys = first.chain(a.keys().chain(b.keys()).map(String::as_str));
+        let mut keys = keys.filter(|key| a.get(*key) != b.get(*key));
+        let Some(key) = keys.next() else { break };
+        path = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        two = [a, b].map(|object| object.get(key).unwrap_or(&Value::Null));
+    }
+    let told = |value: &Value| match value {
+        Value::Null => Some("not given".to_owned()),
+        Value::Bool(_) | Value::Number(_) => Some(value.to_string()),
+        Value::String(text) if text.len() <= LONGEST => Some(text.clone()),
+        _ => None,
+    };
+    match [told(two[0]), told(two[1])] {
+        [Some(there), Some(here)] => format!("{path} is {there} there and {here} here"),
+        _ => format!("{path} is another one there"),
+    }
 }
+
+/// The longest text that is told of a study.
+const LONGEST: usize = 60;
 
 fn damaged(path: &Path) -> Error {
     Error::unusable_file(format!(
@@ -233,11 +287,33 @@ mod tests {
         let path = folder.path().join("journal.jsonl");
         made(&Journal::open(&path, &json!({ "window": 1.0 }), false).unwrap(), "a", 1.0);
         let other = Journal::open(&path, &json!({ "window": 2.0 }), false).map(|_| ()).unwrap_err();
-        assert!(other.is_file() && other.to_string().contains("window"), "{other}");
+        assert!(other.is_file() && other.to_string().contains("window is 1.0 there and 2.0 here"));
+        assert_eq!(Owner::of(&path, &json!({ "window": 1.0 })), Owner::This);
+        let why = "window is 1.0 there and 2.0 here".to_owned();
+        let another = Owner::Another { why, has_pieces: true };
+        assert_eq!(Owner::of(&path, &json!({ "window": 2.0 })), another);
+        assert_eq!(Owner::of(&folder.path().join("none"), &json!({})), Owner::Nobody);
         assert_eq!(Journal::open(&path, &json!({ "window": 1.0 }), false).unwrap().len(), 1);
         assert_eq!(Journal::open(&path, &json!({ "window": 2.0 }), true).unwrap().len(), 0);
         std::fs::write(&path, "speed,amplitude\n").unwrap();
         assert!(Journal::open(&path, &json!({}), false).map(|_| ()).unwrap_err().is_file());
+        assert!(matches!(Owner::of(&path, &json!({})), Owner::Another { .. }));
+    }
+
+    #[test]
+    fn in_what_two_studies_differ_is_told_with_both_values() {
+        let there =
+            json!({ "a": 1, "file": "x".repeat(100), "set": {}, "settings": { "of": null } });
+        let mut here = there.clone();
+        here["file"] = json!("another");
+        assert_eq!(difference(&there, &here), "file is another one there");
+        here["settings"]["of"] = json!("block.x");
+        assert_eq!(difference(&there, &here), "settings.of is not given there and block.x here");
+        here["set"] = json!({ "friction.coefficient": 0.5 });
+        assert_eq!(
+            difference(&there, &here),
+            "set.friction.coefficient is not given there and 0.5 here"
+        );
     }
 
     #[test]

@@ -16,6 +16,7 @@
 //! | `initial` | runs from other initial values |
 //! | `perturbation` | what perturbations end in, and the thresholds between |
 //! | `basin` | which points of a plane of initial values end in which attractor |
+//! | `work` | how far the work on many points is |
 //! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
@@ -35,12 +36,13 @@ mod push;
 mod recurrence;
 mod settling;
 pub mod transient;
+mod work;
 
 pub use attractor::{attractors, is_same};
 pub use continuation::{Bistable, Both, Continuation, Jump, Plan, Point, Way, continuation};
 pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
-pub use journal::Journal;
+pub use journal::{Journal, Owner};
 pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
 pub use look::{Look, Wish, output, pace, unit};
 pub use portrait::{Orbit, Portrait};

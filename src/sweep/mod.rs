@@ -2,7 +2,10 @@
 //!
 //! Each value has the run that it would have by itself, to the last bit ([`Batch`]).
 
+mod possible;
 pub mod range;
+
+pub use possible::Possible;
 
 use crate::Error;
 use crate::accuracy::{Cycle, half_range};

@@ -1,7 +1,7 @@
 //! What the command line understands.
 
 use amontons::Error;
-use amontons::sweep::range::{self, number};
+use amontons::sweep::range::{self, assignment, ends};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -63,8 +63,8 @@ pub struct Point {
     /// Friction coefficient [default: the scene's]
     #[arg(long, value_name = "MU", allow_hyphen_values = true)]
     pub friction: Option<f64>,
-    /// Contact state: one for all contacts (Sl), or one for each (Sl-St) [default of states: all of
-    /// them; of modes: uniform sliding]
+    /// Contact state, of Sl (slides), R-Sl (slides the other way), St (sticks), Dt (detached): one for all contacts,
+    /// or one for each, such as Sl-St [default of states: all of them; of modes: uniform sliding]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
 }
@@ -84,14 +84,14 @@ pub struct States {
 pub struct Locus {
     #[command(flatten)]
     pub common: Common,
-    /// Friction coefficients, first:last:step
-    #[arg(long, value_name = "A:B:STEP", value_parser = steps, allow_hyphen_values = true,
+    /// Friction coefficients from A to B, in steps or N of them
+    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = steps, allow_hyphen_values = true,
         required_unless_present = "parameter")]
     pub friction: Option<Values>,
-    /// Another parameter; with --friction, one locus over µ for each of its values
-    #[arg(long, value_name = "NAME=A:B:STEP", value_parser = named_steps)]
+    /// Another parameter and its values; with --friction, one locus over µ for each of them
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps)]
     pub parameter: Option<(String, Values)>,
-    /// Contact state [default: uniform sliding]
+    /// Contact state, one for all contacts (Sl), or one for each (Sl-St) [default: uniform sliding]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
     /// Print the points of all branches as CSV instead of the events
@@ -117,7 +117,7 @@ pub struct Modes {
 pub struct Bistable {
     #[command(flatten)]
     pub common: Common,
-    /// Friction coefficients, first:last
+    /// Friction coefficients from A to B
     #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub friction: [f64; 2],
 }
@@ -126,11 +126,11 @@ pub struct Bistable {
 pub struct Map {
     #[command(flatten)]
     pub common: Common,
-    /// The parameter along x and its values: first, last, how many
-    #[arg(long, value_name = "NAME=A:B:N", value_parser = named_grid)]
+    /// The parameter along x and its values from A to B, in steps or N of them
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     pub x: (String, Values),
-    /// The parameter along y and its values: first, last, how many
-    #[arg(long, value_name = "NAME=A:B:N", value_parser = named_grid)]
+    /// The parameter along y and its values from A to B, in steps or N of them
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     pub y: (String, Values),
     /// Print every point as CSV instead of their numbers
     #[arg(long)]
@@ -143,21 +143,6 @@ pub struct Map {
 /// Values of a parameter, ascending.
 #[derive(Clone, Debug)]
 pub struct Values(pub Vec<f64>);
-
-fn assignment(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
-    Ok((name.trim().to_owned(), number(value)?))
-}
-
-fn ends(text: &str) -> Result<[f64; 2], String> {
-    let (first, last) = text.split_once(':').ok_or("write it as A:B, such as 0:2.5")?;
-    let (first, last) = (number(first)?, number(last)?);
-    if first < last {
-        Ok([first, last])
-    } else {
-        Err("the first value must be below the last".into())
-    }
-}
 
 fn steps(text: &str) -> Result<Values, String> {
     range::steps(text).map(Values)

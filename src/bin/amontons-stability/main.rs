@@ -15,9 +15,10 @@ use amontons::model::{Equilibrium, LumpedModel, equilibrium};
 use amontons::scene::{self, Scene};
 use amontons::simulation::assign;
 use amontons::stability::candidates::uniform_sliding;
+use amontons::sweep::FRICTION;
+use amontons::sweep::range::check_once;
 use arguments::{Arguments, Command, Common};
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
@@ -75,11 +76,15 @@ fn main() -> ExitCode {
 /// The scene with the values of the command line.
 fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
     let (mut scene, _) = scene::find(&common.scene)?;
+    check_once(&common.set)?;
     for (name, value) in &common.set {
         assign(&mut scene, name, *value)?;
     }
     if let Some(friction) = friction {
-        assign(&mut scene, "friction.coefficient", friction)?;
+        if common.set.iter().any(|(set, _)| set == FRICTION) {
+            eprintln!("note: {FRICTION} takes the value of --friction, not that of --set");
+        }
+        assign(&mut scene, FRICTION, friction)?;
     }
     scene.check()?;
     Ok(scene)
@@ -150,10 +155,4 @@ fn state(
         Some(name) => parse_states(name, model.contacts.len()),
         None => uniform_sliding(model, scene.slider.velocity),
     }
-}
-
-/// A bar on standard error, shown only to a person.
-fn progress(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len}  {eta} left");
-    ProgressBar::new(length as u64).with_style(style.expect("the template is fixed"))
 }

@@ -5,7 +5,7 @@ use crate::study::arguments::Study;
 use amontons::Error;
 use amontons::package::Library;
 use amontons::scene::{Method, Preset, Rule, Scene, Selection};
-use amontons::sweep::range::grid;
+use amontons::sweep::range::{self, assignment};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -93,10 +93,10 @@ pub struct Simulate {
     /// before each output interval and held over it, as importers do; linear between rows
     #[arg(long, value_name = "FILE.csv")]
     pub input: Option<PathBuf>,
-    /// Run N values from A to B of a parameter or input on all cores; the CSV then has a row a value: amplitude
-    /// of each displacement (m, half of peak to peak), frequency of the one that moves most (Hz), and how
+    /// Run the values from A to B of a parameter or input, in steps or N of them, on all cores; the CSV then has a
+    /// row a value: amplitude of each displacement (m, half of peak to peak), frequency of the one that moves most (Hz), and how
     /// much of the time contacts are in each state. The course of a value is that of --set NAME=VALUE
-    #[arg(long, value_name = "NAME=A:B:N", value_parser = range, conflicts_with = "input")]
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values, conflicts_with = "input")]
     pub sweep: Option<(String, Values)>,
     /// The only displacement whose amplitude and frequency a sweep looks at [default: all]
     #[arg(long, value_name = "NAME", requires = "sweep")]
@@ -211,23 +211,14 @@ fn tolerance(text: &str) -> Result<f64, String> {
     Rule::TOLERANCE.broken_by(value).map_or(Ok(value), |_| Err(wish))
 }
 
-pub fn assignment(text: &str) -> Result<(String, f64), String> {
-    let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
-    let value = value.trim();
-    let number =
-        value.parse().map_err(|_| format!("{value} is not a number; write it as {name}=0.5"))?;
-    Ok((name.trim().to_owned(), number))
-}
-
 /// Values of a parameter, ascending.
 #[derive(Clone, Debug)]
 pub struct Values(pub Vec<f64>);
 
 pub fn values(text: &str) -> Result<Values, String> {
-    grid(text).map(Values)
+    range::grid(text).map(Values)
 }
 
-pub fn range(text: &str) -> Result<(String, Values), String> {
-    let (name, text) = text.split_once('=').ok_or("write it as NAME=A:B:N")?;
-    Ok((name.trim().to_owned(), values(text)?))
+pub fn named_values(text: &str) -> Result<(String, Values), String> {
+    range::named(text, values)
 }

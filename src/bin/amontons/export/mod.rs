@@ -71,7 +71,8 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     }
     if let Some(left_out @ 1..) = check.map(|check| check.left_out) {
         eprintln!(
-            "note: the last {left_out} outputs are not in the reference, whose size is limited"
+            "note: the reference, whose size is limited, leaves out the last {}",
+            counted(left_out, "output", "outputs")
         );
     }
     Ok(())
@@ -125,10 +126,10 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     let variables = fmu_variables(scene);
     let count = |causality| variables.iter().filter(|v| v.causality == causality).count();
     println!(
-        "  variables      {} inputs, {} outputs, {} parameters",
-        count(Causality::Input),
-        count(Causality::Output),
-        count(Causality::Parameter)
+        "  variables      {}, {}, {}",
+        counted(count(Causality::Input), "input", "inputs"),
+        counted(count(Causality::Output), "output", "outputs"),
+        counted(count(Causality::Parameter), "parameter", "parameters")
     );
     if let Some(selected) = simulation.selected() {
         println!("  chosen by      integrator.{}: {selected}", scene.selection);

@@ -41,7 +41,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
                       limit cycle"
                 .to_owned(),
             command: Some(format!(
-                "amontons study perturbation set2 --direction '{}' --amplitude {FIRST}:{LAST}:{COUNT} --resolution 1e-4",
+                "amontons study perturbation set2 --direction '{}' --amplitude {FIRST}:{LAST}/{COUNT} --resolution 1e-4",
                 direction.name
             )),
             content: Content::Chart(chart),

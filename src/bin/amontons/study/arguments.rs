@@ -3,8 +3,8 @@
 use super::basin::Basin;
 use super::limit_cycle::LimitCycle;
 use super::perturbation::Perturbation;
-use crate::arguments::{Integrator, Values, assignment, positive};
-use amontons::sweep::range;
+use crate::arguments::{Integrator, Values, positive};
+use amontons::sweep::range::{self, assignment};
 use clap::{Args, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -39,14 +39,14 @@ pub struct Common {
     /// takes the scene's own method, with which rings move several at once
     #[command(flatten)]
     pub integrator: Integrator,
-    /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's,
-    /// here]
+    /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's, here,
+    /// with a number where another study has that]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
     /// How to write pictures
     #[arg(long, value_enum, default_value = "svg")]
     pub pictures: Pictures,
-    /// Begin anew: drop what the folder's journal holds
+    /// Begin anew: drop what the folder's journal holds, of another study too where -o names the folder
     #[arg(long)]
     pub anew: bool,
 }

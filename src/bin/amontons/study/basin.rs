@@ -4,7 +4,7 @@ use super::arguments::{Common, Looking};
 use super::attractor::{self, number, unit_of, words};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared_with, watched};
-use crate::arguments::{Values, range};
+use crate::arguments::{Values, named_values};
 use amontons::picture::{Class, Map, PALETTE};
 use amontons::scene::Scene;
 use amontons::study::basin::{Axis, Basin as Found, Cell, SHORT_WINDOWS, basin};
@@ -19,12 +19,12 @@ pub struct Basin {
     common: Common,
     #[command(flatten)]
     looking: Looking,
-    /// N values from A to B of an initial value, such as module[1].v2, across; those that no axis has stay as the
+    /// Values from A to B of an initial value, such as module[1].v2, in steps or N of them, across; those that no axis has stay as the
     /// scene or --set has them
-    #[arg(long, value_name = "NAME=A:B:N", value_parser = range)]
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
     x: (String, Values),
-    /// N values from A to B of another initial value, up
-    #[arg(long, value_name = "NAME=A:B:N", value_parser = range)]
+    /// Values from A to B of another initial value, up
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
     y: (String, Values),
 }
 

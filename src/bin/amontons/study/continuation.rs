@@ -21,10 +21,10 @@ pub struct Arguments {
     pub common: Common,
     #[command(flatten)]
     pub looking: Looking,
-    /// Values of the friction coefficient, followed upwards from A and downwards from B
-    #[arg(long, value_name = "A:B:STEP", value_parser = values, allow_hyphen_values = true)]
+    /// Values of the friction coefficient, in steps or N of them, followed upwards from A and downwards from B
+    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
     pub friction: Values,
-    /// How near the bounds of a fold are brought together, in µ [default: a hundredth of STEP]
+    /// How near the bounds of a fold are brought together, in µ [default: a hundredth of the step]
     #[arg(long, value_name = "µ", value_parser = resolution, allow_hyphen_values = true)]
     pub resolution: Option<f64>,
 }
@@ -46,6 +46,9 @@ fn resolution(text: &str) -> Result<f64, String> {
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Arguments { common, looking, friction: Values(values), resolution } = arguments;
     let (scene, source, look) = prepared(common, looking)?;
+    if common.set.iter().any(|(set, _)| set == FRICTION) {
+        eprintln!("note: {FRICTION} takes the values of --friction, not that of --set");
+    }
     let resolution = resolution.unwrap_or(0.01 * (values[1] - values[0]));
     let push = Push::of(&scene);
     // Each value starts where the one before has ended, so a piece depends on them all.

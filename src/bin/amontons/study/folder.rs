@@ -4,7 +4,7 @@ use super::arguments::{Common, Pictures};
 use amontons::output::Pending;
 use amontons::picture::Chart;
 use amontons::scene::{Scene, Source};
-use amontons::study::Journal;
+use amontons::study::{Journal, Owner};
 use serde::Serialize;
 use serde_json::{Map, Value, json};
 use std::error::Error;
@@ -21,23 +21,17 @@ pub struct Folder {
 
 impl Folder {
     /// Opens the folder, or makes it, with the journal of this study. `settings` are all that a piece of it
-    /// depends on besides the scene with its values.
+    /// depends on besides the scene with its values. One that nobody has named and that holds another study is left
+    /// alone: this one has the next, whose name ends in a number.
     ///
     /// # Errors
-    /// It cannot be made or written; it holds another study.
+    /// It cannot be made or written; it is named and holds another study.
     pub fn open(
         common: &Common,
         kind: &str,
         (scene, source): (&Scene, &Source),
         settings: impl Serialize,
     ) -> Result<Self, Box<dyn Error>> {
-        let default = || PathBuf::from(format!("{}-{kind}", scene.name));
-        let path = common.output.clone().unwrap_or_else(default);
-        if path.exists() && !path.is_dir() {
-            let error = std::io::ErrorKind::NotADirectory.into();
-            return Err(amontons::Error::file(&path, &error).into());
-        }
-        fs::create_dir_all(&path).map_err(|error| amontons::Error::file(&path, &error))?;
         let set: Map<String, Value> =
             common.set.iter().map(|(name, value)| (name.clone(), json!(value))).collect();
         let study = json!({
@@ -52,6 +46,21 @@ impl Folder {
             "step": scene.step,
             "settings": settings,
         });
+        let path = match &common.output {
+            Some(path) => path.clone(),
+            None => free(&format!("{}-{kind}", scene.name), &study),
+        };
+        if path.exists() && !path.is_dir() {
+            let error = std::io::ErrorKind::NotADirectory.into();
+            return Err(amontons::Error::file(&path, &error).into());
+        }
+        if let (Some(why), false) = (other(&path, &study), common.anew) {
+            let error = std::io::Error::other(format!(
+                "it holds another study: {why}; give another folder with -o, or --anew to drop it"
+            ));
+            return Err(amontons::Error::file(&path, &error).into());
+        }
+        fs::create_dir_all(&path).map_err(|error| amontons::Error::file(&path, &error))?;
         let journal = Journal::open(&path.join(JOURNAL), &study, common.anew)?;
         Ok(Self { path, pictures: common.pictures, study, journal })
     }
@@ -131,6 +140,32 @@ impl Folder {
     }
 }
 
+/// The first folder of this name, or of this name and a number, that holds no other study.
+fn free(name: &str, study: &Value) -> PathBuf {
+    let first = PathBuf::from(name);
+    let Some(why) = other(&first, study) else { return first };
+    let path = (2..)
+        .map(|number| PathBuf::from(format!("{name}-{number}")))
+        .find(|path| !path.exists() || (path.is_dir() && other(path, study).is_none()))
+        .expect("there are more numbers than folders");
+    eprintln!("note: {name} holds another study: {why}; this one is in {}", path.display());
+    path
+}
+
+/// Why a folder is another study's: what that has differs, or there are results of which nobody knows the study.
+fn other(path: &Path, study: &Value) -> Option<String> {
+    let has_results = RESULTS.iter().any(|name| path.join(name).exists());
+    match Owner::of(&path.join(JOURNAL), study) {
+        Owner::This => None,
+        // Without either it was ended before anything was done.
+        Owner::Another { why, has_pieces } => (has_pieces || has_results).then_some(why),
+        Owner::Nobody if has_results => {
+            Some(format!("it has results, but no {JOURNAL} that says of what"))
+        }
+        Owner::Nobody => None,
+    }
+}
+
 /// A text as a field of a CSV file.
 pub fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
@@ -140,3 +175,6 @@ pub fn quoted(text: &str) -> String {
 const FORMAT: u32 = 1;
 
 const JOURNAL: &str = "journal.jsonl";
+
+/// Files that every study writes when it is done.
+const RESULTS: [&str; 2] = ["results.csv", "study.json"];

@@ -12,8 +12,8 @@ use amontons::study::{
     Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold, limit_cycles,
     output, unit,
 };
-use amontons::sweep::axis;
 use amontons::sweep::range::number;
+use amontons::sweep::{Possible, axis};
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -23,8 +23,8 @@ use std::io::{Write, stdout};
 pub struct LimitCycle {
     #[command(flatten)]
     pub common: Common,
-    /// The parameter or input, and its values: first, last, step
-    #[arg(long, value_name = "NAME=A:B:STEP", value_parser = named_steps)]
+    /// The parameter or input, and its values from A to B, in steps or N of them
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps)]
     pub parameter: (String, Values),
     #[command(flatten)]
     pub looking: Looking,
@@ -50,11 +50,14 @@ fn part(text: &str) -> Result<f64, String> {
 pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     let LimitCycle { common, parameter: (name, Values(values)), looking, .. } = arguments;
     let (scene, source, look) = prepared(common, looking)?;
-    let mut first = scene.clone();
-    // Before there is a folder; the first one last.
-    for value in values.iter().rev() {
-        assign(&mut first, name, *value)?;
+    // Before there is a folder.
+    let possible = Possible::of(&scene, name, values)?;
+    if let Some(note) = possible.note(name) {
+        eprintln!("note: {note}");
     }
+    let values = possible.values;
+    let mut first = scene.clone();
+    assign(&mut first, name, values[0])?;
     if common.set.iter().any(|(set, _)| set == name) {
         eprintln!("note: {name} takes the values of --parameter, not that of --set");
     }
@@ -72,7 +75,7 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     drawn.dedup();
     let question = Question {
         name: name.clone(),
-        values: values.clone(),
+        values,
         resolution: arguments.resolution,
         portraits: (!drawn.is_empty()).then_some(drawn),
         contacts: arguments.contacts,

@@ -10,11 +10,13 @@ pub mod perturbation;
 pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
-use crate::simulate::progress_bar;
+use amontons::documentation::counted;
 use amontons::integrator::select;
+use amontons::progress::Progress;
 use amontons::scene::{self, Method, Scene, Selection, Source};
 use amontons::simulation::assign;
 use amontons::study::{Look, Watch, Wish, pace};
+use amontons::sweep::range::check_once;
 use arguments::{Common, Looking, Study};
 use folder::Folder;
 use std::error::Error;
@@ -33,6 +35,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
 /// The scene with the values of the command line, and its files.
 fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
     let (mut scene, source) = scene::find(&common.scene)?;
+    check_once(&common.set)?;
     for (name, value) in &common.set {
         assign(&mut scene, name, *value)?;
     }
@@ -101,18 +104,18 @@ fn heading(scene: &Scene, look: &Look) -> String {
 fn watched<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
-    let bar = progress_bar(1.0);
-    let progress = |part: f64| interrupt::show(&bar, part);
+    let bar = Progress::in_parts("the study");
+    let progress = |part: f64| bar.set_part(part);
     let result = work(Watch { go_on: &interrupt::stopped, progress: &progress });
-    bar.finish_and_clear();
+    bar.finish();
     result
 }
 
 /// What a person is told who has ended a study.
 fn interrupted(folder: &Folder) -> Box<dyn Error> {
     eprintln!(
-        "note: {} finished pieces are kept in {}; the same command goes on from there",
-        folder.journal().len(),
+        "note: {} kept in {}; the same command continues from there",
+        counted(folder.journal().len(), "finished piece is", "finished pieces are"),
         folder.journal_path().display()
     );
     Box::new(Interrupted)

@@ -22,8 +22,8 @@ pub struct Perturbation {
     /// The initial value that is varied, such as module[1].v2; the others stay as the scene or --set has them
     #[arg(long, value_name = "NAME")]
     direction: String,
-    /// N of its values from A to B
-    #[arg(long, value_name = "A:B:N", value_parser = values, allow_hyphen_values = true)]
+    /// Its values from A to B, in steps or N of them
+    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
     amplitude: Values,
     /// How closely thresholds are found: to this part of themselves
     #[arg(long, value_name = "PART", default_value_t = 1e-3, allow_hyphen_values = true)]

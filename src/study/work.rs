@@ -1,0 +1,39 @@
+//! How far the work on many points is.
+
+use super::Watch;
+use std::cell::Cell;
+use std::sync::{Mutex, PoisonError};
+
+/// How much of the work on some points is done: of one that is followed, the part of the longest time that it may take.
+pub(super) struct Work<'a> {
+    points: usize,
+    /// Where this work begins and ends in that of the basin, from 0 to 1.
+    within: [f64; 2],
+    watch: Watch<'a>,
+    /// In points.
+    done: Mutex<f64>,
+}
+
+impl<'a> Work<'a> {
+    /// Work on so many points.
+    pub(super) fn of(points: usize, within: [f64; 2], watch: Watch<'a>) -> Self {
+        Self { points, within, watch, done: Mutex::new(0.0) }
+    }
+
+    /// Does a piece of the work, which may tell how many of its points' work is done since it told last.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn piece<T>(&self, points: usize, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
+        let told = Cell::new(0.0);
+        let tell = |more: f64| {
+            told.set(told.get() + more);
+            let mut done = self.done.lock().unwrap_or_else(PoisonError::into_inner);
+            *done += more;
+            let [from, to] = self.within;
+            (self.watch.progress)(from + (to - from) * *done / self.points as f64);
+        };
+        let result = work(&tell);
+        // One that was noted before tells nothing.
+        tell(points as f64 - told.get());
+        result
+    }
+}
