@@ -249,7 +249,7 @@ fn a_value_without_a_motion_is_told_and_the_others_go_on() {
     let mut reader = csv::Reader::from_reader(csv.as_bytes());
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert_eq!((&rows[0][1], &rows[1][1]), ("equilibrium", "failed"));
-    assert!(rows[1][10].contains("jams") && rows[0][10].is_empty());
+    assert!(rows[1][12].contains("jams") && rows[0][12].is_empty());
 }
 
 #[test]
@@ -268,7 +268,7 @@ fn the_command_writes_what_it_prints() {
     assert_eq!(
         reader.headers().unwrap().iter().collect::<Vec<_>>().join(","),
         "slider.velocity,kind,amplitude,frequency,share.slide,share.reverse_slide,share.stick,\
-         share.detached,taken,time,failure"
+         share.detached,taken,time,period,closure,failure"
     );
     let rows: Vec<csv::StringRecord> = reader.records().map(Result::unwrap).collect();
     assert_eq!(rows.iter().map(|row| &row[0]).collect::<Vec<_>>(), ["0.05", "0.15", "0.25"]);

@@ -7,6 +7,7 @@ use amontons::contact::Law;
 use amontons::integrator::Width;
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::{Batch, Simulation, assign};
+use amontons::sweep::observed::output;
 use amontons::sweep::{View, sweep};
 use program::{assert_refused, folder, run, text};
 use std::f64::consts::TAU;
@@ -246,7 +247,7 @@ const OSCILLATOR: &str = "[[mass]]\nname = \"a\"\nmass = 0.5\nlocked = [\"y\"]\n
 fn the_amplitude_and_frequency_of_an_oscillator_are_those_of_its_closed_form() {
     for method in [Method::ForwardIncrement, Method::EventDriven] {
         let scene = Scene { method, ..parse("oscillator", OSCILLATOR).unwrap() };
-        let view = View { dofs: vec![0], window: 4.0 };
+        let view = View { outputs: vec![output(&scene, &scene.dof_names()[0]).unwrap()], window: 4.0 };
         let values = [100.0, 200.0, 300.0];
         let watch = |_| ControlFlow::Continue(());
         let found = sweep(&scene, "spring.k.stiffness", &values, &view, &watch).unwrap();

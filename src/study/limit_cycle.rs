@@ -57,7 +57,8 @@ impl Outcome {
             Self::Ending(ending) => {
                 let states = ending.taken.iter().filter(|taken| **taken).count();
                 let leaves = ending.kind == Kind::Unsettled && ending.rate > 0.0 && states <= 1;
-                (ending.kind.is_cycle() || leaves).then_some(true)
+                (ending.kind.is_cycle() || ending.kind == Kind::Unbounded || leaves)
+                    .then_some(true)
             }
             Self::Failure(_) => None,
         }

@@ -2,17 +2,12 @@
 
 use crate::Error;
 use crate::integrator::EventDriven;
-use crate::model::{LumpedModel, equilibrium};
-use crate::scene::{Method, Scene, Selection, nearest};
-use crate::simulation::catalogue::{Causality, Kind};
-use crate::simulation::{Variable, variables};
-use crate::stability::candidates::resting_state;
-use crate::stability::{Spectrum, highest_frequency};
+use crate::model::LumpedModel;
+use crate::scene::{Method, Scene, Selection};
+pub(super) use crate::sweep::observed::{ROWS_A_PERIOD, frequencies};
+pub use crate::sweep::observed::{output, unit};
 use serde::Serialize;
-use std::f64::consts::TAU;
 
-/// Rows in a period of the fastest mode: a turn between them is then known to 1e-5 of the amplitude.
-pub(super) const ROWS_A_PERIOD: f64 = 20.0;
 /// Periods of the slowest mode in a window: lines a fiftieth of its frequency apart are told from each other.
 const PERIODS: f64 = 50.0;
 /// A person may ask for fewer, but not for less than these.
@@ -117,26 +112,6 @@ impl Look {
     }
 }
 
-/// An output of a scene that can be followed: a displacement, a velocity, a force; no state and no count.
-///
-/// # Errors
-/// There is none of that name; the nearest name, or what there is.
-pub fn output(scene: &Scene, name: &str) -> Result<Variable, Error> {
-    let is_followed = |variable: &Variable| {
-        variable.causality == Causality::Output
-            && matches!(variable.template.kind, Kind::Real { .. })
-    };
-    let mut outputs: Vec<Variable> = variables(scene).into_iter().filter(is_followed).collect();
-    if let Some(place) = outputs.iter().position(|output| output.name == name) {
-        return Ok(outputs.swap_remove(place));
-    }
-    let help = match nearest(name, outputs.iter().map(|output| &*output.name)) {
-        Some(near) => format!("did you mean {near}?"),
-        None => "`amontons simulate` has them as columns".to_owned(),
-    };
-    Err(Error::argument(format!("{} has no output {name}; {help}", scene.name)))
-}
-
 /// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
 /// the quickest way to where a motion ends, and the truest. What exact motion does not take, as Stribeck's law, keeps
 /// its own.
@@ -145,30 +120,6 @@ pub fn pace(scene: &mut Scene, look: &Look) {
         (scene.method, scene.step) = (Method::EventDriven, look.interval);
         scene.selection = Selection::Given;
     }
-}
-
-/// The unit of an output.
-#[must_use]
-pub fn unit(output: &Variable) -> &'static str {
-    match output.template.kind {
-        Kind::Real { unit, .. } => unit,
-        _ => "1",
-    }
-}
-
-/// The frequencies of the slowest and the fastest mode, Hz: of the state that the scene can rest in and, where it
-/// is known, of all states. `None` where nothing oscillates.
-pub(super) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
-    let mut model = LumpedModel::from(scene);
-    if let Ok(equilibrium) = equilibrium(scene, &model) {
-        model.linearise(&equilibrium);
-    }
-    let states = resting_state(&model, scene.slider.velocity);
-    let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).ok()?;
-    let slowest = spectrum.oscillating.first()?.im / TAU;
-    let fastest = spectrum.oscillating.last()?.im / TAU;
-    let bound = highest_frequency(&model).map_or(fastest, |bound| bound / TAU);
-    Some([slowest, fastest.max(bound)])
 }
 
 /// The largest 1, 2 or 5 times a power of ten that is not above a value.

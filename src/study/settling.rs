@@ -15,13 +15,8 @@ use crate::model::LumpedModel;
 use crate::simulation::{Simulation, Variable};
 use crate::spectral::{Line, Lines, Window, lines};
 use crate::stability::Spectrum;
+use crate::sweep::steady::{STANDING, is_steady, mixture, weighted_deviation};
 
-/// The size of a settled motion differs by less than this from one window to the next, relative.
-const SAME_SIZE: f64 = 1e-3;
-/// Drifting one way all the time it must not have further to go than this, relative.
-const LEFT_TO_GO: f64 = 2e-3;
-/// A drift that does not slow down must be below this, relative: rounding.
-const STANDING: f64 = 1e-7;
 /// Lines of more than this part of the strongest one must be the same.
 const STRONG: f64 = 1e-2;
 /// By this part of their resolution, and by this part of their amplitude.
@@ -459,32 +454,12 @@ fn is_closing(closures: &[Closure]) -> bool {
     same && most < 0.95 && most <= SAME_FACTOR * least
 }
 
-/// A sum of all displacements with factors that no symmetry of a structure has.
-#[allow(clippy::cast_precision_loss)]
-fn mixture(displacement: &[f64]) -> f64 {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let factor = |i: usize| 0.5 + (i as f64 * GOLDEN).fract();
-    displacement.iter().enumerate().fold(0.0, |sum, (i, x)| sum + factor(i) * x)
-}
-
 /// From the mean, root mean square.
 #[allow(clippy::cast_precision_loss)]
 fn deviation(values: &[f64]) -> f64 {
     let count = values.len() as f64;
     let mean = values.iter().fold(0.0, |sum, x| sum + x) / count;
     (values.iter().fold(0.0, |sum, x| sum + (x - mean) * (x - mean)) / count).sqrt()
-}
-
-/// The same of weighted values: as many periods as fit in a window, whole or not, have the same size wherever it
-/// begins.
-fn weighted_deviation(values: &[f64], weights: &[f64]) -> f64 {
-    let over = |quantity: &dyn Fn(f64) -> f64| {
-        let pairs = values.iter().zip(weights);
-        pairs.fold(0.0, |sum, (value, weight)| sum + weight * quantity(*value))
-    };
-    let sum = over(&|_| 1.0);
-    let mean = over(&|x| x) / sum;
-    (over(&|x| (x - mean) * (x - mean)) / sum).sqrt()
 }
 
 /// Does a motion decay to rest? No contact changes its state any more, and the limit of its size, by Aitken's
@@ -499,25 +474,6 @@ fn rests(seen: &[Seen]) -> bool {
         after < 0.0 && before < after && limit.abs() <= REST * c
     };
     last[1..].iter().all(|seen| !seen.changed) && last.windows(3).all(tends_to_zero)
-}
-
-/// Does the size stay, over the last four windows?
-fn is_steady(sizes: &[f64]) -> bool {
-    let Some(first) = sizes.len().checked_sub(4) else { return false };
-    let last = &sizes[first..];
-    let change: Vec<f64> = last.windows(2).map(|two| two[1] / two[0] - 1.0).collect();
-    if change.iter().any(|change| change.abs() > SAME_SIZE) {
-        return false;
-    }
-    let one_way =
-        change.iter().all(|change| *change > 0.0) || change.iter().all(|change| *change < 0.0);
-    if !one_way || change.iter().all(|change| change.abs() <= STANDING) {
-        return true;
-    }
-    let slowing = change[2].abs() / change[1].abs();
-    change[1].abs() < change[0].abs()
-        && slowing < 1.0
-        && change[2].abs() * slowing / (1.0 - slowing) <= LEFT_TO_GO
 }
 
 /// Do amplitudes only grow, or only decay, by more than rounding?

@@ -2,8 +2,10 @@
 //!
 //! Each value has the run that it would have by itself, to the last bit ([`Batch`]).
 
+pub mod observed;
 mod possible;
 pub mod range;
+pub(crate) mod steady;
 
 pub use possible::Possible;
 
@@ -12,8 +14,11 @@ use crate::accuracy::{Cycle, half_range};
 use crate::integrator::Width;
 use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Kind;
-use crate::simulation::{Batch, Simulation, assign, attempt, variables};
+use crate::simulation::{Batch, Simulation, Variable, assign, attempt, variables};
+use crate::spectral::Window;
 use crate::stability::parallel::collect;
+use observed::{frequencies, interval};
+use steady::{is_steady, mixture, weighted_deviation};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -36,8 +41,8 @@ pub const FRICTION: &str = "friction.coefficient";
 /// What to look at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// Degrees of freedom, from 0.
-    pub dofs: Vec<usize>,
+    /// The outputs whose amplitudes are looked at ([`observed::output`]).
+    pub outputs: Vec<Variable>,
     /// How long before the end of a run one looks, s.
     pub window: f64,
 }
@@ -49,12 +54,18 @@ impl View {
     }
 }
 
-/// What a run ends in: its rows in the window, which are the rows of `simulate`.
+/// What a run ends in: its rows in the window. They are as near to each other as the fastest mode asks for
+/// ([`observed::interval`]), whatever the output interval is.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    /// Half of what lies between the smallest and the largest value of each degree of freedom, turns between
-    /// the rows included, m.
+    /// Half of the difference between the largest and the smallest value of each output, turns between the rows
+    /// included, in its unit.
     pub amplitudes: Vec<f64>,
+    /// `true` if the size of the motion of all degrees of freedom together stays over the four quarters of the window;
+    /// `None` where a quarter is too short to tell.
+    pub settled: Option<bool>,
+    /// Energies at the end, J, in the order of [`ENERGIES`]; empty unless the scene asks for them.
+    pub energies: Vec<f64>,
     /// Of the one with the largest amplitude, Hz; `None` if it does not oscillate, or for fewer than
     /// [`FEWEST_PERIODS`].
     pub frequency: Option<f64>,
@@ -62,6 +73,13 @@ pub struct Summary {
     /// [`ContactState::ALL`](crate::contact::ContactState::ALL).
     pub shares: [f64; 4],
 }
+
+/// Names of the energies, as outputs have them.
+pub const ENERGIES: [&str; 8] =
+    ["kinetic", "elastic", "damping", "friction", "impact", "slider", "forces", "residual"];
+
+/// A quarter of a window has so many periods of the slowest mode, or the size of the motion in it says nothing.
+const PERIODS_TO_SETTLE: f64 = 5.0;
 
 /// A window with fewer periods of an oscillation does not tell its frequency.
 pub const FEWEST_PERIODS: f64 = 3.0;
@@ -78,31 +96,36 @@ pub fn sweep(
     view: &View,
     watch: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
 ) -> Result<Vec<Option<Result<Summary, Error>>>, Error> {
-    let begin = view.begin(&scene.experiment);
-    let rows = scene.experiment.row_times().filter(|(time, is_whole)| *is_whole && *time >= begin);
-    if rows.count() < 2 {
-        return Err(Error::argument(format!(
-            "a window of {} s has no two rows, which are {} s apart; a longer --window or --stop-time has",
-            view.window, scene.experiment.output_interval
-        )));
-    }
     let with = |value: &f64| {
         let mut scene = scene.clone();
         assign(&mut scene, name, *value)?;
         Ok(scene)
     };
     let scenes: Vec<Scene> = values.iter().map(with).collect::<Result<_, Error>>()?;
+    // One for all, so that runs stay together.
+    let output_interval = scene.experiment.output_interval;
+    let interval =
+        scenes.iter().map(|scene| interval(scene, output_interval)).fold(output_interval, f64::min);
+    let experiment = Experiment { output_interval: interval, ..scene.experiment };
+    let begin = view.begin(&experiment);
+    let rows = experiment.row_times().filter(|(time, is_whole)| *is_whole && *time >= begin);
+    if rows.count() < 2 {
+        return Err(Error::argument(format!(
+            "a window of {} s has no two rows, which are {interval} s apart; a longer --window or --stop-time has",
+            view.window
+        )));
+    }
     let width = Width::available().into_iter().next();
     let start = |scene: &Scene| Simulation::new(scene.clone(), 0.0);
     let first = scenes.iter().find_map(|scene| start(scene).ok());
     let size = first.map_or(1, |simulation| Batch::size(&simulation, width));
     let groups: Vec<&[Scene]> = scenes.chunks(size).collect();
-    let (done, all) = (AtomicU64::new(0), groups.len() * scene.experiment.row_times().count());
+    let (done, all) = (AtomicU64::new(0), groups.len() * experiment.row_times().count());
     #[allow(clippy::cast_precision_loss)]
     let watch = || watch(done.fetch_add(1, Ordering::Relaxed) as f64 / all as f64);
     let runs = |i: usize| {
         let simulations = groups[i].iter().map(start).collect();
-        Ok(run(simulations, &scene.experiment, width, view, &watch))
+        Ok(run(simulations, &experiment, width, view, &watch))
     };
     Ok(collect(groups.len(), &runs, &|_| {})?.into_iter().flatten().collect())
 }
@@ -125,7 +148,9 @@ fn run(
             Err(error) => failures.push(Some(error)),
         }
     }
-    let mut records = vec![Record::new(view); simulations.len()];
+    let slowest = |simulation: &Simulation| frequencies(simulation.scene()).map(|both| both[0]);
+    let mut records: Vec<Record> =
+        simulations.iter().map(|one| Record::new(view, slowest(one))).collect();
     let mut batch = Batch::new(simulations, width);
     let begin = view.begin(experiment);
     for (time, is_whole) in experiment.row_times() {
@@ -141,7 +166,7 @@ fn run(
         }
     }
     let summary = |(simulation, record): (Result<Simulation, Error>, Record)| {
-        simulation.map(|_| record.summary(experiment.output_interval))
+        simulation.map(|simulation| record.summary(&simulation, experiment.output_interval))
     };
     let mut ends = batch.into_simulations().into_iter().zip(records).map(summary);
     let outcome =
@@ -152,22 +177,28 @@ fn run(
 /// What is kept of a run.
 #[derive(Clone)]
 struct Record {
-    /// One history a degree of freedom, m.
+    /// One history an output, in its unit.
     histories: Vec<Vec<f64>>,
+    /// Of all displacements together, m.
+    mixture: Vec<f64>,
+    /// Frequency of the slowest mode, Hz; `None` where nothing oscillates.
+    slowest: Option<f64>,
     /// How often contacts were in each state.
     states: [u64; 4],
 }
 
 impl Record {
-    fn new(view: &View) -> Self {
-        Self { histories: vec![Vec::new(); view.dofs.len()], states: [0; 4] }
+    fn new(view: &View, slowest: Option<f64>) -> Self {
+        let histories = vec![Vec::new(); view.outputs.len()];
+        Self { histories, mixture: Vec::new(), slowest, states: [0; 4] }
     }
 
     /// Takes note of a row.
     fn note(&mut self, simulation: &mut Simulation, view: &View) -> Result<(), Error> {
-        for (history, &dof) in self.histories.iter_mut().zip(&view.dofs) {
-            history.push(simulation.displacement()[dof]);
+        for (history, output) in self.histories.iter_mut().zip(&view.outputs) {
+            history.push(simulation.read(output)?);
         }
+        self.mixture.push(mixture(simulation.displacement()));
         for force in simulation.contact_forces()? {
             self.states[force.state as usize - 1] += 1;
         }
@@ -175,19 +206,37 @@ impl Record {
     }
 
     #[allow(clippy::cast_precision_loss)]
-    fn summary(&self, interval: f64) -> Summary {
+    fn summary(&self, simulation: &Simulation, interval: f64) -> Summary {
         let amplitudes: Vec<f64> =
             self.histories.iter().map(|history| half_range(history)).collect();
         let largest =
             (0..amplitudes.len()).rev().max_by(|&a, &b| amplitudes[a].total_cmp(&amplitudes[b]));
         let cycle = largest.map(|i| Cycle::over(&self.histories[i], interval));
         let all = self.states.iter().sum::<u64>().max(1);
-        let window = self.histories.first().map_or(0.0, |history| history.len() as f64 * interval);
+        let window = self.mixture.len() as f64 * interval;
         let is_clear = |frequency: &f64| frequency * window >= FEWEST_PERIODS;
         Summary {
             amplitudes,
+            settled: self.settled(interval),
             frequency: cycle.and_then(|cycle| cycle.frequency).filter(is_clear),
             shares: self.states.map(|count| count as f64 / all as f64),
+            energies: simulation.energy().map_or_else(Vec::new, |energy| energy.parts().to_vec()),
         }
+    }
+
+    /// Does the size stay over the quarters of the window?
+    #[allow(clippy::cast_precision_loss)]
+    fn settled(&self, interval: f64) -> Option<bool> {
+        let count = self.mixture.len() / 4;
+        let is_long = |slowest: f64| slowest * count as f64 * interval >= PERIODS_TO_SETTLE;
+        if !self.slowest.is_some_and(is_long) {
+            return None;
+        }
+        let weights = Window::BlackmanHarris.weights(count);
+        let last = self.mixture.len() - 4 * count;
+        let quarters = self.mixture[last..].chunks(count);
+        let sizes: Vec<f64> =
+            quarters.map(|quarter| weighted_deviation(quarter, &weights)).collect();
+        Some(sizes.iter().all(|size| *size == 0.0) || is_steady(&sizes))
     }
 }

@@ -3,12 +3,12 @@
 use crate::arguments::Simulate;
 use crate::interrupt::{self, Interrupted};
 use crate::simulate::is_broken_pipe;
-use amontons::accuracy::dof_named;
 use amontons::integrator::select;
 use amontons::output::Pending;
 use amontons::progress::Progress;
 use amontons::scene::{Experiment, Scene, Selection};
-use amontons::sweep::{Summary, View, sweep};
+use amontons::sweep::observed::output;
+use amontons::sweep::{ENERGIES, Summary, View, sweep};
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 
@@ -31,12 +31,13 @@ pub fn run(
     if arguments.set.iter().any(|(set, _)| set == name) {
         eprintln!("note: {name} takes the values of --sweep, not that of --set");
     }
-    let dofs = match &arguments.of {
-        Some(name) => vec![dof_named(scene, name)?],
-        None => (0..scene.dof_names().len()).collect(),
+    let names = match &arguments.of {
+        Some(name) => vec![name.clone()],
+        None => scene.dof_names(),
     };
+    let outputs = names.iter().map(|name| output(scene, name)).collect::<Result<_, _>>()?;
     let window = arguments.window.unwrap_or(scene.experiment.stop_time / 4.0);
-    let view = View { dofs, window };
+    let view = View { outputs, window };
     let mut file = arguments.output.as_deref().map(Pending::create).transpose()?;
     interrupt::listen();
     let progress = Progress::in_parts("the runs");
@@ -58,8 +59,7 @@ pub fn run(
             None => {}
         }
     }
-    let names = scene.dof_names();
-    let names: Vec<&str> = view.dofs.iter().map(|dof| &*names[*dof]).collect();
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
     match &mut file {
         Some(file) => write(file, name, &names, &rows)?,
         None => match write(&mut BufWriter::new(stdout().lock()), name, &names, &rows) {
@@ -85,15 +85,21 @@ fn has_failed<T, E>(outcome: &Option<Result<T, E>>) -> bool {
 fn write(
     out: &mut dyn Write,
     name: &str,
-    displacements: &[&str],
+    outputs: &[&str],
     rows: &[(f64, Summary)],
 ) -> Result<(), Box<dyn Error>> {
     write!(out, "{name}")?;
-    for displacement in displacements {
-        write!(out, ",amplitude.{displacement}")?;
+    for output in outputs {
+        write!(out, ",amplitude.{output}")?;
     }
-    writeln!(out, ",frequency,share.slide,share.reverse_slide,share.stick,share.detached")?;
-    for (value, Summary { amplitudes, frequency, shares }) in rows {
+    write!(out, ",frequency,settled,share.slide,share.reverse_slide,share.stick,share.detached")?;
+    if rows.first().is_some_and(|(_, summary)| !summary.energies.is_empty()) {
+        for energy in ENERGIES {
+            write!(out, ",energy.{energy}")?;
+        }
+    }
+    writeln!(out)?;
+    for (value, Summary { amplitudes, frequency, settled, shares, energies }) in rows {
         write!(out, "{value:?}")?;
         for amplitude in amplitudes {
             write!(out, ",{amplitude:?}")?;
@@ -103,8 +109,14 @@ fn write(
             ",{}",
             frequency.map_or_else(String::new, |frequency| format!("{frequency:?}"))
         )?;
-        for share in shares {
-            write!(out, ",{share:?}")?;
+        let settled = match settled {
+            Some(true) => "yes",
+            Some(false) => "no",
+            None => "unknown",
+        };
+        write!(out, ",{settled}")?;
+        for value in shares.iter().chain(energies) {
+            write!(out, ",{value:?}")?;
         }
         writeln!(out)?;
     }

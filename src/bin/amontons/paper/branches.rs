@@ -7,13 +7,13 @@ use amontons::Error;
 use amontons::report::{Claim, Content, Figure, Section, Table};
 use amontons::scene::{Method, Scene};
 use amontons::stability::candidates::{Bistability, bistability};
-use amontons::study::{Continuation, Fold, Journal, Look, Plan, Push, Watch, continuation};
+use amontons::study::{Continuation, Journal, Jump, Look, Plan, Push, Watch, continuation};
 
 /// µ of both figures: 1.5 to 2.5 in steps of 0.01.
 const FRICTION: [i32; 2] = [150, 250];
-/// Bounds of a fold, in µ.
+/// Bounds of a jump, in µ.
 const RESOLUTION: f64 = 1e-5;
-/// The step of the paper's scheme with which folds are found again, s.
+/// The step of the paper's scheme with which jumps are found again, s.
 const STEP: f64 = 2e-5;
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
@@ -60,7 +60,7 @@ fn follow(
     watch: Watch<'_>,
 ) -> Result<Option<Continuation>, Error> {
     let push = Push::of(scene);
-    let plan = Plan { scene, look, values, resolution: RESOLUTION, push };
+    let plan = Plan { scene, look, values, resolution: RESOLUTION, push, ranges: &[] };
     continuation(&plan, &Journal::forgotten(), watch)
 }
 
@@ -133,7 +133,7 @@ fn two_branches(found: &Continuation) -> Vec<Claim> {
     ]
 }
 
-/// Folds by both integrators.
+/// Jumps by both integrators.
 fn both_integrators(
     name: &str,
     scene: &Scene,
@@ -142,20 +142,20 @@ fn both_integrators(
     watch: Watch<'_>,
 ) -> Result<Option<Table>, Error> {
     let scheme = Scene { method: Method::ForwardIncrement, step: STEP, ..scene.clone() };
-    // From a little before the first fold to a little beyond the last.
-    let at = || exact.folds.iter().map(Fold::at);
+    // From a little before the first jump to a little beyond the last.
+    let at = || exact.jumps.iter().map(Jump::at);
     let hundredth = |value: f64| (100.0 * value).round() as i32;
     let first = hundredth(at().fold(f64::INFINITY, f64::min)) - 2;
     let last = hundredth(at().fold(0.0, f64::max)) + 2;
     let values: Vec<f64> = (first..=last).map(|i| f64::from(i) / 100.0).collect();
     let Some(found) = follow(&scheme, look, &values, watch)? else { return Ok(None) };
-    let rows = exact.folds.iter().enumerate().map(|(place, fold)| {
-        let other = found.folds.get(place).filter(|other| other.way == fold.way);
-        let apart = other.map_or(f64::INFINITY, |other| (other.at() / fold.at() - 1.0).abs());
+    let rows = exact.jumps.iter().enumerate().map(|(place, jump)| {
+        let other = found.jumps.get(place).filter(|other| other.way == jump.way);
+        let apart = other.map_or(f64::INFINITY, |other| (other.at() / jump.at() - 1.0).abs());
         vec![
-            fold.way.name().into(),
-            format!("{} becomes {}", describe(&fold.endings[0]), describe(&fold.endings[1])).into(),
-            format!("{:.5}", fold.at()).into(),
+            jump.way.name().into(),
+            format!("{} becomes {}", describe(&jump.endings[0]), describe(&jump.endings[1])).into(),
+            format!("{:.5}", jump.at()).into(),
             other.map_or("–".to_owned(), |other| format!("{:.5}", other.at())).into(),
             format!("{apart:.1e}").into(),
         ]

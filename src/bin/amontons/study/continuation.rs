@@ -8,9 +8,9 @@ use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::stability::candidates::{Bistability, Candidate, bistability};
 use amontons::study::{
-    Bistable, Continuation, Ending, Fold, Kind, Look, Plan, Point, Push, Way, continuation,
+    Bistable, Both, Continuation, Ending, Jump, Kind, Look, Plan, Point, Push, Way, continuation,
 };
-use amontons::sweep::{FRICTION, range};
+use amontons::sweep::{FRICTION, Possible, range};
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -24,7 +24,8 @@ pub struct Arguments {
     /// Values of the friction coefficient, in steps or N of them, followed upwards from A and downwards from B
     #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
     pub friction: Values,
-    /// How near the bounds of a fold are brought together, in µ [default: a hundredth of the step]
+    /// The size of a change of µ that a motion must survive to be followed, and how near the bounds of a jump are brought
+    /// together [default: a hundredth of the step]
     #[arg(long, value_name = "µ", value_parser = resolution, allow_hyphen_values = true)]
     pub resolution: Option<f64>,
 }
@@ -49,17 +50,37 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if common.set.iter().any(|(set, _)| set == FRICTION) {
         eprintln!("note: {FRICTION} takes the values of --friction, not that of --set");
     }
+    let possible = Possible::of(&scene, FRICTION, values)?;
+    if let Some(note) = possible.note(FRICTION) {
+        eprintln!("note: {note}");
+    }
+    let values = &possible.values;
+    let [first, .., last] = values[..] else {
+        return Err(format!(
+            "of --friction only {} is possible; a way from one value to another needs two values",
+            values[0]
+        )
+        .into());
+    };
     let resolution = resolution.unwrap_or(0.01 * (values[1] - values[0]));
     let push = Push::of(&scene);
+    // What eigenvalues know.
+    let known = bistability(&scene, [first, last], &|_| {});
+    let ranges: Vec<[f64; 2]> =
+        known.iter().flat_map(|known| &known.candidates).map(|candidate| candidate.range).collect();
     // Each value starts where the one before has ended, so a piece depends on them all.
-    let settings = json!({ "look": look, "push": push, "values": values });
+    let settings =
+        json!({ "look": look, "push": push, "values": values, "resolution": resolution });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
-    let plan = Plan { scene: &scene, look: &look, values, resolution, push };
+    let plan =
+        Plan { scene: &scene, look: &look, values, resolution, push, ranges: &ranges };
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
         return Err(interrupted(&folder));
     };
-    // What eigenvalues know; of a law without one µ, nothing.
-    let known = bistability(&scene, [values[0], values[values.len() - 1]], &|_| {}).ok();
+    if let Err(error) = &known {
+        eprintln!("note: eigenvalues say nothing here: {error}");
+    }
+    let known = known.ok();
     write(&folder, &scene, &look, &found, known.as_ref())?;
     print(&scene, &look, &found, known.as_ref());
     let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
@@ -99,12 +120,13 @@ fn write(
     let candidates: Vec<_> = known
         .map_or(&[][..], |known| &known.candidates)
         .iter()
-        .map(|candidate| {
+        .zip(&found.compared)
+        .map(|(candidate, compared)| {
             json!({
                 "state": Joined(&candidate.states).to_string(),
                 "range": candidate.range,
                 "frequency": candidate.frequency_hz,
-                "confirmed": confirmed(candidate, found),
+                "confirmed": met(candidate, compared),
             })
         })
         .collect();
@@ -132,28 +154,17 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
 }
 
 /// Values of µ in a candidate's range at which one way ends in rest and the other in a cycle in which contacts take the
-/// candidate's states: the first and the last.
-fn confirmed(candidate: &Candidate, found: &Continuation) -> Option<[f64; 2]> {
-    let [from, to] = candidate.range;
-    let takes = |point: &Point| {
-        point.ending.as_ref().is_ok_and(|ending| {
-            let states = &candidate.states;
-            ending.kind.is_cycle() && states.iter().all(|state| ending.taken[*state as usize - 1])
-        })
+/// candidate's states.
+fn met(candidate: &Candidate, compared: &[Both]) -> Vec<f64> {
+    let takes = |ending: &Ending| {
+        ending.kind.is_cycle()
+            && candidate.states.iter().all(|state| ending.taken[*state as usize - 1])
     };
-    let rests = |range: &&Bistable| range.rests;
-    let inside = |mu: f64| {
-        (from..=to).contains(&mu)
-            && found.bistable.iter().filter(rests).any(|b| (b.range[0]..=b.range[1]).contains(&mu))
-    };
-    let points = found.rising.iter().chain(&found.falling);
-    let values = points.filter(|point| inside(point.friction) && takes(point));
-    let values: Vec<f64> = values.map(|point| point.friction).collect();
-    let first = values.iter().copied().reduce(f64::min)?;
-    Some([first, values.iter().copied().fold(first, f64::max)])
+    let is_met = |both: &&Both| both.endings.iter().any(takes);
+    compared.iter().filter(is_met).map(|both| both.friction).collect()
 }
 
-/// Amplitude and frequency of both ways, folds as marks, ranges with two motions shaded.
+/// Amplitude and frequency of both ways, jumps as marks, ranges with two motions shaded.
 pub fn chart(
     scene: &Scene,
     look: &Look,
@@ -181,9 +192,9 @@ pub fn chart(
             colour: if *rests { 2 } else { 4 },
         })
         .collect();
-    let folds = found.folds.iter().map(|fold| Mark {
-        x: fold.at(),
-        label: Some(format!("{} {:.4}", fold.way.name(), fold.at())),
+    let jumps = found.jumps.iter().map(|jump| Mark {
+        x: jump.at(),
+        label: Some(format!("{} {:.4}", jump.way.name(), jump.at())),
     });
     let onsets = known.into_iter().flat_map(|known| &known.uniform).map(|crossing| Mark {
         x: crossing.value,
@@ -197,7 +208,7 @@ pub fn chart(
     let mut panels = vec![Panel {
         y_label: format!("Amplitude of {} [m]", look.of),
         series: amplitude,
-        marks: folds.chain(onsets).collect(),
+        marks: jumps.chain(onsets).collect(),
         bands: bands.clone(),
         zero_line: true,
         ..Panel::default()
@@ -219,33 +230,26 @@ pub fn chart(
     }
 }
 
-/// A value of one way over µ, with what was found at both bounds of its folds, so that jumps stand where they are.
+/// A value of one way over µ, with what was found at both bounds of its jumps. The curve is broken at jumps, where a
+/// value has failed, and where a motion had not settled.
 fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64; 2]> {
     let points = match way {
         Way::Rising => &found.rising,
         Way::Falling => &found.falling,
     };
-    let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, value)];
+    let seen = |ending: &Ending| {
+        let is_seen = ending.kind != Kind::Unbounded
+            && (ending.kind != Kind::Unsettled || ending.rests());
+        if is_seen { value(ending) } else { f64::NAN }
+    };
+    let at =
+        |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, seen)];
     let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
-    for fold in found.folds.iter().filter(|fold| fold.way == way) {
-        let mut bounds = fold.between.iter().zip(&fold.endings);
-        let settled =
-            |(_, ending): &(&f64, &Ending)| ending.kind != Kind::Unsettled || ending.rests();
-        curve.extend(
-            bounds.clone().filter(settled).map(|(friction, ending)| [*friction, value(ending)]),
-        );
-        // What still grew there ends as the next value does.
-        if let Some((friction, _)) = bounds.rfind(|bound| !settled(bound)) {
-            let beyond = |point: &&Point| match way {
-                Way::Rising => point.friction > *friction,
-                Way::Falling => point.friction < *friction,
-            };
-            let next = match way {
-                Way::Rising => points.iter().find(beyond),
-                Way::Falling => points.iter().rev().find(beyond),
-            };
-            curve.extend(next.map(|point| [*friction, at(point)[1]]));
-        }
+    for jump in found.jumps.iter().filter(|jump| jump.way == way) {
+        let [before, after] = &jump.endings;
+        curve.push([jump.between[0], seen(before)]);
+        curve.push([jump.at(), f64::NAN]);
+        curve.push([jump.between[1], seen(after)]);
     }
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
     curve
@@ -260,11 +264,21 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
             println!("  {} to {}: {}", first.friction, last.friction, described(first, last));
         }
     }
-    println!("\nFolds: where one motion gives way to another");
-    if found.folds.is_empty() {
+    println!("\nJumps: where one motion gives way to another");
+    if found.jumps.is_empty() {
         println!("  none");
     }
-    for Fold { way, between, endings: [before, after] } in &found.folds {
+    for Jump { way, between, endings: [before, after] } in &found.jumps {
+        if after.kind == Kind::Unbounded {
+            println!(
+                "  {:8} {:.6} to {:.6}  {} gives way to growth without bound",
+                way.name(),
+                between[0],
+                between[1],
+                describe(before)
+            );
+            continue;
+        }
         println!(
             "  {:8} {:.6} to {:.6}  {} of {} becomes {} of {}",
             way.name(),
@@ -277,9 +291,6 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
         );
     }
     println!("\nRanges with two motions");
-    if found.bistable.is_empty() {
-        println!("  none");
-    }
     for Bistable { range: [from, to], bounded, rests } in &found.bistable {
         let open = |is_bounded: &bool| if *is_bounded { "" } else { " (as far as was looked)" };
         println!(
@@ -289,17 +300,33 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
             if *rests { "rest and a cycle" } else { "two cycles" }
         );
     }
+    for [from, to] in &found.unknown {
+        println!(
+            "  {from:.6} to {to:.6}: unknown, for one of the ways has no settled motion there; a longer --longest may decide"
+        );
+    }
+    if found.bistable.is_empty() && found.unknown.is_empty() {
+        let values = found.rising.iter().map(|point| point.friction);
+        let step = values.clone().zip(values.skip(1)).fold(0.0, |most, (a, b)| f64::max(most, b - a));
+        println!(
+            "  none wider than the step of {step:.4}: both ways end in the same motion everywhere"
+        );
+    }
     let Some(known) = known else { return };
     println!("\nWhat eigenvalues say");
     for crossing in &known.uniform {
         println!("  {} at {:.6}", turn(crossing.becomes_unstable), crossing.value);
     }
-    for candidate in &known.candidates {
+    for (candidate, compared) in known.candidates.iter().zip(&found.compared) {
         let [from, to] = candidate.range;
-        let found = match confirmed(candidate, found) {
-            None => "not met".to_owned(),
-            Some([a, b]) if a == b => format!("met by a cycle beside rest at {a}"),
-            Some([a, b]) => format!("met by a cycle beside rest from {a} to {b}"),
+        let met = met(candidate, compared);
+        let found = match (&met[..], compared.is_empty()) {
+            ([], true) => "not met: no cycle beside rest was found in this range".to_owned(),
+            ([], false) => "not met: the cycle beside rest does not take these states".to_owned(),
+            (values, _) => {
+                let values: Vec<String> = values.iter().map(|mu| format!("{mu:.4}")).collect();
+                format!("met by a cycle beside rest, seen at {}", values.join(", "))
+            }
         };
         let states = Joined(&candidate.states);
         let hz = candidate.frequency_hz;
@@ -316,7 +343,7 @@ fn turn(becomes_unstable: bool) -> &'static str {
     }
 }
 
-/// What a motion does at a fold, where it may take too long to settle.
+/// What a motion does at a jump, where it may take too long to settle.
 pub fn describe(ending: &Ending) -> &'static str {
     match ending.kind {
         Kind::Unsettled if ending.rests() => "decaying motion",

@@ -111,7 +111,7 @@ impl Told<'_> {
         self.question.values.iter().copied().zip(&self.found.outcomes)
     }
 
-    fn head(&self) -> [&str; 11] {
+    fn head(&self) -> [&str; 13] {
         [
             &self.question.name,
             "kind",
@@ -123,6 +123,8 @@ impl Told<'_> {
             "share.detached",
             "taken",
             "time",
+            "period",
+            "closure",
             "failure",
         ]
     }
@@ -135,11 +137,15 @@ impl Told<'_> {
                     row.extend([ending.kind.name().to_owned(), format!("{:?}", ending.amplitude)]);
                     row.push(ending.frequency.map_or_else(String::new, |hz| format!("{hz:?}")));
                     row.extend(ending.shares.map(|share| format!("{share:?}")));
-                    row.extend([taken(&ending.taken), format!("{:?}", ending.time), String::new()]);
+                    row.extend([taken(&ending.taken), format!("{:?}", ending.time)]);
+                    let number = |value: Option<f64>| {
+                        value.map_or_else(String::new, |value| format!("{value:?}"))
+                    };
+                    row.extend([number(ending.period), number(ending.closure), String::new()]);
                 }
                 Outcome::Failure(failure) => {
                     row.push("failed".to_owned());
-                    row.extend(vec![String::new(); 8]);
+                    row.extend(vec![String::new(); 10]);
                     row.push(quoted(failure));
                 }
             }
@@ -334,6 +340,7 @@ impl Told<'_> {
             }
         }
         writeln!(out)?;
+        self.print_evidence(out)?;
         if found.thresholds.is_empty() {
             writeln!(out, "no thresholds between values that have settled")?;
         } else {
@@ -356,6 +363,27 @@ impl Told<'_> {
             .collect();
         if !left.is_empty() {
             writeln!(out, "not settled within {} s: {}", look.longest, left.join(", "))?;
+        }
+        Ok(())
+    }
+}
+
+impl Told<'_> {
+    /// How the kinds are known: once for values in a row of one kind, by the value that is known least well.
+    fn print_evidence(&self, out: &mut dyn Write) -> std::io::Result<()> {
+        let endings: Vec<(f64, &Ending)> = self
+            .outcomes()
+            .filter_map(|(value, outcome)| match outcome {
+                Outcome::Ending(ending) => Some((value, ending)),
+                Outcome::Failure(_) => None,
+            })
+            .collect();
+        for run in endings.chunk_by(|a, b| a.1.kind == b.1.kind) {
+            let closure = |ending: &Ending| ending.closure.unwrap_or(0.0);
+            let least = run.iter().max_by(|a, b| closure(a.1).total_cmp(&closure(b.1)));
+            let Some((value, ending)) = least else { continue };
+            let Some(evidence) = ending.evidence() else { continue };
+            writeln!(out, "{} at {value:?}: {evidence}", ending.kind.name())?;
         }
         Ok(())
     }

@@ -1,0 +1,47 @@
+//! Whether the size of a motion stays.
+
+/// The size of a settled motion differs by less than this from one window to the next, relative.
+const SAME_SIZE: f64 = 1e-3;
+/// Drifting one way all the time it must not have further to go than this, relative.
+const LEFT_TO_GO: f64 = 2e-3;
+/// A drift that does not slow down must be below this, relative: rounding.
+pub(crate) const STANDING: f64 = 1e-7;
+/// A sum of all displacements with factors that no symmetry of a structure has.
+#[allow(clippy::cast_precision_loss)]
+pub(crate) fn mixture(displacement: &[f64]) -> f64 {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let factor = |i: usize| 0.5 + (i as f64 * GOLDEN).fract();
+    displacement.iter().enumerate().fold(0.0, |sum, (i, x)| sum + factor(i) * x)
+}
+
+/// Deviation of values from their mean, root mean square of the weighted values: as many periods as fit in a window,
+/// whole or not, have the same size wherever it begins.
+pub(crate) fn weighted_deviation(values: &[f64], weights: &[f64]) -> f64 {
+    let over = |quantity: &dyn Fn(f64) -> f64| {
+        let pairs = values.iter().zip(weights);
+        pairs.fold(0.0, |sum, (value, weight)| sum + weight * quantity(*value))
+    };
+    let sum = over(&|_| 1.0);
+    let mean = over(&|x| x) / sum;
+    (over(&|x| (x - mean) * (x - mean)) / sum).sqrt()
+}
+
+/// `true` if the size stays over the last four windows.
+pub(crate) fn is_steady(sizes: &[f64]) -> bool {
+    let Some(first) = sizes.len().checked_sub(4) else { return false };
+    let last = &sizes[first..];
+    let change: Vec<f64> = last.windows(2).map(|two| two[1] / two[0] - 1.0).collect();
+    if change.iter().any(|change| change.abs() > SAME_SIZE) {
+        return false;
+    }
+    let one_way =
+        change.iter().all(|change| *change > 0.0) || change.iter().all(|change| *change < 0.0);
+    if !one_way || change.iter().all(|change| change.abs() <= STANDING) {
+        return true;
+    }
+    let slowing = change[2].abs() / change[1].abs();
+    change[1].abs() < change[0].abs()
+        && slowing < 1.0
+        && change[2].abs() * slowing / (1.0 - slowing) <= LEFT_TO_GO
+}
+
