@@ -9,7 +9,7 @@ use amontons::scene::{Method, Scene, builtin};
 use amontons::simulation::assign;
 use amontons::stability::candidates::bistability;
 use amontons::study::{
-    Continuation, Fold, Journal, Kind, Look, Plan, Push, Watch, Way, Wish, continuation, pace,
+    Continuation, Journal, Jump, Kind, Look, Plan, Push, Watch, Way, Wish, continuation, pace,
 };
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -36,7 +36,7 @@ fn followed(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Option<Continuation> {
-    let plan = Plan { scene, look, values, resolution, push: Push::of(scene) };
+    let plan = Plan { scene, look, values, resolution, push: Push::of(scene), ranges: &[] };
     continuation(&plan, journal, watch).unwrap()
 }
 
@@ -44,10 +44,10 @@ fn whole(moved: &(Scene, Look), values: &[f64], resolution: f64) -> Continuation
     followed(moved, values, resolution, &Journal::forgotten(), Watch::IDLE).unwrap()
 }
 
-fn only(folds: &[Fold], way: Way) -> &Fold {
-    let mut of_way = folds.iter().filter(|fold| fold.way == way);
-    let (Some(fold), None) = (of_way.next(), of_way.next()) else { panic!("{folds:?}") };
-    fold
+fn only(jumps: &[Jump], way: Way) -> &Jump {
+    let mut of_way = jumps.iter().filter(|jump| jump.way == way);
+    let (Some(jump), None) = (of_way.next(), of_way.next()) else { panic!("{jumps:?}") };
+    jump
 }
 
 #[test]
@@ -63,10 +63,10 @@ fn set_2_has_rest_and_a_cycle_side_by_side_up_to_where_its_eigenvalues_say() {
     let [onset] = &known.uniform[..] else { panic!("{:?}", known.uniform) };
     assert!((rest.range[1] - onset.value).abs() <= 1e-4, "{} {}", rest.range[1], onset.value);
     // The cycle ends in rest.
-    let fold = only(&found.folds, Way::Falling);
+    let jump = only(&found.jumps, Way::Falling);
     // So near to its end it may take longer to settle than it is given; but it moves on, and sticks.
-    assert!(!fold.endings[0].rests() && fold.endings[0].taken[2] && fold.endings[1].rests());
-    assert_eq!(rest.range[0], fold.at());
+    assert!(!jump.endings[0].rests() && jump.endings[0].taken[2] && jump.endings[1].rests());
+    assert_eq!(rest.range[0], jump.at());
     // Where it squeals a contact sticks, as the candidates' states do; the paper's reason for it.
     let at = found.falling.iter().find(|point| point.friction == 1.96).unwrap();
     assert!(at.ending.as_ref().unwrap().taken[2]);
@@ -78,7 +78,7 @@ fn set_1_has_two_branches_near_2_with_hysteresis() {
     let found = whole(&moved("set1", None), &hundredths(202..=206), 1e-4);
     let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
     assert!(!range.rests && range.bounded == [true; 2]);
-    let (up, down) = (only(&found.folds, Way::Rising), only(&found.folds, Way::Falling));
+    let (up, down) = (only(&found.jumps, Way::Rising), only(&found.jumps, Way::Falling));
     assert!(down.at() < up.at());
     assert_eq!(range.range, [down.at(), up.at()]);
     assert_eq!(
@@ -105,13 +105,13 @@ fn said_error(scene: &Scene, step: f64) -> f64 {
 }
 
 #[test]
-fn both_integrators_have_the_fold_of_set_2_but_for_the_error_of_the_step() {
+fn both_integrators_have_the_jump_of_set_2_but_for_the_error_of_the_step() {
     let values = hundredths(191..=196);
-    let fold = |step: Option<f64>| {
-        only(&whole(&moved("set2", step), &values, 1e-6).folds, Way::Falling).at()
+    let jump = |step: Option<f64>| {
+        only(&whole(&moved("set2", step), &values, 1e-6).jumps, Way::Falling).at()
     };
-    let exact = fold(None);
-    let [coarse, fine] = [2e-5, 1e-5].map(|step| fold(Some(step)) - exact);
+    let exact = jump(None);
+    let [coarse, fine] = [2e-5, 1e-5].map(|step| jump(Some(step)) - exact);
     let said = said_error(&builtin("set2").unwrap().scene(), 1e-5);
     assert!(fine.abs() <= said * exact, "{fine} {said}");
     // Of first order: half the step, half the distance.
@@ -128,24 +128,24 @@ fn rest_stays_rest_when_only_rounding_is_left_of_it() {
     for point in &found.rising {
         assert_eq!(point.ending.as_ref().unwrap().kind, Kind::Equilibrium, "{point:?}");
     }
-    assert_eq!(found.folds.iter().filter(|fold| fold.way == Way::Rising).count(), 0);
+    assert_eq!(found.jumps.iter().filter(|jump| jump.way == Way::Rising).count(), 0);
 }
 
 #[test]
-fn folds_do_not_depend_on_the_output_that_is_looked_at() {
+fn jumps_do_not_depend_on_the_output_that_is_looked_at() {
     let values = hundredths(192..=195);
     let mut set2 = moved("set2", None);
-    let expected = only(&whole(&set2, &values, 1e-3).folds, Way::Falling).between;
+    let expected = only(&whole(&set2, &values, 1e-3).jumps, Way::Falling).between;
     // The gap of a contact that never opens is zero throughout.
     let wish = Wish { of: Some("module[1].x4"), ..Wish::default() };
     set2.1 = Look::of(&set2.0, &wish).unwrap();
-    assert_eq!(only(&whole(&set2, &values, 1e-3).folds, Way::Falling).between, expected);
+    assert_eq!(only(&whole(&set2, &values, 1e-3).jumps, Way::Falling).between, expected);
 }
 
 #[test]
-fn a_fold_is_bisected_no_further_than_doubles_go() {
+fn a_jump_is_bisected_no_further_than_doubles_go() {
     let found = whole(&moved("set2", None), &[1.92, 1.95], 1e-300);
-    let [a, b] = only(&found.folds, Way::Falling).between;
+    let [a, b] = only(&found.jumps, Way::Falling).between;
     assert!((a - b).abs() <= f64::EPSILON * 2.0, "{a} {b}");
 }
 
@@ -166,9 +166,9 @@ fn a_wider_range_is_not_mixed_with_what_another_one_has_left() {
 }
 
 #[test]
-fn what_only_rests_has_an_answer_without_folds() {
+fn what_only_rests_has_an_answer_without_jumps() {
     let found = whole(&moved("set2", None), &hundredths(100..=103), 1e-4);
-    assert!(found.folds.is_empty() && found.bistable.is_empty());
+    assert!(found.jumps.is_empty() && found.bistable.is_empty());
     for point in found.rising.iter().chain(&found.falling) {
         assert_eq!(point.ending.as_ref().unwrap().kind, Kind::Equilibrium);
     }

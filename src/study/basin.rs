@@ -263,6 +263,9 @@ impl Plane<'_> {
             }
             moving = going;
         }
+        if self.watch.is_over() {
+            return Ok(None);
+        }
         Ok(found.into_iter().collect())
     }
 }

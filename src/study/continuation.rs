@@ -36,6 +36,9 @@ const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
 /// Displacements with less than this part of the largest extent do not tell motions apart.
 const SEEN: f64 = 1e-2;
 
+/// Where both ways are compared inside a range of a candidate, in parts of it.
+const COMPARED: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+
 /// Which way µ goes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -90,7 +93,10 @@ pub struct Point {
 /// Where one motion gives way to another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Jump {
-    /// Which way µ goes.
+    /// Where both ways are compared inside a range of a candidate, in parts of it.
+const COMPARED: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
+
+/// Which way µ goes.
     pub way: Way,
     /// The last µ that still has the motion, and the first that has it no more.
     pub between: [f64; 2],
@@ -139,7 +145,7 @@ pub struct Continuation {
     pub bistable: Vec<Bistable>,
     /// Ranges of µ in which it is not known whether both ways end in the same motion, by ascending µ.
     pub unknown: Vec<[f64; 2]>,
-    /// For each of [`Plan::ranges`] one value of µ in each part of it in which one way rests and the other does not.
+    /// For each of [`Plan::ranges`] some values of µ in each part of it in which one way rests and the other does not.
     pub compared: Vec<Vec<Both>>,
 }
 
@@ -385,7 +391,7 @@ impl Run<'_> {
         Ok(Some((bistable, unknown)))
     }
 
-    /// Both ways' motions in the middle of each part of a range in which one way rests and the other does not.
+    /// Both ways' motions at some values in each part of a range in which one way rests and the other does not.
     fn compare_inside(
         &self,
         [from, to]: [f64; 2],
@@ -395,8 +401,10 @@ impl Run<'_> {
         let mut found = Vec::new();
         for range in bistable.iter().filter(|range| range.rests) {
             let [from, to] = [from.max(range.range[0]), to.min(range.range[1])];
-            if from < to {
-                let Some(both) = self.both(f64::midpoint(from, to), ways)? else { return Ok(None) };
+            for part in COMPARED.into_iter().filter(|_| from < to) {
+                let Some(both) = self.both(from + part * (to - from), ways)? else {
+                    return Ok(None);
+                };
                 found.extend(both);
             }
         }

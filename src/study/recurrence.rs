@@ -129,9 +129,10 @@ pub(super) fn closure(
         row += 1.0;
         course.bring(&mut start, row * interval)?;
         let (distance, passed) = (scale.distance(&start, &origin), origin.passed(&start));
+        let had_left = has_left;
         has_left |= distance > NEAR;
         let (last_distance, last_passed) = std::mem::replace(&mut before, (distance, passed));
-        if !has_left || last_passed > 0.0 || passed <= 0.0 || last_distance.min(distance) > NEAR {
+        if !had_left || last_passed > 0.0 || passed <= 0.0 || last_distance.min(distance) > NEAR {
             continue;
         }
         let span = [(row - 1.0) * interval, row * interval];

@@ -322,16 +322,24 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
         let met = met(candidate, compared);
         let found = match (&met[..], compared.is_empty()) {
             ([], true) => "not met: no cycle beside rest was found in this range".to_owned(),
-            ([], false) => "not met: the cycle beside rest does not take these states".to_owned(),
+            ([], false) => format!(
+                "not met: the cycles beside rest at {} do not take these states",
+                listed(compared.iter().map(|both| both.friction))
+            ),
             (values, _) => {
-                let values: Vec<String> = values.iter().map(|mu| format!("{mu:.4}")).collect();
-                format!("met by a cycle beside rest, seen at {}", values.join(", "))
+                let values = listed(values.iter().copied());
+                format!("met by a cycle beside rest, seen at {values}")
             }
         };
         let states = Joined(&candidate.states);
         let hz = candidate.frequency_hz;
         println!("  candidate {states} ({hz:.2} Hz) from {from:.4} to {to:.4}: {found}");
     }
+}
+
+/// Values of µ in a row.
+fn listed(values: impl Iterator<Item = f64>) -> String {
+    values.map(|friction| format!("{friction:.4}")).collect::<Vec<_>>().join(", ")
 }
 
 /// What a crossing of uniform sliding is called.

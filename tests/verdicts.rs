@@ -1,0 +1,197 @@
+//! A verdict is a property of the motion or of the scene: it does not depend on rows, on grids of values, or on the
+//! output that is looked at.
+#![cfg(feature = "tools")]
+
+use amontons::scene::{Method, Scene, builtin};
+use amontons::simulation::{Simulation, assign};
+use amontons::stability::candidates::bistability;
+use amontons::study::{
+    Continuation, Ending, Journal, Kind, LimitCycles, Look, Plan, Push, Question, Watch, Way, Wish,
+    continuation, limit_cycles, pace,
+};
+use amontons::sweep::observed::output;
+use amontons::sweep::{View, sweep};
+use std::ops::ControlFlow;
+
+fn scene(name: &str, values: &[(&str, f64)]) -> Scene {
+    let mut scene = builtin(name).unwrap().scene();
+    for (name, value) in values {
+        assign(&mut scene, name, *value).unwrap();
+    }
+    scene
+}
+
+/// The limit cycles of a scene for some values of µ, looked at as wished.
+fn cycles(mut scene: Scene, wish: &Wish<'_>, values: &[f64]) -> LimitCycles {
+    let look = Look::of(&scene, wish).unwrap();
+    pace(&mut scene, &look);
+    let question = Question {
+        name: "friction.coefficient".to_owned(),
+        values: values.to_vec(),
+        resolution: 0.5,
+        portraits: Some(Vec::new()),
+        contacts: 0,
+    };
+    limit_cycles(&scene, &look, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+}
+
+fn ending(found: &LimitCycles) -> &Ending {
+    found.outcomes[0].settled().expect("it settles")
+}
+
+fn followed(scene: &Scene, values: &[f64], resolution: f64) -> Continuation {
+    let mut scene = scene.clone();
+    let look = Look::of(&scene, &Wish::default()).unwrap();
+    pace(&mut scene, &look);
+    let push = Push::of(&scene);
+    let plan = Plan { scene: &scene, look: &look, values, resolution, push, ranges: &[] };
+    continuation(&plan, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+}
+
+/// Where a mode of uniform sliding begins to grow, by the eigenvalues.
+fn onset(scene: &Scene, range: [f64; 2]) -> f64 {
+    let found = bistability(scene, range, &|_| {}).unwrap();
+    found.uniform.iter().find(|crossing| crossing.becomes_unstable).unwrap().value
+}
+
+fn assert_near(a: f64, b: f64, relative: f64) {
+    assert!((a / b - 1.0).abs() <= relative, "{a} {b}");
+}
+
+/// Mean time between two passages of the disc brake's upper pad through its mean position, upwards: counted in rows a
+/// microsecond apart, without a spectrum.
+fn counted_frequency(friction: f64) -> f64 {
+    let mut scene = scene("disc_brake", &[("friction.coefficient", friction)]);
+    (scene.method, scene.step) = (Method::EventDriven, 1e-6);
+    let disc = scene.dof_names().iter().position(|name| name == "mass.disc.y").unwrap();
+    let mut simulation = Simulation::new(scene, 0.0).unwrap();
+    simulation.advance_to(0.5).unwrap();
+    let mut values = Vec::new();
+    for row in 1..=100_000 {
+        simulation.advance_to(0.5 + f64::from(row) * 1e-6).unwrap();
+        values.push(simulation.displacement()[disc]);
+    }
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let passages: Vec<f64> = values
+        .windows(2)
+        .enumerate()
+        .filter(|(_, two)| two[0] < mean && two[1] >= mean)
+        .map(|(row, two)| row as f64 + (mean - two[0]) / (two[1] - two[0]))
+        .collect();
+    let span = passages[passages.len() - 1] - passages[0];
+    (passages.len() - 1) as f64 / (span * 1e-6)
+}
+
+#[test]
+fn a_squeal_of_1_1_khz_is_not_taken_for_another_frequency_where_rows_are_a_millisecond_apart() {
+    let counted = counted_frequency(0.6);
+    for output_interval in [1e-3, 5e-5] {
+        let mut scene = scene("disc_brake", &[]);
+        scene.experiment.output_interval = output_interval;
+        scene.experiment.stop_time = 1.0;
+        let outputs = vec![output(&scene, "mass.disc.y").unwrap()];
+        let view = View { outputs, window: 0.5 };
+        let go_on = |_| ControlFlow::Continue(());
+        let found = sweep(&scene, "friction.coefficient", &[0.6], &view, &go_on).unwrap();
+        let summary = found[0].clone().unwrap().unwrap();
+        assert_near(summary.frequency.unwrap(), counted, 1e-5);
+        assert_eq!(summary.settled, Some(true));
+    }
+    let wish = Wish { interval: Some(1e-3), of: Some("mass.disc.y"), ..Wish::default() };
+    let found = cycles(scene("disc_brake", &[]), &wish, &[0.6]);
+    assert_near(ending(&found).frequency.unwrap(), counted, 1e-5);
+}
+
+#[test]
+fn a_motion_has_the_same_kind_period_and_amplitude_however_its_rows_fall() {
+    let of = Some("mass.disc.y");
+    let found: Vec<LimitCycles> = [1e-3, 2e-5, 1.9e-5, 1.3e-5]
+        .map(|interval| {
+            let wish = Wish { interval: Some(interval), of, ..Wish::default() };
+            cycles(scene("disc_brake", &[]), &wish, &[0.6])
+        })
+        .into();
+    let first = ending(&found[0]);
+    assert_eq!(first.kind, Kind::Periodic);
+    assert!(first.closure.unwrap() < 1e-6);
+    for other in &found[1..] {
+        let other = ending(other);
+        assert_eq!(other.kind, Kind::Periodic);
+        assert_near(other.period.unwrap(), first.period.unwrap(), 1e-6);
+        assert_near(other.amplitude, first.amplitude, 1e-5);
+        assert_near(other.frequency.unwrap(), first.frequency.unwrap(), 1e-6);
+    }
+}
+
+#[test]
+fn the_kind_of_a_motion_does_not_depend_on_the_output_that_is_looked_at() {
+    for of in ["mass.upper.x", "mass.disc.y", "mass.upper.vx", "contact.upper_lining.normal_force"]
+    {
+        let wish = Wish { of: Some(of), ..Wish::default() };
+        let found = cycles(scene("disc_brake", &[]), &wish, &[0.6]);
+        assert_eq!(ending(&found).kind, Kind::Periodic, "{of}");
+    }
+}
+
+#[test]
+fn a_change_of_friction_that_pushes_a_scene_out_of_rest_is_no_jump() {
+    // Sliding is stable up to µ = 2.0626, and static friction of 2.2 makes a cycle easy to be pushed into.
+    let set2 = scene("set2", &[]);
+    let onset = onset(&set2, [1.5, 2.2]);
+    let mut pushed = set2.clone();
+    pushed.static_friction = Some(2.2);
+    for (first, step, count) in [(1.5, 0.1, 7), (1.4, 0.1, 8), (1.5, 0.05, 13)] {
+        let values: Vec<f64> = (0..count).map(|i| first + step * f64::from(i)).collect();
+        let found = followed(&pushed, &values, 1e-3);
+        let rising: Vec<_> = found.jumps.iter().filter(|jump| jump.way == Way::Rising).collect();
+        assert!(rising[0].endings[0].rests(), "{rising:?}");
+        assert!(
+            rising[0].between[0] <= onset + 1e-4 && onset <= rising[0].between[1] + 1e-3,
+            "{:?} {onset}",
+            rising[0].between
+        );
+    }
+}
+
+#[test]
+fn ranges_with_two_motions_do_not_depend_on_the_values_that_are_followed() {
+    let near = |found: &Continuation, expected: &[([f64; 2], bool)]| {
+        let found: Vec<([f64; 2], bool)> =
+            found.bistable.iter().map(|range| (range.range, range.rests)).collect();
+        assert_eq!(found.len(), expected.len(), "{found:?}");
+        for ((range, rests), (wanted, rest)) in found.iter().zip(expected) {
+            assert_eq!(rests, rest);
+            for (end, wanted) in range.iter().zip(wanted) {
+                assert!((end - wanted).abs() < 3e-3, "{found:?} {expected:?}");
+            }
+        }
+    };
+    let brake = scene("disc_brake", &[]);
+    let values = |first: f64, step: f64, count: i32| -> Vec<f64> {
+        (0..count).map(|i| first + step * f64::from(i)).collect()
+    };
+    // From where the cycle ends to where a mode of sliding begins to grow.
+    let onset = onset(&brake, [0.3, 0.7]);
+    let fine = followed(&brake, &values(0.3, 0.025, 17), 1e-3);
+    let lower = fine.bistable[0].range[0];
+    near(&fine, &[([lower, onset], true)]);
+    for (step, count) in [(0.2, 3), (0.05, 9), (0.4, 2)] {
+        near(&followed(&brake, &values(0.3, step, count), 1e-3), &[([lower, onset], true)]);
+    }
+}
+
+#[test]
+fn a_motion_that_nothing_can_stop_grows_without_bound_from_where_a_mode_begins_to_grow() {
+    let mut set1 = scene("set1", &[]);
+    (set1.effects.sticking, set1.effects.detachment) = (false, false);
+    let onset = onset(&set1, [0.9, 1.4]);
+    let found = followed(&set1, &[1.0, 1.1, 1.2, 1.3], 1e-3);
+    let [jump, ..] = &found.jumps[..] else { panic!("no jump") };
+    assert_eq!((jump.way, jump.endings[1].kind), (Way::Rising, Kind::Unbounded));
+    assert!(jump.between[0] <= onset && onset <= jump.between[1], "{:?} {onset}", jump.between);
+    assert!(jump.between[1] - jump.between[0] <= 1e-3 + 1e-12);
+    // It is told before displacements are beyond any range.
+    assert!(found.rising.iter().all(|point| {
+        point.ending.as_ref().is_ok_and(|ending| ending.amplitude < 1e3)
+    }));
+}
