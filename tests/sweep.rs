@@ -247,7 +247,8 @@ const OSCILLATOR: &str = "[[mass]]\nname = \"a\"\nmass = 0.5\nlocked = [\"y\"]\n
 fn the_amplitude_and_frequency_of_an_oscillator_are_those_of_its_closed_form() {
     for method in [Method::ForwardIncrement, Method::EventDriven] {
         let scene = Scene { method, ..parse("oscillator", OSCILLATOR).unwrap() };
-        let view = View { outputs: vec![output(&scene, &scene.dof_names()[0]).unwrap()], window: 4.0 };
+        let view =
+            View { outputs: vec![output(&scene, &scene.dof_names()[0]).unwrap()], window: 4.0 };
         let values = [100.0, 200.0, 300.0];
         let watch = |_| ControlFlow::Continue(());
         let found = sweep(&scene, "spring.k.stiffness", &values, &view, &watch).unwrap();

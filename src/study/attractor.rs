@@ -33,7 +33,8 @@ pub fn is_same(a: &Ending, b: &Ending) -> bool {
         [Kind::Periodic, Kind::Periodic] => {
             let periods = a.period.zip(b.period);
             has_extents(SAME_AMPLITUDE)
-                && periods.map_or_else(|| has(a, b) && has(b, a), |(a, b)| near(a, b, SAME_FREQUENCY))
+                && periods
+                    .map_or_else(|| has(a, b) && has(b, a), |(a, b)| near(a, b, SAME_FREQUENCY))
         }
         // A cycle at the limit of two kinds may be called either.
         [a_kind, b_kind] if a_kind.is_cycle() && b_kind.is_cycle() => {

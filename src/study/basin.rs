@@ -8,9 +8,9 @@
 
 use super::attractor::attractors;
 use super::ending::{Ending, Kind};
-use super::settling::Settling;
 use super::initial::{initial_value, starting_from};
 use super::look::Look;
+use super::settling::Settling;
 use super::work::Work;
 use super::{Journal, Watch};
 use crate::Error;

@@ -93,10 +93,7 @@ pub struct Point {
 /// Where one motion gives way to another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Jump {
-    /// Where both ways are compared inside a range of a candidate, in parts of it.
-const COMPARED: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
-
-/// Which way µ goes.
+    /// Which way µ goes.
     pub way: Way,
     /// The last µ that still has the motion, and the first that has it no more.
     pub between: [f64; 2],
@@ -438,16 +435,24 @@ impl Followed {
         Self { label, passed: vec![first], jumps: Vec::new(), is_leaving: false }
     }
 
-    /// The passed value nearest to another one with a motion, on the same side of all jumps.
+    /// The passed value nearest to another one with a motion, on the same side of all jumps; one with a settled motion
+    /// where there is one.
     fn nearest(&self, friction: f64) -> Option<Reached> {
         let is_beside = |reached: &&Reached| {
-            let (low, high) = (reached.point.friction.min(friction), reached.point.friction.max(friction));
+            let (low, high) =
+                (reached.point.friction.min(friction), reached.point.friction.max(friction));
             reached.progress.is_some()
                 && !self.jumps.iter().any(|jump| (low..=high).contains(&jump.at()))
         };
-        let apart = |reached: &&Reached| (reached.point.friction - friction).abs();
+        let apart = |reached: &Reached| (reached.point.friction - friction).abs();
+        let has_settled = |reached: &Reached| {
+            reached.ending().is_some_and(|ending| ending.kind != Kind::Unsettled || ending.rests())
+        };
         let beside = self.passed.iter().filter(is_beside);
-        beside.min_by(|a, b| apart(a).total_cmp(&apart(b))).cloned()
+        let order = |a: &&Reached, b: &&Reached| {
+            has_settled(b).cmp(&has_settled(a)).then(apart(a).total_cmp(&apart(b)))
+        };
+        beside.min_by(order).cloned()
     }
 }
 

@@ -2,9 +2,9 @@
 //! of each limit cycle, and from which value on contacts take a state or no longer do.
 
 use super::ending::{Ending, Kind};
-use super::settling::settle;
 use super::portrait::{Portrait, portrait};
 use super::push::Push;
+use super::settling::settle;
 use super::{Journal, Look, Watch};
 use crate::Error;
 use crate::contact::ContactState;
@@ -57,8 +57,7 @@ impl Outcome {
             Self::Ending(ending) => {
                 let states = ending.taken.iter().filter(|taken| **taken).count();
                 let leaves = ending.kind == Kind::Unsettled && ending.rate > 0.0 && states <= 1;
-                (ending.kind.is_cycle() || ending.kind == Kind::Unbounded || leaves)
-                    .then_some(true)
+                (ending.kind.is_cycle() || ending.kind == Kind::Unbounded || leaves).then_some(true)
             }
             Self::Failure(_) => None,
         }

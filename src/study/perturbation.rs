@@ -2,9 +2,9 @@
 
 use super::attractor::attractors;
 use super::ending::Ending;
-use super::settling::settle;
 use super::initial::{initial_value, starting_from};
 use super::look::Look;
+use super::settling::settle;
 use super::{Journal, Watch};
 use crate::Error;
 use crate::scene::Scene;

@@ -171,11 +171,7 @@ fn tolerance(simulation: &Simulation, scale: Scale) -> f64 {
 
 /// Moves on over two periods of the strongest line to find how large the motion is, then to where it is nearly as
 /// fast as it becomes, from which a return is seen best.
-fn begin_fast(
-    simulation: &mut Simulation,
-    interval: f64,
-    frequency: f64,
-) -> Result<Scale, Error> {
+fn begin_fast(simulation: &mut Simulation, interval: f64, frequency: f64) -> Result<Scale, Error> {
     let start = simulation.time();
     let speed = |simulation: &Simulation| {
         simulation.velocity().iter().fold(0.0, |sum, v| sum + v * v).sqrt()

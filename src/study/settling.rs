@@ -448,10 +448,11 @@ fn is_closing(closures: &[Closure]) -> bool {
     let Some(first) = closures.len().checked_sub(4) else { return false };
     let last = &closures[first..];
     let same = last.windows(2).all(|two| (two[1].period / two[0].period - 1.0).abs() < 1e-2);
-    let factors: Vec<f64> =
-        last.windows(2).map(|two| two[1].distance / two[0].distance).collect();
-    let [least, most] =
-        [factors.iter().copied().fold(f64::INFINITY, f64::min), factors.iter().copied().fold(0.0, f64::max)];
+    let factors: Vec<f64> = last.windows(2).map(|two| two[1].distance / two[0].distance).collect();
+    let [least, most] = [
+        factors.iter().copied().fold(f64::INFINITY, f64::min),
+        factors.iter().copied().fold(0.0, f64::max),
+    ];
     same && most < 0.95 && most <= SAME_FACTOR * least
 }
 
@@ -606,10 +607,7 @@ mod tests {
         let of_set2 = ending("set2", &[("friction.coefficient", 1.7)]);
         assert_eq!((of_set2.kind, of_set2.taken), (Kind::Equilibrium, [true, false, false, false]));
         assert!(ending("set1", &[("friction.coefficient", 0.5)]).rests());
-        assert_eq!(
-            known(false, |t| (-0.05 * t).exp() * sine(40.0, t)).unwrap().1,
-            Course::Rests
-        );
+        assert_eq!(known(false, |t| (-0.05 * t).exp() * sine(40.0, t)).unwrap().1, Course::Rests);
         assert_eq!(known(false, |_| 7.0), Some((1, Course::Rests)));
     }
 

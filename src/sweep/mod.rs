@@ -18,9 +18,9 @@ use crate::simulation::{Batch, Simulation, Variable, assign, attempt, variables}
 use crate::spectral::Window;
 use crate::stability::parallel::collect;
 use observed::{frequencies, interval};
-use steady::{is_steady, mixture, weighted_deviation};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
+use steady::{is_steady, mixture, weighted_deviation};
 
 /// A parameter's name with its unit, for an axis.
 #[must_use]

@@ -63,8 +63,8 @@ pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
 /// the period of the scene's fastest mode has 20; of a run in steps a whole number of steps where that is possible.
 #[must_use]
 pub fn interval(scene: &Scene, output_interval: f64) -> f64 {
-    let longest = frequencies(scene)
-        .map_or(f64::INFINITY, |[_, fastest]| 1.0 / (ROWS_A_PERIOD * fastest));
+    let longest =
+        frequencies(scene).map_or(f64::INFINITY, |[_, fastest]| 1.0 / (ROWS_A_PERIOD * fastest));
     // A whole number but for rounding is that number.
     let fewest = (output_interval / longest * (1.0 - 1e-9)).ceil().max(1.0);
     let is_whole = |parts: &f64| {

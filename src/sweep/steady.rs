@@ -44,4 +44,3 @@ pub(crate) fn is_steady(sizes: &[f64]) -> bool {
         && slowing < 1.0
         && change[2].abs() * slowing / (1.0 - slowing) <= LEFT_TO_GO
 }
-

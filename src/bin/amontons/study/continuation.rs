@@ -72,8 +72,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let settings =
         json!({ "look": look, "push": push, "values": values, "resolution": resolution });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
-    let plan =
-        Plan { scene: &scene, look: &look, values, resolution, push, ranges: &ranges };
+    let plan = Plan { scene: &scene, look: &look, values, resolution, push, ranges: &ranges };
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
         return Err(interrupted(&folder));
     };
@@ -238,12 +237,11 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
         Way::Falling => &found.falling,
     };
     let seen = |ending: &Ending| {
-        let is_seen = ending.kind != Kind::Unbounded
-            && (ending.kind != Kind::Unsettled || ending.rests());
+        let is_seen =
+            ending.kind != Kind::Unbounded && (ending.kind != Kind::Unsettled || ending.rests());
         if is_seen { value(ending) } else { f64::NAN }
     };
-    let at =
-        |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, seen)];
+    let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, seen)];
     let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
     for jump in found.jumps.iter().filter(|jump| jump.way == way) {
         let [before, after] = &jump.endings;
@@ -307,7 +305,8 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
     }
     if found.bistable.is_empty() && found.unknown.is_empty() {
         let values = found.rising.iter().map(|point| point.friction);
-        let step = values.clone().zip(values.skip(1)).fold(0.0, |most, (a, b)| f64::max(most, b - a));
+        let step =
+            values.clone().zip(values.skip(1)).fold(0.0, |most, (a, b)| f64::max(most, b - a));
         println!(
             "  none wider than the step of {step:.4}: both ways end in the same motion everywhere"
         );
