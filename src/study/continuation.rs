@@ -36,6 +36,8 @@ const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
 /// Displacements with less than this part of the largest extent do not tell motions apart.
 const SEEN: f64 = 1e-2;
 
+/// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution.
+const STEEP: f64 = 1.0 / 16.0;
 /// Where both ways are compared inside a range of a candidate, in parts of it.
 const COMPARED: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
@@ -278,8 +280,14 @@ impl Run<'_> {
                 _ => false,
             };
             let half = 0.5 * (target - from);
+            // Rest is left at once; a cycle may change steeply, which a smaller change shows.
+            let is_of_cycles = [&here, &next]
+                .map(Reached::ending)
+                .iter()
+                .all(|ending| ending.is_some_and(|ending| ending.kind.is_cycle()));
+            let smallest = if is_of_cycles { STEEP * resolution } else { resolution };
             // No double lies between them where half of the change is nothing.
-            if !stays && half.abs() >= 0.5 * resolution && from + half != target {
+            if !stays && half.abs() >= 0.5 * smallest && from + half != target {
                 step = half;
                 continue;
             }
@@ -335,11 +343,12 @@ impl Run<'_> {
         let mut simulation = match start {
             Start::Scene(Way::Falling) => Simulation::new(scene, 0.0)?,
             Start::From(Reached { point, progress: Some(progress) })
-                if !point.ending.as_ref().is_ok_and(Ending::rests) =>
+                if !point.ending.as_ref().is_ok_and(has_no_state) =>
             {
                 Simulation::resume(Snapshot::new(scene, progress.clone()))?
             }
-            // An equilibrium moves with µ; a motion that rests follows it.
+            // An equilibrium moves with µ; a motion that rests follows it, and one that grows without bound has no state to
+            // begin with.
             Start::Scene(Way::Rising) | Start::From(_) => {
                 scene.rest();
                 Simulation::new(scene, 0.0)?
@@ -456,6 +465,11 @@ impl Followed {
     }
 }
 
+/// `true` of a motion after which the next value starts in its own equilibrium.
+fn has_no_state(ending: &Ending) -> bool {
+    ending.rests() || ending.kind == Kind::Unbounded
+}
+
 /// How different two motions are: 0 for the same; where one rests or grows without bound and the other does not, as far
 /// as can be.
 fn distance(a: &Ending, b: &Ending) -> f64 {
@@ -474,7 +488,9 @@ fn distance(a: &Ending, b: &Ending) -> f64 {
     let extents = a.extents.iter().zip(&b.extents).filter(|(a, b)| a.max(**b) >= seen);
     let extents = extents.map(|(a, b)| log(*a, *b)).fold(0.0, f64::max);
     let size = match [a.kind, b.kind] {
-        [Kind::Periodic, Kind::Periodic] => extents.max(log(a.size, b.size)),
+        [Kind::Periodic | Kind::QuasiPeriodic, Kind::Periodic | Kind::QuasiPeriodic] => {
+            extents.max(log(a.size, b.size))
+        }
         // Over a window the extents of a motion without a period vary.
         [Kind::Irregular | Kind::Undecided, _] | [_, Kind::Irregular | Kind::Undecided] => {
             log(a.size, b.size) * OTHER_EXTENT / OTHER_IRREGULAR

@@ -434,13 +434,12 @@ fn is_calm(seen: &[Seen]) -> bool {
 /// Does a motion grow that nothing can stop? Either its contacts cannot change their states, or it is far larger than
 /// the equilibrium's displacements and still grows at a steady rate.
 fn is_unbounded(sizes: &[f64], around: Surroundings<'_>) -> bool {
-    let [.., a, b, c] = sizes else { return false };
-    if !(a < b && b < c) {
-        return false;
+    if around.stays_linear {
+        return (around.growth)().is_some_and(|growth| growth > MORE_THAN_ROUNDING);
     }
+    let [.., a, b, c] = sizes else { return false };
     let is_far = around.at_rest > 0.0 && around.largest > OUT_OF_RANGE * around.at_rest;
-    (around.stays_linear && (around.growth)().is_some_and(|growth| growth > MORE_THAN_ROUNDING))
-        || is_far && c / b > 1.5 && b / a > 1.5
+    is_far && c / b > 1.5 && b / a > 1.5
 }
 
 /// Does the state come back nearer from window to window, by about the same factor each time?

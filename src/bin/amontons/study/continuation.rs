@@ -137,7 +137,11 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
     let mut row = vec![way.name().to_owned(), format!("{friction:?}")];
     match ending {
         Ok(ending) => {
-            row.extend([ending.kind.name().to_owned(), format!("{:?}", ending.amplitude)]);
+            let amplitude = match ending.kind {
+                Kind::Unbounded => String::new(),
+                _ => format!("{:?}", ending.amplitude),
+            };
+            row.extend([ending.kind.name().to_owned(), amplitude]);
             row.push(
                 ending.frequency.map_or_else(String::new, |frequency| format!("{frequency:?}")),
             );
@@ -267,25 +271,16 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
         println!("  none");
     }
     for Jump { way, between, endings: [before, after] } in &found.jumps {
-        if after.kind == Kind::Unbounded {
-            println!(
-                "  {:8} {:.6} to {:.6}  {} gives way to growth without bound",
-                way.name(),
-                between[0],
-                between[1],
-                describe(before)
-            );
-            continue;
-        }
+        let told = |ending: &Ending| match ending.kind {
+            Kind::Unbounded => "growth without bound".to_owned(),
+            _ => format!("{} of {}", describe(ending), metres(ending.amplitude)),
+        };
+        let (before, after) = (told(before), told(after));
         println!(
-            "  {:8} {:.6} to {:.6}  {} of {} becomes {} of {}",
+            "  {:8} {:.6} to {:.6}  {before} becomes {after}",
             way.name(),
             between[0],
-            between[1],
-            describe(before),
-            metres(before.amplitude),
-            describe(after),
-            metres(after.amplitude)
+            between[1]
         );
     }
     println!("\nRanges with two motions");
@@ -366,6 +361,7 @@ fn kind(point: &Point) -> Option<Kind> {
 fn described(first: &Point, last: &Point) -> String {
     match (&first.ending, &last.ending) {
         (Ok(a), Ok(_)) if a.rests() => a.kind.name().to_owned(),
+        (Ok(a), Ok(_)) if a.kind == Kind::Unbounded => "grows without bound".to_owned(),
         (Ok(a), Ok(b)) => {
             format!("{}, {} to {}", a.kind.name(), metres(a.amplitude), metres(b.amplitude))
         }

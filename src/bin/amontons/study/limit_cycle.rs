@@ -134,7 +134,11 @@ impl Told<'_> {
             let mut row = vec![format!("{value:?}")];
             match outcome {
                 Outcome::Ending(ending) => {
-                    row.extend([ending.kind.name().to_owned(), format!("{:?}", ending.amplitude)]);
+                    let amplitude = match ending.kind {
+                        Kind::Unbounded => String::new(),
+                        _ => format!("{:?}", ending.amplitude),
+                    };
+                    row.extend([ending.kind.name().to_owned(), amplitude]);
                     row.push(ending.frequency.map_or_else(String::new, |hz| format!("{hz:?}")));
                     row.extend(ending.shares.map(|share| format!("{share:?}")));
                     row.extend([taken(&ending.taken), format!("{:?}", ending.time)]);
@@ -174,8 +178,9 @@ impl Told<'_> {
         let any_left = self.outcomes().any(|(_, outcome)| {
             matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled)
         });
-        let amplitude =
-            self.curve(any_left.then_some("settled"), 0, |ending| Some(ending.amplitude));
+        let amplitude = self.curve(any_left.then_some("settled"), 0, |ending| {
+            (ending.kind != Kind::Unbounded).then_some(ending.amplitude)
+        });
         let frequency = self.curve(any_left.then_some("settled"), 0, |ending| {
             // Of a decay no one asks.
             ending.frequency.filter(|_| !ending.rests())
@@ -318,12 +323,17 @@ impl Told<'_> {
                 Outcome::Ending(Ending {
                     kind, amplitude, frequency, shares, taken, time, ..
                 }) => {
-                    let frequency = frequency.filter(|_| *kind != Kind::Equilibrium);
+                    let is_cycle = !matches!(kind, Kind::Equilibrium | Kind::Unbounded);
+                    let frequency = frequency.filter(|_| is_cycle);
+                    let amplitude = match kind {
+                        Kind::Unbounded => "-".to_owned(),
+                        _ => format!("{amplitude:.4e}"),
+                    };
                     let frequency =
                         frequency.map_or_else(|| "-".to_owned(), |hz| format!("{hz:.3}"));
                     write!(
                         out,
-                        "{value:>width$}  {:14}  {amplitude:>13.4e}  {frequency:>14}",
+                        "{value:>width$}  {:14}  {amplitude:>13}  {frequency:>14}",
                         kind.name()
                     )?;
                     for (share, taken) in shares.iter().zip(taken) {
