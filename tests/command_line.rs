@@ -414,10 +414,10 @@ fn long_work_says_how_far_it_is_where_nobody_looks() {
 #[test]
 fn a_limit_cycle_skips_friction_above_the_static_one_with_a_note() {
     let folder = folder();
-    let path = scene_file(folder.path(), "[friction]", "[friction]\nstatic = 0.4");
+    let path = scene_file(folder.path(), "coefficient = 1.96", "static = 0.4\ncoefficient = 0.3");
     let all = ["study", "limit-cycle", path.to_str().unwrap(), "--parameter"];
     let range = |range| {
-        let looks = ["--window", "0.05", "--interval", "2e-4", "-o", "found"];
+        let looks = ["--window", "0.2", "--interval", "2e-4", "-o", "found"];
         amontons(folder.path(), &[&all[..], &[range], &looks].concat())
     };
     let output = range("friction.coefficient=0.3:0.6:0.1");

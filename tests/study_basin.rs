@@ -138,7 +138,7 @@ fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
     assert_refused(
         &output,
         130,
-        &["finished pieces are kept", "journal.jsonl", "continues from there"],
+        &["finished piece", "kept in", "journal.jsonl", "continues from there"],
     );
     assert!(!folder.path().join("cut/results.csv").exists());
     let kept = lines();

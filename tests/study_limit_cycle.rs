@@ -355,7 +355,7 @@ fn an_interrupted_study_goes_on_to_the_same_results() {
     assert_refused(
         &output,
         130,
-        &["finished pieces are kept in ended/journal.jsonl", "continues from there"],
+        &["finished piece", "kept in ended/journal.jsonl", "continues from there"],
     );
     assert!(output.stdout.is_empty() && !folder.path().join("ended/results.csv").exists());
     let kept = fs::read_to_string(&journal).unwrap();

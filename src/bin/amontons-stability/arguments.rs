@@ -14,7 +14,8 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written, 2 the \
+const EXIT_CODES: &str = "Runs, studies of motions and FMUs are the first program's: `amontons --help`; `amontons scenes` \
+lists scenes to begin from.\n\nExit codes: 0 done, 1 a file could not be read or written, 2 the \
 command line makes no sense (an unknown option, variable or contact state), 3 the scene is \
 impossible or cannot be analysed";
 

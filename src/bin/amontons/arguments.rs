@@ -17,10 +17,11 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done, 1 a file could not be read or written or a picture not \
+const EXIT_CODES: &str = "Start with `amontons scenes`, which lists scenes to begin from. Eigenvalues (which modes \
+grow, from which friction on) are the second program's: `amontons-stability --help`.\n\nExit codes: 0 done, 1 a file could not be read or written or a picture not \
 drawn, 2 the command line makes no sense (an unknown option, variable or built-in scene), 3 the \
 scene is impossible (its file, a value, no equilibrium, a step above the critical one), 4 the run \
-failed, 130 interrupted (accuracy and --sweep print what is done, studies keep it and go on from it, export writes nothing)";
+failed, 130 interrupted (accuracy and --sweep print what is done, studies keep it and continue from it, export writes nothing)";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -147,13 +148,14 @@ pub enum Format {
 /// In place of the scene's `[integrator]`.
 #[derive(Args)]
 pub struct Integrator {
-    /// Internal time step, s [default: the scene's]
+    /// Internal time step, s [default: the scene's; a study's look at the motion]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub step: Option<f64>,
-    /// How time goes on [default: the scene's]
+    /// How the motion is computed [default: the scene's; of studies other than basins event-driven, where the scene
+    /// allows it]
     #[arg(long, value_enum)]
     pub integrator: Option<Method>,
-    /// Choose both by the relative error that is accepted
+    /// Choose integrator and step by the relative error that is accepted
     #[arg(long, value_enum, conflicts_with_all = ["step", "integrator"])]
     pub preset: Option<Preset>,
 }
