@@ -16,6 +16,8 @@
 //! | `states` | the eigenvalues of all contact states |
 //! | `departure` | how large a mode may become before a contact leaves sliding |
 //! | `locus` | modes over a parameter: where they merge, where they begin to grow |
+//! | `linearised` | a scene's model as eigenvalues need it |
+//! | `growth` | ranges of a parameter in which modes grow |
 //! | `candidates` | ranges of µ that can be bi-stable |
 //! | `map` | the verdict over two parameters |
 //!
@@ -54,6 +56,10 @@ pub mod candidates;
 #[cfg(feature = "tools")]
 mod departure;
 #[cfg(feature = "tools")]
+mod growth;
+#[cfg(feature = "tools")]
+mod linearised;
+#[cfg(feature = "tools")]
 pub mod locus;
 #[cfg(feature = "tools")]
 pub mod map;
@@ -67,6 +73,7 @@ mod states;
 #[cfg(feature = "tools")]
 pub use {
     departure::{Departure, departure},
+    linearised::Linearised,
     modes::{Mode, Modes, modes},
     states::{MAX_CONTACTS, StateClasses},
 };

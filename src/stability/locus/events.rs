@@ -48,7 +48,7 @@ pub(super) fn locate_crossing(
 }
 
 /// The root at `value` of a branch that is known at two points: the nearest to the line between.
-pub(in crate::stability) fn on_branch(
+fn on_branch(
     evaluate: &Evaluate<'_>,
     [low, high]: [Point; 2],
     value: f64,
