@@ -41,7 +41,13 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     // What a tolerance has chosen follows the signals as well as it asks for.
     let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
     let direction = direction_warning(simulation.acting());
-    step.chain(tolerance).chain(load_warnings(simulation)).chain(direction).chain(signals).collect()
+    let steps = step_at_start_warnings(scene);
+    step.chain(tolerance)
+        .chain(load_warnings(simulation))
+        .chain(direction)
+        .chain(signals)
+        .chain(steps)
+        .collect()
 }
 
 /// Contacts whose friction has the direction of a surface that stands still.
@@ -79,6 +85,27 @@ fn signal_warnings(scene: &Scene) -> impl Iterator<Item = String> + '_ {
         };
         let name = &signal.input;
         Some(format!("signal[{}] on {name} {fault}; integrator.step = {step:e} s", i + 1))
+    };
+    scene.signals.iter().enumerate().filter_map(of)
+}
+
+/// Signals that are a step at t = 0: zero before, and not zero there. A run begins in the equilibrium that has the step
+/// already, so that nothing of it is seen.
+fn step_at_start_warnings(scene: &Scene) -> impl Iterator<Item = String> + '_ {
+    let of = |(i, signal): (usize, &Signal)| {
+        let value = signal.shape.at(0.0, 0.0);
+        let is_step = matches!(
+            &signal.shape,
+            Shape::Pulse(Pulse { start, .. }) | Shape::Sine(Sine { start, .. }) if *start == 0.0
+        );
+        (is_step && value != 0.0).then(|| {
+            format!(
+                "signal[{}] on {} is a step from 0 to {value} at t = 0; a run begins in the equilibrium that has it \
+                 already, so nothing of the step is seen: let it begin later, or write what always acts into the scene",
+                i + 1,
+                signal.input
+            )
+        })
     };
     scene.signals.iter().enumerate().filter_map(of)
 }
@@ -151,6 +178,11 @@ mod tests {
             ("pulse = { value = 1.0, start = 0.1, end = 0.1003 }", 0),
             ("pulse = { value = 1.0, start = 0.1, end = 0.1002 }", 1),
             ("pulse = { value = 1.0, start = 0.1 }", 0),
+            // A step at t = 0, which the equilibrium has already.
+            ("pulse = { value = 1.0 }", 1),
+            ("sine = { amplitude = 1.0, frequency = 1.0, phase = 1.0 }", 1),
+            ("sine = { amplitude = 1.0, frequency = 1.0, phase = 1.0, start = 0.1 }", 0),
+            ("constant = { value = 1.0 }", 0),
         ] {
             assert_eq!(signal(shape).len(), count, "{shape}");
         }

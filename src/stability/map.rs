@@ -1,11 +1,10 @@
 //! Maps of stability over two parameters.
 
-use super::candidates::uniform_sliding;
+use super::linearised::Linearised;
 use super::parallel;
 use super::spectrum::Spectrum;
 use super::states::{MAX_CONTACTS, StateClasses};
 use crate::Error;
-use crate::model::{LumpedModel, equilibrium};
 use crate::scene::Scene;
 
 /// What uniform sliding is for one scene.
@@ -21,11 +20,14 @@ pub enum Verdict {
     /// There is no equilibrium in uniform sliding (jamming, a contact that opens, a slider that
     /// stands still).
     NoEquilibrium,
+    /// The scene cannot be: its static friction is below its kinetic friction.
+    Impossible,
 }
 
 impl Verdict {
     /// All of them, in the order of the numbers that stand for them.
-    pub const ALL: [Self; 4] = [Self::Stable, Self::Candidate, Self::Unstable, Self::NoEquilibrium];
+    pub const ALL: [Self; 5] =
+        [Self::Stable, Self::Candidate, Self::Unstable, Self::NoEquilibrium, Self::Impossible];
 }
 
 /// As a person reads it.
@@ -36,6 +38,7 @@ impl std::fmt::Display for Verdict {
             Self::Candidate => "candidate",
             Self::Unstable => "unstable",
             Self::NoEquilibrium => "no equilibrium in sliding",
+            Self::Impossible => "static below kinetic friction",
         })
     }
 }
@@ -45,25 +48,26 @@ impl std::fmt::Display for Verdict {
 /// # Errors
 /// Impossible values, or a state that cannot be analysed.
 pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
+    if scene.has_static_below_kinetic_friction() {
+        return Ok(Verdict::Impossible);
+    }
     scene.check()?;
-    let mut model = LumpedModel::from(scene);
-    match equilibrium(scene, &model) {
-        Ok(equilibrium) => model.linearise(&equilibrium),
+    let here = Linearised::of(scene);
+    match here.equilibrium() {
+        Ok(_) => {}
         Err(error) if error.is_equilibrium() => return Ok(Verdict::NoEquilibrium),
         Err(error) => return Err(error),
     }
-    let mu = scene.friction_coefficient;
-    let Ok(uniform) = uniform_sliding(&model, scene.slider.velocity) else {
-        return Ok(Verdict::NoEquilibrium);
-    };
-    if Spectrum::of(&model, &uniform, mu)?.unstable() {
+    let (model, mu) = (here.model(), here.friction());
+    let Ok(uniform) = here.uniform_sliding() else { return Ok(Verdict::NoEquilibrium) };
+    if Spectrum::of(model, &uniform, mu)?.unstable() {
         return Ok(Verdict::Unstable);
     }
     if model.contacts.len() > MAX_CONTACTS {
         return Ok(Verdict::Stable);
     }
-    for states in &StateClasses::of(&model)?.representatives {
-        if Spectrum::of(&model, states, mu)?.unstable() {
+    for states in &StateClasses::of(model)?.representatives {
+        if Spectrum::of(model, states, mu)?.unstable() {
             return Ok(Verdict::Candidate);
         }
     }

@@ -30,6 +30,44 @@ pub fn axis(scene: &Scene, name: &str) -> String {
 /// The name of µ among the parameters.
 pub const FRICTION: &str = "friction.coefficient";
 
+/// The values of a parameter that leave no contact with less static than kinetic friction, and a note on the others, if
+/// there are any. Each analysis over a range leaves those out in this way.
+///
+/// # Errors
+/// A name that is no parameter or input, a value that it cannot have, or fewer than two values that are left.
+pub fn possible_values(
+    scene: &Scene,
+    name: &str,
+    values: &[f64],
+) -> Result<(Vec<f64>, Option<String>), Error> {
+    let is_possible = |value: &f64| {
+        let mut scene = scene.clone();
+        assign(&mut scene, name, *value)?;
+        Ok(!scene.has_static_below_kinetic_friction())
+    };
+    let kept: Vec<bool> = values.iter().map(is_possible).collect::<Result<_, Error>>()?;
+    let with = |kept_or_not: bool| {
+        let all = values.iter().zip(&kept).filter(move |(_, kept)| **kept == kept_or_not);
+        all.map(|(value, _)| *value).collect::<Vec<f64>>()
+    };
+    let (possible, left_out) = (with(true), with(false));
+    let reason = "there static friction would be below kinetic friction";
+    let note = match left_out[..] {
+        [] => None,
+        [one] => Some(format!("{name} = {one} is left out: {reason}")),
+        [first, .., last] => Some(format!(
+            "{name} from {first} to {last} is left out ({} values): {reason}",
+            left_out.len()
+        )),
+    };
+    match note {
+        Some(note) if possible.len() < 2 => {
+            Err(Error::argument(format!("too few values are left: {note}")))
+        }
+        note => Ok((possible, note)),
+    }
+}
+
 /// What to look at.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {

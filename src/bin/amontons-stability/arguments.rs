@@ -48,6 +48,9 @@ pub struct Common {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
+    /// When the signals of the scene are looked at, s: eigenvalues are those of one instant [default: 0]
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub at: Option<f64>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -147,6 +150,11 @@ pub struct Values(pub Vec<f64>);
 fn assignment(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
     Ok((name.trim().to_owned(), number(value)?))
+}
+
+fn time(text: &str) -> Result<f64, String> {
+    let time = number(text)?;
+    if time >= 0.0 { Ok(time) } else { Err("must not be negative".into()) }
 }
 
 fn ends(text: &str) -> Result<[f64; 2], String> {

@@ -2,29 +2,39 @@
 
 use crate::arguments::Bistable;
 use crate::labels::{LOCATED, significant, turn};
-use crate::{Failure, configured, require_constant_friction};
+use crate::{Failure, configured};
 use amontons::contact::Joined;
-use amontons::model::LumpedModel;
 use amontons::progress::Progress;
-use amontons::stability::StateClasses;
-use amontons::stability::candidates::{Bistability, Candidate, bistability, uniform_sliding};
+use amontons::stability::candidates::{Bistability, Candidate, bistability};
+use amontons::stability::{Linearised, StateClasses};
+use amontons::sweep::FRICTION;
 use std::io::Write;
 
 pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     let [first, last] = arguments.friction;
-    let scene = configured(&arguments.common, Some(first))?;
-    require_constant_friction(&scene)?;
-    let model = LumpedModel::from(&scene);
-    let bar =
-        Progress::new("the contact states", StateClasses::of(&model)?.representatives.len() as u64);
-    let found = bistability(&scene, [first, last], &|done| bar.set(done as u64))?;
+    let given = configured(&arguments.common, Some(first), &[FRICTION])?;
+    let scene = &given.scene;
+    let here = Linearised::of(scene);
+    let classes = StateClasses::of(here.model())?.representatives.len() as u64;
+    let bar = Progress::new("the contact states", classes);
+    let found = bistability(scene, [first, last], &|done| bar.set(done as u64))?;
     bar.finish();
 
-    let sliding = uniform_sliding(&model, scene.slider.velocity)?;
-    writeln!(out, "{}: µ from {first} to {last}\n", scene.name)?;
+    let sliding = here.uniform_sliding()?;
+    writeln!(out, "{}: µ from {first} to {last}", scene.name)?;
+    if found.range[1] < last {
+        let greatest = found.range[1];
+        let note = format!(
+            "friction.coefficient from {greatest} to {last} is left out: there static friction would be below \
+             kinetic friction"
+        );
+        eprintln!("note: {note}");
+        writeln!(out, "{note}")?;
+    }
+    writeln!(out, "{}", given.head())?;
     writeln!(out, "Uniform sliding ({})", Joined(&sliding))?;
-    print_uniform(&found, [first, last], out)?;
-    print_candidates(&found.candidates, out)
+    print_uniform(&found, found.range, out)?;
+    print_candidates(&found.candidates, found.widest, out)
 }
 
 fn print_uniform(
@@ -54,14 +64,18 @@ fn print_uniform(
     Ok(())
 }
 
-fn print_candidates(candidates: &[Candidate], out: &mut dyn Write) -> Result<(), Failure> {
+fn print_candidates(
+    candidates: &[Candidate],
+    widest: f64,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
     writeln!(
         out,
         "\nCandidates: states that grow where uniform sliding does not (a transient confirms)"
     )?;
     if candidates.is_empty() {
         writeln!(out, "  none")?;
-        return Ok(());
+        return print_width(widest, out);
     }
     writeln!(
         out,
@@ -89,6 +103,19 @@ fn print_candidates(candidates: &[Candidate], out: &mut dyn Write) -> Result<(),
     }
     if candidates.iter().any(|candidate| !candidate.begins) {
         writeln!(out, "\n< grows already where the range of stable sliding begins")?;
+    }
+    print_width(widest, out)
+}
+
+/// Says how closely the states were looked at.
+fn print_width(widest: f64, out: &mut dyn Write) -> Result<(), Failure> {
+    if widest > 0.0 {
+        let widest = significant(widest, 2);
+        writeln!(
+            out,
+            "\nEach state was looked at every {widest} of µ: a mode that grows over less may be missed; a \
+             narrower --friction looks closer"
+        )?;
     }
     Ok(())
 }

@@ -6,6 +6,7 @@ use super::{heading, interrupted, prepared, watched};
 use amontons::contact::Joined;
 use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
+use amontons::simulation::{at_instant, require_undriven, signals_left_out};
 use amontons::stability::candidates::{Bistability, Candidate, bistability};
 use amontons::study::{
     Bistable, Continuation, Ending, Fold, Kind, Look, Plan, Point, Push, Way, continuation,
@@ -55,10 +56,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
         return Err(interrupted(&folder));
     };
-    // What eigenvalues know; of a law without one µ, nothing.
-    let known = bistability(&scene, [values[0], values[values.len() - 1]], &|_| {}).ok();
-    write(&folder, &scene, &look, &found, known.as_ref())?;
-    print(&scene, &look, &found, known.as_ref());
+    let known = eigenvalues(&scene, [values[0], values[values.len() - 1]]);
+    write(&folder, &scene, &look, &found, known.as_ref().ok())?;
+    print(&scene, &look, &found);
+    print_eigenvalues(&scene, &found, known.as_ref());
     let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
     if found.falling.last().is_some_and(rests) {
         eprintln!(
@@ -248,7 +249,7 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     curve
 }
 
-fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistability>) {
+fn print(scene: &Scene, look: &Look, found: &Continuation) {
     println!("{}: what it ends in over µ\n{}\n", scene.name, heading(scene, look));
     for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
         println!("µ {}", way.name());
@@ -286,8 +287,37 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
             if *rests { "rest and a cycle" } else { "two cycles" }
         );
     }
-    let Some(known) = known else { return };
+}
+
+/// The eigenvalues of the scene as it is at t = 0 over a range of µ.
+fn eigenvalues(scene: &Scene, range: [f64; 2]) -> Result<Bistability, amontons::Error> {
+    require_undriven(scene, FRICTION)?;
+    bistability(&at_instant(scene, 0.0)?, range, &|_| {})
+}
+
+fn print_eigenvalues(
+    scene: &Scene,
+    found: &Continuation,
+    known: Result<&Bistability, &amontons::Error>,
+) {
     println!("\nWhat eigenvalues say");
+    if let Some(left_out) = signals_left_out(scene, 0.0) {
+        println!("  {left_out}");
+    }
+    let known = match known {
+        Ok(known) => known,
+        Err(error) => {
+            println!("  unknown: {error}");
+            return;
+        }
+    };
+    if known.uniform.is_empty() {
+        for [from, to] in &known.equilibrium {
+            let is_stable = known.stable.iter().any(|stable| stable[0] <= *from && *to <= stable[1]);
+            let verb = if is_stable { "no mode of sliding grows" } else { "a mode of sliding grows" };
+            println!("  {verb} from {from} to {to}");
+        }
+    }
     for crossing in &known.uniform {
         println!("  {} at {:.6}", turn(crossing.becomes_unstable), crossing.value);
     }
