@@ -353,9 +353,9 @@ impl Scene {
         let is_below = |static_: Option<f64>, kinetic: f64| static_.is_some_and(|s| s < kinetic);
         let contacts = self.network().map_or(&[][..], |network| &network.contacts);
         is_below(self.static_friction, kinetic)
-            || contacts.iter().any(|place| {
-                is_below(place.static_friction, place.friction.unwrap_or(kinetic))
-            })
+            || contacts
+                .iter()
+                .any(|place| is_below(place.static_friction, place.friction.unwrap_or(kinetic)))
     }
 
     /// Has another scene the same parts, and so the same variables?

@@ -91,6 +91,9 @@ mod tests {
         assert!(error.is_argument() && error.to_string().contains("signal[1] of mine"), "{error}");
         assert_eq!(require_undriven(&scene, "slider.angle"), Ok(()));
         let plain = builtin("set1").unwrap().scene();
-        assert_eq!((at_instant(&plain, 1.0), signals_left_out(&plain, 1.0)), (Ok(plain.clone()), None));
+        assert_eq!(
+            (at_instant(&plain, 1.0), signals_left_out(&plain, 1.0)),
+            (Ok(plain.clone()), None)
+        );
     }
 }

@@ -5,6 +5,7 @@ use super::growth::growth;
 use super::linearised::Linearised;
 use super::locus::{Crossing, Locus, between, growing, locus};
 use super::parallel;
+use super::reach::{Reach, reach};
 use super::states::StateClasses;
 use crate::Error;
 use crate::contact::ContactState;
@@ -23,7 +24,7 @@ pub struct Bistability {
     pub uniform: Vec<Crossing>,
     /// Ranges of µ in which there is an equilibrium that no mode leaves.
     pub stable: Vec<[f64; 2]>,
-    /// Modes of other states that grow inside a stable range, by µ.
+    /// Modes of other states that grow inside a stable range, by what a motion needs to reach the state, then by µ.
     pub candidates: Vec<Candidate>,
     /// The widest step in µ from look to look at a state: what grows over less of µ may be missed.
     pub widest: f64,
@@ -45,6 +46,9 @@ pub struct Candidate {
     pub frequency_hz: f64,
     /// Frequency, Hz, and growth rate, 1/s, at the range's end.
     pub at_end: [f64; 2],
+    /// The least that a motion has had before the contacts were in this state, at the end of the range where that is
+    /// less; `None` where no motion can reach it.
+    pub reach: Option<Reach>,
 }
 
 /// The one state in which a model can be at rest in its own frame: each contact slides by the sign of
@@ -154,19 +158,26 @@ pub fn bistability(
                 let (model, mu) = model_at(mu)?;
                 growing(&model, states, mu)
             };
-            found.extend(growth(&growing, &spread(range, steps))?);
+            for growth in growth(&growing, &spread(range, steps))? {
+                // A mode that two states share ceases to grow in the one where it begins to in the other, but for
+                // rounding.
+                let [from, to] = growth.range;
+                if to - from > 1e-9 * to.abs() {
+                    found.push((least_reach(&at, growth.range, states)?, growth));
+                }
+            }
         }
         Ok(found)
     };
     let found = parallel::collect(classes.representatives.len(), &look, done)?;
     let mut candidates = Vec::new();
     for (class, (states, found)) in classes.representatives.iter().zip(found).enumerate() {
-        // A mode that two states share ceases to grow in the one where it begins to in the other, but for rounding.
-        let is_wide = |[from, to]: [f64; 2]| to - from > 1e-9 * to.abs();
-        for growth in found.iter().filter(|growth| is_wide(growth.range)) {
+        let alike = classes.size(class);
+        for (reach, growth) in found {
             candidates.push(Candidate {
                 states: states.clone(),
-                alike: classes.size(class),
+                alike,
+                reach,
                 range: growth.range,
                 begins: growth.begins,
                 frequency_hz: growth.frequency_hz(0),
@@ -174,9 +185,23 @@ pub fn bistability(
             });
         }
     }
-    candidates.sort_by(|a, b| a.range[0].total_cmp(&b.range[0]));
+    let need = |candidate: &Candidate| candidate.reach.map_or(f64::INFINITY, |reach| reach.energy);
+    candidates.sort_by(|a, b| need(a).total_cmp(&need(b)).then(a.range[0].total_cmp(&b.range[0])));
     let widest = stable.iter().map(|[from, to]| (to - from) / steps).fold(0.0, f64::max);
     Ok(Bistability { range: [first, last], equilibrium, uniform, stable, candidates, widest })
+}
+
+/// What a motion needs to reach a state at that end of a range of µ where it is less.
+fn least_reach(
+    at: &dyn Fn(f64) -> Linearised,
+    range: [f64; 2],
+    states: &[ContactState],
+) -> Result<Option<Reach>, Error> {
+    let [from, to] = range.map(|mu| reach(&at(mu), states));
+    Ok(match (from?, to?) {
+        (Some(a), Some(b)) => Some(if b.energy < a.energy { b } else { a }),
+        (one, other) => one.or(other),
+    })
 }
 
 /// The part of a range of µ that the scene's static friction leaves possible.
@@ -197,7 +222,8 @@ fn possible_range(scene: &Scene, [first, last]: [f64; 2]) -> Result<[f64; 2], Er
 fn spread([first, last]: [f64; 2], steps: f64) -> Vec<f64> {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let count = steps as u32;
-    let at = |i: u32| if i == count { last } else { first + (last - first) * (f64::from(i) / steps) };
+    let at =
+        |i: u32| if i == count { last } else { first + (last - first) * (f64::from(i) / steps) };
     (0..=count).map(at).collect()
 }
 

@@ -2,9 +2,11 @@
 
 use super::linearised::Linearised;
 use super::parallel;
+use super::reach::reach;
 use super::spectrum::Spectrum;
 use super::states::{MAX_CONTACTS, StateClasses};
 use crate::Error;
+use crate::contact::ContactState;
 use crate::scene::Scene;
 
 /// What uniform sliding is for one scene.
@@ -13,8 +15,12 @@ pub enum Verdict {
     /// No contact state grows; with more than [`MAX_CONTACTS`] contacts uniform sliding does not, and
     /// the others are not looked at.
     Stable,
-    /// Uniform sliding does not grow, another contact state does.
+    /// Uniform sliding does not grow; a contact state does that contacts take by sticking alone, as they do when a
+    /// swing's speed meets the surface's.
     Candidate,
+    /// Uniform sliding does not grow; of the contact states that do, each needs a contact that has opened or slides the
+    /// other way, which asks for a larger motion.
+    FarCandidate,
     /// Uniform sliding itself grows.
     Unstable,
     /// There is no equilibrium in uniform sliding (jamming, a contact that opens, a slider that
@@ -26,8 +32,14 @@ pub enum Verdict {
 
 impl Verdict {
     /// All of them, in the order of the numbers that stand for them.
-    pub const ALL: [Self; 5] =
-        [Self::Stable, Self::Candidate, Self::Unstable, Self::NoEquilibrium, Self::Impossible];
+    pub const ALL: [Self; 6] = [
+        Self::Stable,
+        Self::Candidate,
+        Self::FarCandidate,
+        Self::Unstable,
+        Self::NoEquilibrium,
+        Self::Impossible,
+    ];
 }
 
 /// As a person reads it.
@@ -36,6 +48,7 @@ impl std::fmt::Display for Verdict {
         f.pad(match self {
             Self::Stable => "stable",
             Self::Candidate => "candidate",
+            Self::FarCandidate => "candidate if one opens or turns",
             Self::Unstable => "unstable",
             Self::NoEquilibrium => "no equilibrium in sliding",
             Self::Impossible => "static below kinetic friction",
@@ -66,12 +79,22 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
     if model.contacts.len() > MAX_CONTACTS {
         return Ok(Verdict::Stable);
     }
+    let mut found = Verdict::Stable;
     for states in &StateClasses::of(model)?.representatives {
-        if Spectrum::of(model, states, mu)?.unstable() {
-            return Ok(Verdict::Candidate);
+        let only_sticks = states
+            .iter()
+            .zip(&uniform)
+            .all(|(state, sliding)| state == sliding || *state == ContactState::Stick);
+        // A far state tells nothing new after another one.
+        let asks = only_sticks || found == Verdict::Stable;
+        if asks && Spectrum::of(model, states, mu)?.unstable() && reach(&here, states)?.is_some() {
+            if only_sticks {
+                return Ok(Verdict::Candidate);
+            }
+            found = Verdict::FarCandidate;
         }
     }
-    Ok(Verdict::Stable)
+    Ok(found)
 }
 
 /// Verdicts on a grid of scenes, row by row, on all cores; `done` hears the number of rows done.

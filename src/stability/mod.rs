@@ -18,6 +18,7 @@
 //! | `locus` | modes over a parameter: where they merge, where they begin to grow |
 //! | `linearised` | a scene's model as eigenvalues need it |
 //! | `growth` | ranges of a parameter in which modes grow |
+//! | `reach` | how large a motion must be before contacts can be in another state |
 //! | `candidates` | ranges of µ that can be bi-stable |
 //! | `map` | the verdict over two parameters |
 //!
@@ -68,6 +69,8 @@ mod modes;
 #[cfg(feature = "tools")]
 pub(crate) mod parallel;
 #[cfg(feature = "tools")]
+mod reach;
+#[cfg(feature = "tools")]
 mod states;
 
 #[cfg(feature = "tools")]
@@ -75,5 +78,6 @@ pub use {
     departure::{Departure, departure},
     linearised::Linearised,
     modes::{Mode, Modes, modes},
+    reach::{Reach, reach},
     states::{MAX_CONTACTS, StateClasses},
 };

@@ -5,6 +5,7 @@
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | what a motion ends in: when it is settled, what kind it is |
 //! | `continuation` | what it ends in over µ, upwards and downwards; folds |
+//! | `confirm` | whether a push leads to the contact state of a candidate |
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
 //! | `portrait` | phase portraits of a settled motion |
@@ -19,6 +20,7 @@
 
 mod attractor;
 pub mod basin;
+pub mod confirm;
 mod continuation;
 mod ending;
 mod initial;

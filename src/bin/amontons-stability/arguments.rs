@@ -123,6 +123,9 @@ pub struct Bistable {
     /// Friction coefficients, first:last
     #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub friction: [f64; 2],
+    /// Push the scene along the mode of each candidate, and say which are met by a motion that stays
+    #[arg(long)]
+    pub confirm: bool,
 }
 
 #[derive(Args)]

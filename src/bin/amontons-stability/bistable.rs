@@ -5,8 +5,11 @@ use crate::labels::{LOCATED, significant, turn};
 use crate::{Failure, configured};
 use amontons::contact::Joined;
 use amontons::progress::Progress;
+use amontons::scene::Scene;
 use amontons::stability::candidates::{Bistability, Candidate, bistability};
-use amontons::stability::{Linearised, StateClasses};
+use amontons::stability::{Linearised, Reach, StateClasses};
+use amontons::study::Watch;
+use amontons::study::confirm::{Attempt, Tried, confirm};
 use amontons::sweep::FRICTION;
 use std::io::Write;
 
@@ -34,7 +37,11 @@ pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     writeln!(out, "{}", given.head())?;
     writeln!(out, "Uniform sliding ({})", Joined(&sliding))?;
     print_uniform(&found, found.range, out)?;
-    print_candidates(&found.candidates, found.widest, out)
+    print_candidates(&found.candidates, found.widest, out)?;
+    if arguments.confirm {
+        confirm_candidates(scene, &found.candidates, out)?;
+    }
+    Ok(())
 }
 
 fn print_uniform(
@@ -79,8 +86,14 @@ fn print_candidates(
     }
     writeln!(
         out,
-        "  {:12} {:>6}  {:>27}  {:>13}  {:>27}",
-        "state", "alike", "range of µ", "onset at [Hz]", "at the end [Hz], [1/s]"
+        "  {:12} {:>6}  {:>27}  {:>13}  {:>27}  {:>10}  {:>10}",
+        "state",
+        "alike",
+        "range of µ",
+        "onset at [Hz]",
+        "at the end [Hz], [1/s]",
+        "needs [J]",
+        "push [m/s]"
     )?;
     // A mode that does not oscillate diverges.
     let hz = |frequency: f64| match frequency {
@@ -88,9 +101,13 @@ fn print_candidates(
         frequency => format!("{frequency:.2}"),
     };
     for candidate in candidates {
+        let needs = |part: fn(&Reach) -> f64| match &candidate.reach {
+            Some(reach) => significant(part(reach), 3),
+            None => "never".to_owned(),
+        };
         writeln!(
             out,
-            "  {:12} {:>6}  {:>3}{} … {}  {:>13}  {:>13} {:>+13.4}",
+            "  {:12} {:>6}  {:>3}{} … {}  {:>13}  {:>13} {:>+13.4}  {:>10}  {:>10}",
             Joined(&candidate.states).to_string(),
             candidate.alike,
             if candidate.begins { "" } else { "<" },
@@ -99,12 +116,82 @@ fn print_candidates(
             hz(candidate.frequency_hz),
             hz(candidate.at_end[0]),
             candidate.at_end[1],
+            needs(|reach| reach.energy),
+            needs(|reach| reach.push),
         )?;
     }
     if candidates.iter().any(|candidate| !candidate.begins) {
         writeln!(out, "\n< grows already where the range of stable sliding begins")?;
     }
+    writeln!(
+        out,
+        "\nA motion has had at least the energy of `needs` before its contacts are in the state, and no slower push of \
+         one degree of freedom has it; the state that needs least is first"
+    )?;
     print_width(widest, out)
+}
+
+/// The most candidates that are confirmed: each takes up to fifteen runs.
+const MOST_CONFIRMED: usize = 20;
+
+fn confirm_candidates(
+    scene: &Scene,
+    candidates: &[Candidate],
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    let all: Vec<&Candidate> =
+        candidates.iter().filter(|candidate| candidate.reach.is_some()).collect();
+    let first = &all[..all.len().min(MOST_CONFIRMED)];
+    let bar = Progress::in_parts("pushing the scene");
+    let watch = Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE };
+    let tried = confirm(scene, first, watch)?.unwrap_or_default();
+    bar.finish();
+    writeln!(out, "\nConfirmed by pushes along each candidate's mode, out of the equilibrium")?;
+    for (candidate, tried) in first.iter().zip(&tried) {
+        let (states, hz) = (Joined(&candidate.states), candidate.frequency_hz);
+        write!(out, "  {states} ({hz:.2} Hz): ")?;
+        match tried.met() {
+            Some(Attempt { friction, push, ending: Ok(ending), .. }) => writeln!(
+                out,
+                "met at µ = {} by a push of {} m/s: {}, {:.4e} of {}{}",
+                significant(*friction, 6),
+                significant(*push, 3),
+                ending.kind.name(),
+                ending.amplitude,
+                tried.of,
+                ending.frequency.map_or_else(String::new, |hz| format!(" at {hz:.2} Hz")),
+            )?,
+            _ => print_not_met(tried, out)?,
+        }
+    }
+    if first.len() < all.len() {
+        writeln!(
+            out,
+            "  the other {} were not tried: these {MOST_CONFIRMED} need least; a narrower --friction has fewer",
+            all.len() - first.len()
+        )?;
+    }
+    Ok(())
+}
+
+/// What was tried of a candidate that was not met.
+fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
+    let list = |value: fn(&Attempt) -> f64, digits: usize| {
+        let mut all: Vec<f64> = tried.attempts.iter().map(value).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(", ")
+    };
+    let [rested, other, unsettled, failed] = tried.count();
+    writeln!(
+        out,
+        "not met: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; {rested} came to rest, \
+         {other} ended in a motion without this state, {unsettled} had not settled, {failed} failed",
+        list(|attempt| attempt.push, 3),
+        list(|attempt| attempt.friction, 4),
+        tried.longest,
+    )?;
+    Ok(())
 }
 
 /// Says how closely the states were looked at.

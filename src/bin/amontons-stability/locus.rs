@@ -78,7 +78,11 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     if is_uniform {
         Linearised::of(scene).uniform_sliding().or_else(|error| {
             // Another velocity may be among the values.
-            if varied.iter().any(|name| name.ends_with("velocity")) { Ok(Vec::new()) } else { Err(error) }
+            if varied.iter().any(|name| name.ends_with("velocity")) {
+                Ok(Vec::new())
+            } else {
+                Err(error)
+            }
         })?;
     }
     for (name, values) in [Some((name, values)), other.zip(others)].into_iter().flatten() {
@@ -193,7 +197,11 @@ impl Family<'_> {
     fn print_events(&self, out: &mut dyn Write) -> Result<(), Failure> {
         let [first, .., last] = self.values else { unreachable!("a range has two ends") };
         let states = Joined(&self.states);
-        writeln!(out, "{}: state {states}, {} from {first} to {last}", self.given.scene.name, self.name)?;
+        writeln!(
+            out,
+            "{}: state {states}, {} from {first} to {last}",
+            self.given.scene.name, self.name
+        )?;
         write!(out, "{}", self.given.head())?;
         for note in &self.notes {
             writeln!(out, "{note}")?;
@@ -256,7 +264,9 @@ fn sliding_values(
     let mut kept = Vec::new();
     let mut first: Option<(f64, Vec<ContactState>)> = None;
     for &value in values {
-        let Ok(states) = Linearised::of(&with(scene, name, value)?).uniform_sliding() else { continue };
+        let Ok(states) = Linearised::of(&with(scene, name, value)?).uniform_sliding() else {
+            continue;
+        };
         match &first {
             Some((from, before)) if *before != states => {
                 return Err(Failure::Usage(format!(
@@ -277,7 +287,9 @@ fn sliding_values(
         // The reason is the same for all.
         let reason = Linearised::of(&with(scene, name, values[0])?).uniform_sliding();
         reason?;
-        return Err(Failure::Usage(format!("fewer than two values of {name} leave every contact sliding")));
+        return Err(Failure::Usage(format!(
+            "fewer than two values of {name} leave every contact sliding"
+        )));
     }
     let note = (!missing.is_empty()).then(|| {
         format!("{name} = {} is left out: a surface stands still there", missing.join(", "))

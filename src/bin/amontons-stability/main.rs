@@ -152,11 +152,7 @@ fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
 }
 
 /// The contact state that a command is to look at: the one named, or uniform sliding.
-fn state(
-    name: Option<&str>,
-    scene: &Scene,
-    here: &Linearised,
-) -> Result<Vec<ContactState>, Error> {
+fn state(name: Option<&str>, scene: &Scene, here: &Linearised) -> Result<Vec<ContactState>, Error> {
     match name {
         Some(name) => parse_states(name, scene.contact_count()),
         None => here.uniform_sliding(),

@@ -5,14 +5,14 @@ use crate::{Failure, check_effect, configured};
 use amontons::picture::{self, Class, Map};
 use amontons::progress::Progress;
 use amontons::simulation::assign;
-use amontons::stability::{Linearised, MAX_CONTACTS};
 use amontons::stability::map::{Verdict, map};
+use amontons::stability::{Linearised, MAX_CONTACTS};
 use amontons::sweep::axis;
 use amontons::sweep::range::MAX_VALUES;
 use std::io::Write;
 
 /// Places in the palette that belong to the verdicts, in their order.
-const COLOURS: [usize; 5] = [5, 4, 1, 6, 7];
+const COLOURS: [usize; 6] = [5, 4, 3, 1, 6, 7];
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         write!(out, "{}", given.head())?;
         let is_told = |verdict: &Verdict| *verdict != Verdict::Impossible || share(*verdict) > 0;
         for verdict in Verdict::ALL.into_iter().filter(is_told) {
-            writeln!(out, "  {:25} {}", verdict.to_string(), share(verdict))?;
+            writeln!(out, "  {:31} {}", verdict.to_string(), share(verdict))?;
         }
     }
     let Some(path) = &arguments.plot else { return Ok(()) };

@@ -25,8 +25,8 @@ use nalgebra::Complex;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
-use events::closest_approaches;
 pub(super) use events::between;
+use events::closest_approaches;
 use follow::{Followed, follow};
 
 /// One eigenvalue of a contact state.

@@ -313,8 +313,10 @@ fn print_eigenvalues(
     };
     if known.uniform.is_empty() {
         for [from, to] in &known.equilibrium {
-            let is_stable = known.stable.iter().any(|stable| stable[0] <= *from && *to <= stable[1]);
-            let verb = if is_stable { "no mode of sliding grows" } else { "a mode of sliding grows" };
+            let is_stable =
+                known.stable.iter().any(|stable| stable[0] <= *from && *to <= stable[1]);
+            let verb =
+                if is_stable { "no mode of sliding grows" } else { "a mode of sliding grows" };
             println!("  {verb} from {from} to {to}");
         }
     }
