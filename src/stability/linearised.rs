@@ -18,11 +18,14 @@ pub struct Linearised {
 }
 
 impl Linearised {
-    /// The model of a scene. Where the scene has no equilibrium, friction that depends on the slip velocity has no
+    /// The model of a scene; its external forces, held as they are, are part of the load. Where the scene has no equilibrium, friction that depends on the slip velocity has no
     /// slope in it ([`require_slopes`](Self::require_slopes)).
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let mut model = LumpedModel::from(scene);
+        for (load, force) in model.load.iter_mut().zip(scene.external_forces()) {
+            *load += force;
+        }
         let equilibrium = equilibrium(scene, &model);
         if let Ok(equilibrium) = &equilibrium {
             model.linearise(equilibrium);

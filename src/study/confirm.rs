@@ -9,14 +9,12 @@ use crate::scene::Scene;
 use crate::simulation::Simulation;
 use crate::stability::candidates::Candidate;
 use crate::stability::parallel::collect;
-use crate::stability::{Linearised, Symmetry, modes};
+use crate::stability::{Linearised, modes};
 
 /// Pushes in parts of the least one that a candidate's state asks for.
 pub const PUSHES: [f64; 5] = [1.0, 3.0, 10.0, 30.0, 100.0];
 /// Places in the candidate's range of µ, from its end, where the mode grows most, to its start.
 pub const PLACES: [f64; 3] = [0.98, 0.6, 0.2];
-/// Rows of the motion that it ends in, in which the candidate's state is looked for.
-const ROWS: u64 = 20_000;
 
 /// A push and what it ended in.
 #[derive(Clone, Debug, PartialEq)]
@@ -27,12 +25,12 @@ pub struct Attempt {
     pub push: f64,
     /// The motion that it ended in, or why it failed.
     pub ending: Result<Ending, String>,
-    /// `true` where contacts were in the candidate's state in that motion.
+    /// `true` where contacts took each of the candidate's states in that motion, also between its rows.
     pub takes: bool,
 }
 
 impl Attempt {
-    /// `true` where the motion does not come to rest and takes the candidate's state.
+    /// `true` where the motion does not come to rest and contacts take the candidate's states.
     #[must_use]
     pub fn meets(&self) -> bool {
         self.takes && self.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle())
@@ -155,7 +153,7 @@ fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, E
     Ok((largest > 0.0).then_some(along))
 }
 
-/// One push: the motion that it ends in, and whether contacts are in the candidate's state in it.
+/// One push: the motion that it ends in, and whether contacts take the candidate's states in it.
 fn run(
     scene: &Scene,
     candidate: &Candidate,
@@ -170,23 +168,8 @@ fn run(
     }
     let is_over = || watch.is_over();
     let Some(ending) = settle(&mut simulation, look, &is_over)? else { return Ok(None) };
-    if !ending.kind.is_cycle() {
-        return Ok(Some((ending, false)));
-    }
-    let symmetry = Symmetry::of(Linearised::of(scene).model());
-    let wanted = symmetry.representative(&candidate.states);
-    let start = simulation.time();
-    for row in 1..=look.rows().min(ROWS) {
-        if is_over() {
-            return Ok(None);
-        }
-        #[allow(clippy::cast_precision_loss)]
-        simulation.advance_to(start + row as f64 * look.interval)?;
-        if symmetry.representative(simulation.contact_states()) == wanted {
-            return Ok(Some((ending, true)));
-        }
-    }
-    Ok(Some((ending, false)))
+    let takes = candidate.states.iter().all(|state| ending.taken[*state as usize - 1]);
+    Ok(Some((ending, takes)))
 }
 
 #[cfg(test)]

@@ -28,7 +28,7 @@ pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     if found.range[1] < last {
         let greatest = found.range[1];
         let note = format!(
-            "friction.coefficient from {greatest} to {last} is left out: there static friction would be below \
+            "friction.coefficient above {greatest} is left out: there static friction would be below \
              kinetic friction"
         );
         eprintln!("note: {note}");
@@ -67,6 +67,14 @@ fn print_uniform(
     }
     for crossing in &found.uniform {
         writeln!(out, "  µ = {}  {}", significant(crossing.value, LOCATED), turn(crossing))?;
+    }
+    let is_everywhere = found.stable == found.equilibrium || found.uniform.is_empty();
+    for [from, to] in found.stable.iter().filter(|_| !is_everywhere) {
+        let [from, to] = [from, to].map(|mu| significant(*mu, LOCATED));
+        writeln!(out, "  is stable from µ = {from} to {to}")?;
+    }
+    if found.stable.is_empty() && !found.uniform.is_empty() {
+        writeln!(out, "  is stable nowhere: another mode grows")?;
     }
     Ok(())
 }
@@ -186,7 +194,7 @@ fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
     writeln!(
         out,
         "not met: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; {rested} came to rest, \
-         {other} ended in a motion without this state, {unsettled} had not settled, {failed} failed",
+         {other} ended in a motion without these states, {unsettled} had not settled, {failed} failed",
         list(|attempt| attempt.push, 3),
         list(|attempt| attempt.friction, 4),
         tried.longest,
