@@ -65,6 +65,20 @@ fn every_candidate_begins_to_grow_where_it_is_said_to_at_its_frequency() {
     }
 }
 
+/// The state that needs least is first; to stick a module needs the kinetic energy of m2 at the slider's speed.
+#[test]
+fn candidates_are_ranked_by_the_energy_that_a_motion_needs_to_reach_their_state() {
+    let (scene, model) = set2();
+    let found = found();
+    let energies: Vec<f64> = found.candidates.iter().map(|c| c.reach.unwrap().energy).collect();
+    assert!(energies.is_sorted(), "{energies:?}");
+    let first = &found.candidates[0];
+    assert_eq!(Joined(&first.states).to_string(), "Sl-St");
+    let mass = model.mass.get(2, 2);
+    let expected = 0.5 * mass * scene.slider.velocity.powi(2);
+    assert!((energies[0] / expected - 1.0).abs() < 1e-9, "{energies:?} {expected}");
+}
+
 /// No state that grows is left out: all sixteen, on a grid of µ, have as many growing modes as the
 /// candidates say.
 #[test]

@@ -7,7 +7,7 @@ use amontons::model::{self, LumpedModel};
 use amontons::scene::{Scene, builtin, parse};
 use amontons::stability::candidates::{bistability, resting_state, uniform_sliding};
 use amontons::stability::locus::locus;
-use amontons::stability::{Spectrum, departure, modes};
+use amontons::stability::{Linearised, Spectrum, departure, modes};
 use std::borrow::Cow;
 
 const MASS: f64 = 2.0;
@@ -144,4 +144,39 @@ fn a_damper_on_one_direction_makes_hoffmanns_model_flutter_earlier() {
     let [onset] = found.crossings[..] else { panic!("{found:?}") };
     assert!((onset.value - 0.19756985620).abs() < 1e-9, "{onset:?}");
     assert!(found.coalescences.is_empty() && found.approaches.len() == 1);
+}
+
+/// The built-in disc brake with friction that falls: numbers of a NumPy program that assembles M, C and K and the
+/// equilibrium from the scene's file by itself (C has N dµ/dv along each tangent).
+#[test]
+fn a_disc_brake_whose_friction_falls_is_stable_where_an_independent_program_says_so() {
+    let scene = |more: &str| {
+        let text = builtin("disc_brake").unwrap().text;
+        let with = text.replacen("coefficient = 0.6 ", &format!("{more}\ncoefficient = 0.6 "), 1);
+        assert_ne!(with, text);
+        parse("brake", &with).unwrap()
+    };
+    let mut steep = scene("static = 0.6\nstribeck_velocity = 0.05");
+    steep.friction_coefficient = 0.4;
+    let here = Linearised::of(&steep);
+    let sliding = here.uniform_sliding().unwrap();
+    assert_eq!(sliding, [Slide, ReverseSlide]);
+    let growth = Spectrum::of(here.model(), &sliding, 0.4).unwrap().growth_rate();
+    assert!((growth / 5803.454543507425 - 1.0).abs() < 1e-9, "{growth}");
+    let found = bistability(&steep, [0.3, 0.9], &|_| {}).unwrap();
+    assert_eq!((found.range, found.stable), ([0.3, 0.6], vec![]));
+
+    let gentle = scene("static = 0.7\nstribeck_velocity = 0.0055");
+    let found = bistability(&gentle, [0.0, 0.7], &|_| {}).unwrap();
+    let expected = [
+        (0.43172053504634733, 1041.2693620642524, false),
+        (0.5408676458071934, 1076.7506201940503, true),
+    ];
+    assert_eq!(found.uniform.len(), 2, "{:?}", found.uniform);
+    for (found, (value, hz, begins)) in found.uniform.iter().zip(expected) {
+        assert!((found.value - value).abs() < 1e-9, "{found:?}");
+        assert!((found.frequency_hz - hz).abs() < 1e-5, "{found:?}");
+        assert_eq!(found.becomes_unstable, begins);
+    }
+    assert_eq!(found.stable, [[found.uniform[0].value, found.uniform[1].value]]);
 }

@@ -336,6 +336,28 @@ impl Scene {
         }
     }
 
+    /// The greatest common µ that the scene's static friction leaves possible: that of a contact that stands is at least
+    /// that of one that slips. `None` where there is no such bound.
+    #[must_use]
+    pub fn greatest_friction(&self) -> Option<f64> {
+        let contacts = self.network().map_or(&[][..], |network| &network.contacts);
+        let own = contacts.iter().filter(|place| place.friction.is_none());
+        let all = own.filter_map(|place| place.static_friction).chain(self.static_friction);
+        all.reduce(f64::min)
+    }
+
+    /// `true` where some contact has less static than kinetic friction, which cannot be.
+    #[must_use]
+    pub fn has_static_below_kinetic_friction(&self) -> bool {
+        let kinetic = self.friction_coefficient;
+        let is_below = |static_: Option<f64>, kinetic: f64| static_.is_some_and(|s| s < kinetic);
+        let contacts = self.network().map_or(&[][..], |network| &network.contacts);
+        is_below(self.static_friction, kinetic)
+            || contacts
+                .iter()
+                .any(|place| is_below(place.static_friction, place.friction.unwrap_or(kinetic)))
+    }
+
     /// Has another scene the same parts, and so the same variables?
     #[must_use]
     pub fn has_parts_of(&self, other: &Self) -> bool {

@@ -13,6 +13,8 @@ mod fingerprint;
 mod given;
 #[cfg(feature = "tools")]
 mod inputs;
+#[cfg(feature = "tools")]
+mod instant;
 mod monitor;
 mod rates;
 mod signals;
@@ -38,6 +40,8 @@ pub use fingerprint::fingerprint;
 pub(crate) use given::Given;
 #[cfg(feature = "tools")]
 pub use inputs::{Inputs, is_close};
+#[cfg(feature = "tools")]
+pub use instant::{at_instant, require_undriven, signals_left_out};
 pub(crate) use rates::check_rate;
 pub use snapshot::Snapshot;
 pub(crate) use snapshot::{Progress, from_bytes, to_bytes};

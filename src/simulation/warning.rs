@@ -1,6 +1,7 @@
 //! What is possible, but hardly meant.
 
 use super::Simulation;
+use super::catalogue::{Quantity, variables};
 use crate::model::LumpedModel;
 use crate::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use crate::stability::critical_step;
@@ -41,7 +42,13 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     // What a tolerance has chosen follows the signals as well as it asks for.
     let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
     let direction = direction_warning(simulation.acting());
-    step.chain(tolerance).chain(load_warnings(simulation)).chain(direction).chain(signals).collect()
+    let steps = step_at_start_warnings(scene);
+    step.chain(tolerance)
+        .chain(load_warnings(simulation))
+        .chain(direction)
+        .chain(signals)
+        .chain(steps)
+        .collect()
 }
 
 /// Contacts whose friction has the direction of a surface that stands still.
@@ -81,6 +88,35 @@ fn signal_warnings(scene: &Scene) -> impl Iterator<Item = String> + '_ {
         Some(format!("signal[{}] on {name} {fault}; integrator.step = {step:e} s", i + 1))
     };
     scene.signals.iter().enumerate().filter_map(of)
+}
+
+/// Signals that are not zero at t = 0, where that is a step: a force is not part of the equilibrium in which a run
+/// begins; what else is switched on at t = 0 is, so that nothing of its step is seen.
+fn step_at_start_warnings(scene: &Scene) -> Vec<String> {
+    let forces: Vec<String> = variables(scene)
+        .into_iter()
+        .filter(|variable| variable.template.quantity == Quantity::ExternalForce)
+        .map(|variable| variable.name)
+        .collect();
+    let of = |(i, signal): (usize, &Signal)| {
+        let (value, input) = (signal.shape.at(0.0, 0.0), &signal.input);
+        let is_switched_on = matches!(
+            &signal.shape,
+            Shape::Pulse(Pulse { start, .. }) | Shape::Sine(Sine { start, .. }) if *start == 0.0
+        );
+        let consequence = if forces.contains(input) {
+            "a run begins at rest in the equilibrium without it; write a load that always acts into the scene, or let \
+             the signal begin at zero"
+        } else if is_switched_on {
+            "a run begins in the equilibrium that has it already, so nothing of the step is seen; let it begin later"
+        } else {
+            return None;
+        };
+        (value != 0.0).then(|| {
+            format!("signal[{}] on {input} is a step to {value} at t = 0: {consequence}", i + 1)
+        })
+    };
+    scene.signals.iter().enumerate().filter_map(of).collect()
 }
 
 /// Contacts that nothing presses on in the equilibrium, by name: their load may have been forgotten.
@@ -151,8 +187,33 @@ mod tests {
             ("pulse = { value = 1.0, start = 0.1, end = 0.1003 }", 0),
             ("pulse = { value = 1.0, start = 0.1, end = 0.1002 }", 1),
             ("pulse = { value = 1.0, start = 0.1 }", 0),
+            // Steps of a force at t = 0.
+            ("pulse = { value = 1.0 }", 1),
+            ("constant = { value = 1.0 }", 1),
+            ("ramp = { from = 1.0, to = 2.0, end = 1.0 }", 1),
+            ("sine = { amplitude = 1.0, frequency = 1.0, phase = 1.0 }", 1),
+            ("sine = { amplitude = 1.0, frequency = 1.0, phase = 1.0, start = 0.1 }", 0),
         ] {
             assert_eq!(signal(shape).len(), count, "{shape}");
+        }
+    }
+
+    /// A force at t = 0 moves the block; a belt that has its speed from t = 0 on is part of the equilibrium.
+    #[test]
+    fn a_step_at_the_start_is_warned_of_as_what_a_run_makes_of_it() {
+        let text = builtin("belt").unwrap().text;
+        for (input, shape, words, moves) in [
+            ("mass.block.fx", "constant = { value = 1.0 }", "without it", true),
+            ("slider.velocity", "pulse = { value = 1.0 }", "nothing of the step is seen", false),
+        ] {
+            let signal = format!("[[signal]]\ninput = \"{input}\"\n{shape}\n");
+            let mut scene = parse("mine", &format!("{text}{signal}")).unwrap();
+            scene.rest();
+            let mut run = Simulation::new(scene, 0.0).unwrap();
+            let found = warnings(&run);
+            assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
+            run.advance_to(0.05).unwrap();
+            assert_eq!(run.displacement().iter().any(|x| x.abs() > 1e-9), moves);
         }
     }
 }

@@ -1,28 +1,33 @@
 //! The paper's aim: ranges of µ that can be bi-stable, because uniform sliding is stable there while
 //! another contact state, into which a push can bring the system, is not.
 
-use super::locus::{Crossing, Locus, Root, between, locus, on_branch, roots};
+use super::growth::growth;
+use super::linearised::Linearised;
+use super::locus::{Crossing, Locus, between, growing, locus};
 use super::parallel;
+use super::reach::{Reach, reach};
 use super::states::StateClasses;
-use super::symmetry::{Part, all_stiffness_eigenvalues};
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::{Contact, LumpedModel};
 use crate::scene::Scene;
 use std::borrow::Cow;
-use std::f64::consts::TAU;
 
 /// What a range of µ holds.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bistability {
+    /// The range that was looked at: what was asked for, up to the static friction.
+    pub range: [f64; 2],
     /// Ranges of µ in which there is an equilibrium in uniform sliding.
     pub equilibrium: Vec<[f64; 2]>,
     /// Where modes of uniform sliding begin or cease to grow in them, by µ.
     pub uniform: Vec<Crossing>,
     /// Ranges of µ in which there is an equilibrium that no mode leaves.
     pub stable: Vec<[f64; 2]>,
-    /// Modes of other states that grow inside a stable range, by µ.
+    /// Modes of other states that grow inside a stable range, by what a motion needs to reach the state, then by µ.
     pub candidates: Vec<Candidate>,
+    /// The widest step in µ from look to look at a state: what grows over less of µ may be missed.
+    pub widest: f64,
 }
 
 /// A mode of another state that grows while uniform sliding is stable: a candidate for a bi-stable
@@ -41,6 +46,9 @@ pub struct Candidate {
     pub frequency_hz: f64,
     /// Frequency, Hz, and growth rate, 1/s, at the range's end.
     pub at_end: [f64; 2],
+    /// The least that a motion has had before the contacts were in this state, at the end of the range where that is
+    /// less; `None` where no motion can reach it.
+    pub reach: Option<Reach>,
 }
 
 /// The one state in which a model can be at rest in its own frame: each contact slides by the sign of
@@ -81,82 +89,142 @@ pub fn uniform_sliding(
     )))
 }
 
-/// The widest step in µ over which modes are followed; a mode that grows only in a range narrower
-/// than this may be missed.
+/// The widest step in µ over which uniform sliding is followed; a mode of it that grows only in a range narrower than
+/// this may be missed.
 const STEP: f64 = 0.01;
 /// The fewest steps in a range.
 const FEWEST_STEPS: f64 = 200.0;
+/// Contact states are looked at as often as this, all classes and values of µ together, but for where modes begin and
+/// cease to grow: half a minute of work for a ring of eight modules, which has 4435 classes.
+const LOOKS: f64 = 200_000.0;
+/// The fewest steps of a class, whatever the number of classes.
+const FEWEST_STEPS_OF_A_CLASS: f64 = 40.0;
 
-/// Looks through all states of a scene over a range of µ, on all cores; `done` hears how many
-/// classes of states are done.
+/// Looks through all states of a scene over a range of µ, that of `friction.coefficient` alone, on all cores; `done`
+/// hears how many classes of states are done. Values above the static friction, which stays as it is, are left out.
 ///
 /// # Errors
-/// As [`uniform_sliding`], no equilibrium in the whole range, too many contacts, or a state that
-/// cannot be analysed.
+/// As [`uniform_sliding`], no equilibrium in the whole range, a range above the static friction, too many contacts, or a
+/// state that cannot be analysed.
 pub fn bistability(
     scene: &Scene,
-    [first, last]: [f64; 2],
+    range: [f64; 2],
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Bistability, Error> {
-    let model = &LumpedModel::from(scene);
-    let uniform_state = uniform_sliding(model, scene.slider.velocity)?;
-    let classes = StateClasses::of(model)?;
-    let steps = ((last - first) / STEP).ceil().max(FEWEST_STEPS);
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    let values: Vec<f64> =
-        (0..=steps as u32).map(|i| first + (last - first) * (f64::from(i) / steps)).collect();
-    let has_equilibrium = |mu: f64| {
-        let scene = Scene { friction_coefficient: mu, ..scene.clone() };
-        crate::model::equilibrium(&scene, model).map(|_| ())
+    let [first, last] = possible_range(scene, range)?;
+    let at = |mu: f64| Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() });
+    let here = at(first);
+    let uniform_state = here.uniform_sliding()?;
+    let classes = StateClasses::of(here.model())?;
+    // Where µ is the same at all slip velocities, the model is the same at all µ.
+    let constant = here.model().law.friction.about().is_constant().then(|| here.model());
+    let model_at = |mu: f64| {
+        Ok::<_, Error>(match constant {
+            Some(model) => (Cow::Borrowed(model), mu),
+            None => {
+                let found = at(mu);
+                found.require_slopes()?;
+                (Cow::Owned(found.into_model()), mu)
+            }
+        })
     };
-    let equilibrium = equilibrium_ranges(&has_equilibrium, &values);
+    let has_equilibrium = |mu: f64| at(mu).equilibrium().map(|_| ());
+    let steps = ((last - first) / STEP).ceil().max(FEWEST_STEPS);
+    let equilibrium = equilibrium_ranges(&has_equilibrium, &spread([first, last], steps));
     if equilibrium.is_empty() {
         has_equilibrium(first)?;
     }
-    let follow = |states: &[ContactState]| -> Result<Locus, Error> {
-        locus(&|mu| Ok((Cow::Borrowed(model), mu)), states, &values, &|_, _| {})
-    };
-    let uniform = follow(&uniform_state)?;
-    let mut growing: Vec<[f64; 2]> =
-        (0..uniform.branches.len()).flat_map(|mode| growing_ranges(&uniform, mode)).collect();
-    growing.sort_by(|a, b| a[0].total_cmp(&b[0]));
-    let stable = common(&equilibrium, &gaps(&growing, first, last));
-    let loci = parallel::collect(
-        classes.representatives.len(),
-        &|class| {
-            let states = &classes.representatives[class];
-            // Contacts that contradict each other leave modes only at µ = 0.
-            let count = |mu| Ok::<_, Error>(all_stiffness_eigenvalues(model, states, mu)?.len());
-            let is_possible = count(first)? == count(last)?;
-            is_possible.then(|| follow(states)).transpose()
-        },
-        done,
-    )?;
-    let mut candidates = Vec::new();
-    for (class, (states, other)) in classes.representatives.iter().zip(&loci).enumerate() {
-        let Some(other) = other.as_ref().filter(|_| *states != uniform_state) else { continue };
-        let alike = classes.size(class);
-        for mode in 0..other.branches.len() {
-            for growing in growing_ranges(other, mode) {
-                for range in common(&[growing], &stable) {
-                    let at = |mu: f64| root_of(model, states, other, mode, mu);
-                    let (start, end) = (at(range[0])?, at(range[1])?);
-                    candidates.push(Candidate {
-                        states: states.clone(),
-                        alike,
-                        range,
-                        begins: growing[0] > first && range[0] == growing[0],
-                        frequency_hz: start.lambda.im / TAU,
-                        at_end: [end.lambda.im / TAU, end.lambda.re],
-                    });
+    let (mut uniform, mut stable) = (Vec::new(), Vec::new());
+    for &[from, to] in equilibrium.iter().filter(|[from, to]| from < to) {
+        let steps = ((to - from) / STEP).ceil().max(FEWEST_STEPS);
+        let found = locus(&model_at, &uniform_state, &spread([from, to], steps), &|_, _| {})?;
+        let mut growing: Vec<[f64; 2]> =
+            (0..found.branches.len()).flat_map(|mode| growing_ranges(&found, mode)).collect();
+        growing.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        stable.extend(gaps(&growing, from, to));
+        uniform.extend(found.crossings);
+    }
+    // Two ranges may touch but for rounding.
+    stable.retain(|[from, to]| to - from > 1e-9 * to.abs());
+    #[allow(clippy::cast_precision_loss)]
+    let steps = (LOOKS / classes.representatives.len() as f64)
+        .floor()
+        .clamp(FEWEST_STEPS_OF_A_CLASS, FEWEST_STEPS);
+    let look = |class: usize| {
+        let states = &classes.representatives[class];
+        let mut found = Vec::new();
+        for &range in stable.iter().filter(|_| *states != uniform_state) {
+            let growing = |mu: f64| {
+                let (model, mu) = model_at(mu)?;
+                growing(&model, states, mu)
+            };
+            for growth in growth(&growing, &spread(range, steps))? {
+                // A mode that two states share ceases to grow in the one where it begins to in the other, but for
+                // rounding.
+                let [from, to] = growth.range;
+                if to - from > 1e-9 * to.abs() {
+                    found.push((least_reach(&at, growth.range, states)?, growth));
                 }
             }
         }
+        Ok(found)
+    };
+    let found = parallel::collect(classes.representatives.len(), &look, done)?;
+    let mut candidates = Vec::new();
+    for (class, (states, found)) in classes.representatives.iter().zip(found).enumerate() {
+        let alike = classes.size(class);
+        for (reach, growth) in found {
+            candidates.push(Candidate {
+                states: states.clone(),
+                alike,
+                reach,
+                range: growth.range,
+                begins: growth.begins,
+                frequency_hz: growth.frequency_hz(0),
+                at_end: [growth.frequency_hz(1), growth.ends[1].lambda.re],
+            });
+        }
     }
-    candidates.sort_by(|a, b| a.range[0].total_cmp(&b.range[0]));
-    let exists = |mu: f64| equilibrium.iter().any(|[from, to]| (*from..=*to).contains(&mu));
-    let uniform = uniform.crossings.into_iter().filter(|crossing| exists(crossing.value)).collect();
-    Ok(Bistability { equilibrium, uniform, stable, candidates })
+    let need = |candidate: &Candidate| candidate.reach.map_or(f64::INFINITY, |reach| reach.energy);
+    candidates.sort_by(|a, b| need(a).total_cmp(&need(b)).then(a.range[0].total_cmp(&b.range[0])));
+    let widest = stable.iter().map(|[from, to]| (to - from) / steps).fold(0.0, f64::max);
+    Ok(Bistability { range: [first, last], equilibrium, uniform, stable, candidates, widest })
+}
+
+/// What a motion needs to reach a state at that end of a range of µ where it is less.
+fn least_reach(
+    at: &dyn Fn(f64) -> Linearised,
+    range: [f64; 2],
+    states: &[ContactState],
+) -> Result<Option<Reach>, Error> {
+    let [from, to] = range.map(|mu| reach(&at(mu), states));
+    Ok(match (from?, to?) {
+        (Some(a), Some(b)) => Some(if b.energy < a.energy { b } else { a }),
+        (one, other) => one.or(other),
+    })
+}
+
+/// The part of a range of µ that the scene's static friction leaves possible.
+///
+/// # Errors
+/// There is none.
+fn possible_range(scene: &Scene, [first, last]: [f64; 2]) -> Result<[f64; 2], Error> {
+    match scene.greatest_friction() {
+        Some(greatest) if first >= greatest => Err(Error::argument(format!(
+            "friction.coefficient from {first} on is not below the static friction, {greatest}, which stays as it is: \
+             begin the range below {greatest}"
+        ))),
+        greatest => Ok([first, greatest.map_or(last, |greatest| last.min(greatest))]),
+    }
+}
+
+/// Values from one to another in this many steps.
+fn spread([first, last]: [f64; 2], steps: f64) -> Vec<f64> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let count = steps as u32;
+    let at =
+        |i: u32| if i == count { last } else { first + (last - first) * (f64::from(i) / steps) };
+    (0..=count).map(at).collect()
 }
 
 /// The ranges of a parameter, of which there are ascending values, in which there is an equilibrium;
@@ -218,27 +286,6 @@ fn gaps(ranges: &[[f64; 2]], first: f64, last: f64) -> Vec<[f64; 2]> {
     gaps
 }
 
-/// What two lists of ranges have in common.
-fn common(a: &[[f64; 2]], b: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let pairs = a.iter().flat_map(|a| b.iter().map(move |b| [a[0].max(b[0]), a[1].min(b[1])]));
-    // Where two states share a mode, its ranges end where they begin but for rounding.
-    pairs.filter(|[from, to]| to - from > 1e-9 * to.abs()).collect()
-}
-
-/// The root at `mu` of a mode that is known on the locus's values.
-fn root_of(
-    model: &LumpedModel,
-    states: &[ContactState],
-    locus: &Locus,
-    mode: usize,
-    mu: f64,
-) -> Result<Root, Error> {
-    let after = locus.values.partition_point(|value| *value < mu).clamp(1, locus.values.len() - 1);
-    let known = [after - 1, after].map(|i| (locus.values[i], locus.branches[mode][i]));
-    let evaluate = |mu| roots(model, states, mu, Part::Whole);
-    Ok(on_branch(&evaluate, known, mu)?.1)
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -248,11 +295,6 @@ mod tests {
     fn what_is_left_between_ranges() {
         assert_eq!(gaps(&[], 0.0, 1.0), [[0.0, 1.0]]);
         assert_eq!(gaps(&[[0.2, 0.5], [0.3, 0.4], [0.7, 1.0]], 0.0, 1.0), [[0.0, 0.2], [0.5, 0.7]]);
-    }
-
-    #[test]
-    fn what_ranges_have_in_common() {
-        assert_eq!(common(&[[0.0, 1.0]], &[[0.5, 2.0], [1.0, 3.0]]), [[0.5, 1.0]]);
     }
 
     #[test]

@@ -1,11 +1,12 @@
 //! Maps of stability over two parameters.
 
-use super::candidates::uniform_sliding;
+use super::linearised::Linearised;
 use super::parallel;
+use super::reach::reach;
 use super::spectrum::Spectrum;
 use super::states::{MAX_CONTACTS, StateClasses};
 use crate::Error;
-use crate::model::{LumpedModel, equilibrium};
+use crate::contact::ContactState;
 use crate::scene::Scene;
 
 /// What uniform sliding is for one scene.
@@ -14,18 +15,31 @@ pub enum Verdict {
     /// No contact state grows; with more than [`MAX_CONTACTS`] contacts uniform sliding does not, and
     /// the others are not looked at.
     Stable,
-    /// Uniform sliding does not grow, another contact state does.
+    /// Uniform sliding does not grow; a contact state does that contacts take by sticking alone, as they do when a
+    /// swing's speed meets the surface's.
     Candidate,
+    /// Uniform sliding does not grow; of the contact states that do, each needs a contact that has opened or slides the
+    /// other way, which asks for a larger motion.
+    FarCandidate,
     /// Uniform sliding itself grows.
     Unstable,
     /// There is no equilibrium in uniform sliding (jamming, a contact that opens, a slider that
     /// stands still).
     NoEquilibrium,
+    /// The scene cannot be: its static friction is below its kinetic friction.
+    Impossible,
 }
 
 impl Verdict {
     /// All of them, in the order of the numbers that stand for them.
-    pub const ALL: [Self; 4] = [Self::Stable, Self::Candidate, Self::Unstable, Self::NoEquilibrium];
+    pub const ALL: [Self; 6] = [
+        Self::Stable,
+        Self::Candidate,
+        Self::FarCandidate,
+        Self::Unstable,
+        Self::NoEquilibrium,
+        Self::Impossible,
+    ];
 }
 
 /// As a person reads it.
@@ -34,8 +48,10 @@ impl std::fmt::Display for Verdict {
         f.pad(match self {
             Self::Stable => "stable",
             Self::Candidate => "candidate",
+            Self::FarCandidate => "candidate if one opens or turns",
             Self::Unstable => "unstable",
             Self::NoEquilibrium => "no equilibrium in sliding",
+            Self::Impossible => "static below kinetic friction",
         })
     }
 }
@@ -45,29 +61,40 @@ impl std::fmt::Display for Verdict {
 /// # Errors
 /// Impossible values, or a state that cannot be analysed.
 pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
+    if scene.has_static_below_kinetic_friction() {
+        return Ok(Verdict::Impossible);
+    }
     scene.check()?;
-    let mut model = LumpedModel::from(scene);
-    match equilibrium(scene, &model) {
-        Ok(equilibrium) => model.linearise(&equilibrium),
+    let here = Linearised::of(scene);
+    match here.equilibrium() {
+        Ok(_) => {}
         Err(error) if error.is_equilibrium() => return Ok(Verdict::NoEquilibrium),
         Err(error) => return Err(error),
     }
-    let mu = scene.friction_coefficient;
-    let Ok(uniform) = uniform_sliding(&model, scene.slider.velocity) else {
-        return Ok(Verdict::NoEquilibrium);
-    };
-    if Spectrum::of(&model, &uniform, mu)?.unstable() {
+    let (model, mu) = (here.model(), here.friction());
+    let Ok(uniform) = here.uniform_sliding() else { return Ok(Verdict::NoEquilibrium) };
+    if Spectrum::of(model, &uniform, mu)?.unstable() {
         return Ok(Verdict::Unstable);
     }
     if model.contacts.len() > MAX_CONTACTS {
         return Ok(Verdict::Stable);
     }
-    for states in &StateClasses::of(&model)?.representatives {
-        if Spectrum::of(&model, states, mu)?.unstable() {
-            return Ok(Verdict::Candidate);
+    let mut found = Verdict::Stable;
+    for states in &StateClasses::of(model)?.representatives {
+        let only_sticks = states
+            .iter()
+            .zip(&uniform)
+            .all(|(state, sliding)| state == sliding || *state == ContactState::Stick);
+        // A far state tells nothing new after another one.
+        let asks = only_sticks || found == Verdict::Stable;
+        if asks && Spectrum::of(model, states, mu)?.unstable() && reach(&here, states)?.is_some() {
+            if only_sticks {
+                return Ok(Verdict::Candidate);
+            }
+            found = Verdict::FarCandidate;
         }
     }
-    Ok(Verdict::Stable)
+    Ok(found)
 }
 
 /// Verdicts on a grid of scenes, row by row, on all cores; `done` hears the number of rows done.

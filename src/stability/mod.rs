@@ -16,6 +16,9 @@
 //! | `states` | the eigenvalues of all contact states |
 //! | `departure` | how large a mode may become before a contact leaves sliding |
 //! | `locus` | modes over a parameter: where they merge, where they begin to grow |
+//! | `linearised` | a scene's model as eigenvalues need it |
+//! | `growth` | ranges of a parameter in which modes grow |
+//! | `reach` | how large a motion must be before contacts can be in another state |
 //! | `candidates` | ranges of µ that can be bi-stable |
 //! | `map` | the verdict over two parameters |
 //!
@@ -54,6 +57,10 @@ pub mod candidates;
 #[cfg(feature = "tools")]
 mod departure;
 #[cfg(feature = "tools")]
+mod growth;
+#[cfg(feature = "tools")]
+mod linearised;
+#[cfg(feature = "tools")]
 pub mod locus;
 #[cfg(feature = "tools")]
 pub mod map;
@@ -62,11 +69,15 @@ mod modes;
 #[cfg(feature = "tools")]
 pub(crate) mod parallel;
 #[cfg(feature = "tools")]
+mod reach;
+#[cfg(feature = "tools")]
 mod states;
 
 #[cfg(feature = "tools")]
 pub use {
     departure::{Departure, departure},
+    linearised::Linearised,
     modes::{Mode, Modes, modes},
+    reach::{Reach, reach},
     states::{MAX_CONTACTS, StateClasses},
 };

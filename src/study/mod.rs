@@ -8,6 +8,7 @@
 //! | `recurrence` | the kind of a settled motion, from its whole state |
 //! | `period` | what a periodic motion does over one period |
 //! | `continuation` | what it ends in over µ, upwards and downwards; jumps |
+//! | `confirm` | whether a push leads to the contact state of a candidate |
 //! | `push` | a small push out of an equilibrium |
 //! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
 //! | `portrait` | phase portraits of a settled motion |
@@ -23,6 +24,7 @@
 
 mod attractor;
 pub mod basin;
+pub mod confirm;
 mod continuation;
 mod ending;
 mod initial;

@@ -27,7 +27,7 @@ impl Possible {
             let mut scene = scene.clone();
             assign(&mut scene, name, value)?;
             match scene.check() {
-                Err(error) if has_weak_static_friction(&scene) => {
+                Err(error) if scene.has_static_below_kinetic_friction() => {
                     possible.skipped.push((value, error.to_string()));
                     first.get_or_insert(error);
                 }
@@ -51,14 +51,6 @@ impl Possible {
             ),
         })
     }
-}
-
-fn has_weak_static_friction(scene: &Scene) -> bool {
-    let is_weak = |static_: Option<f64>, kinetic: f64| static_.is_some_and(|s| s < kinetic);
-    let common = scene.friction_coefficient;
-    let mut own = scene.network().into_iter().flat_map(|network| &network.contacts);
-    is_weak(scene.static_friction, common)
-        || own.any(|place| is_weak(place.static_friction, place.friction.unwrap_or(common)))
 }
 
 #[cfg(test)]

@@ -49,6 +49,9 @@ pub struct Common {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
+    /// When the signals of the scene are looked at, s: eigenvalues are those of one instant [default: 0]
+    #[arg(long, value_name = "TIME", value_parser = time)]
+    pub at: Option<f64>,
 }
 
 #[derive(Clone, Copy, ValueEnum)]
@@ -121,6 +124,9 @@ pub struct Bistable {
     /// Friction coefficients from A to B
     #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub friction: [f64; 2],
+    /// Push the scene along the mode of each candidate, and say which are met by a motion that stays
+    #[arg(long)]
+    pub confirm: bool,
 }
 
 #[derive(Args)]
@@ -144,6 +150,11 @@ pub struct Map {
 /// Values of a parameter, ascending.
 #[derive(Clone, Debug)]
 pub struct Values(pub Vec<f64>);
+
+fn time(text: &str) -> Result<f64, String> {
+    let time = number(text)?;
+    if time >= 0.0 { Ok(time) } else { Err("must not be negative".into()) }
+}
 
 fn steps(text: &str) -> Result<Values, String> {
     range::steps(text).map(Values)

@@ -2,29 +2,46 @@
 
 use crate::arguments::Bistable;
 use crate::labels::{LOCATED, significant, turn};
-use crate::{Failure, configured, require_constant_friction};
+use crate::{Failure, configured};
 use amontons::contact::Joined;
-use amontons::model::LumpedModel;
 use amontons::progress::Progress;
-use amontons::stability::StateClasses;
-use amontons::stability::candidates::{Bistability, Candidate, bistability, uniform_sliding};
+use amontons::scene::Scene;
+use amontons::stability::candidates::{Bistability, Candidate, bistability};
+use amontons::stability::{Linearised, Reach, StateClasses};
+use amontons::study::Watch;
+use amontons::study::confirm::{Attempt, Tried, confirm};
+use amontons::sweep::FRICTION;
 use std::io::Write;
 
 pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     let [first, last] = arguments.friction;
-    let scene = configured(&arguments.common, Some(first))?;
-    require_constant_friction(&scene)?;
-    let model = LumpedModel::from(&scene);
-    let bar =
-        Progress::new("the contact states", StateClasses::of(&model)?.representatives.len() as u64);
-    let found = bistability(&scene, [first, last], &|done| bar.set(done as u64))?;
+    let given = configured(&arguments.common, Some(first), &[FRICTION])?;
+    let scene = &given.scene;
+    let here = Linearised::of(scene);
+    let classes = StateClasses::of(here.model())?.representatives.len() as u64;
+    let bar = Progress::new("the contact states", classes);
+    let found = bistability(scene, [first, last], &|done| bar.set(done as u64))?;
     bar.finish();
 
-    let sliding = uniform_sliding(&model, scene.slider.velocity)?;
-    writeln!(out, "{}: µ from {first} to {last}\n", scene.name)?;
+    let sliding = here.uniform_sliding()?;
+    writeln!(out, "{}: µ from {first} to {last}", scene.name)?;
+    if found.range[1] < last {
+        let greatest = found.range[1];
+        let note = format!(
+            "friction.coefficient above {greatest} is left out: there static friction would be below \
+             kinetic friction"
+        );
+        eprintln!("note: {note}");
+        writeln!(out, "{note}")?;
+    }
+    writeln!(out, "{}", given.head())?;
     writeln!(out, "Uniform sliding ({})", Joined(&sliding))?;
-    print_uniform(&found, [first, last], out)?;
-    print_candidates(&found.candidates, out)
+    print_uniform(&found, found.range, out)?;
+    print_candidates(&found.candidates, found.widest, out)?;
+    if arguments.confirm {
+        confirm_candidates(scene, &found.candidates, out)?;
+    }
+    Ok(())
 }
 
 fn print_uniform(
@@ -51,22 +68,40 @@ fn print_uniform(
     for crossing in &found.uniform {
         writeln!(out, "  µ = {}  {}", significant(crossing.value, LOCATED), turn(crossing))?;
     }
+    let is_everywhere = found.stable == found.equilibrium || found.uniform.is_empty();
+    for [from, to] in found.stable.iter().filter(|_| !is_everywhere) {
+        let [from, to] = [from, to].map(|mu| significant(*mu, LOCATED));
+        writeln!(out, "  is stable from µ = {from} to {to}")?;
+    }
+    if found.stable.is_empty() && !found.uniform.is_empty() {
+        writeln!(out, "  is stable nowhere: another mode grows")?;
+    }
     Ok(())
 }
 
-fn print_candidates(candidates: &[Candidate], out: &mut dyn Write) -> Result<(), Failure> {
+fn print_candidates(
+    candidates: &[Candidate],
+    widest: f64,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
     writeln!(
         out,
         "\nCandidates: states that grow where uniform sliding does not (a transient confirms)"
     )?;
     if candidates.is_empty() {
         writeln!(out, "  none")?;
-        return Ok(());
+        return print_width(widest, out);
     }
     writeln!(
         out,
-        "  {:12} {:>6}  {:>27}  {:>13}  {:>27}",
-        "state", "alike", "range of µ", "onset at [Hz]", "at the end [Hz], [1/s]"
+        "  {:12} {:>6}  {:>27}  {:>13}  {:>27}  {:>10}  {:>10}",
+        "state",
+        "alike",
+        "range of µ",
+        "onset at [Hz]",
+        "at the end [Hz], [1/s]",
+        "needs [J]",
+        "push [m/s]"
     )?;
     // A mode that does not oscillate diverges.
     let hz = |frequency: f64| match frequency {
@@ -74,9 +109,13 @@ fn print_candidates(candidates: &[Candidate], out: &mut dyn Write) -> Result<(),
         frequency => format!("{frequency:.2}"),
     };
     for candidate in candidates {
+        let needs = |part: fn(&Reach) -> f64| match &candidate.reach {
+            Some(reach) => significant(part(reach), 3),
+            None => "never".to_owned(),
+        };
         writeln!(
             out,
-            "  {:12} {:>6}  {:>3}{} … {}  {:>13}  {:>13} {:>+13.4}",
+            "  {:12} {:>6}  {:>3}{} … {}  {:>13}  {:>13} {:>+13.4}  {:>10}  {:>10}",
             Joined(&candidate.states).to_string(),
             candidate.alike,
             if candidate.begins { "" } else { "<" },
@@ -85,10 +124,93 @@ fn print_candidates(candidates: &[Candidate], out: &mut dyn Write) -> Result<(),
             hz(candidate.frequency_hz),
             hz(candidate.at_end[0]),
             candidate.at_end[1],
+            needs(|reach| reach.energy),
+            needs(|reach| reach.push),
         )?;
     }
     if candidates.iter().any(|candidate| !candidate.begins) {
         writeln!(out, "\n< grows already where the range of stable sliding begins")?;
+    }
+    writeln!(
+        out,
+        "\nA motion has had at least the energy of `needs` before its contacts are in the state, and no slower push of \
+         one degree of freedom has it; the state that needs least is first"
+    )?;
+    print_width(widest, out)
+}
+
+/// The most candidates that are confirmed: each takes up to fifteen runs.
+const MOST_CONFIRMED: usize = 20;
+
+fn confirm_candidates(
+    scene: &Scene,
+    candidates: &[Candidate],
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    let all: Vec<&Candidate> =
+        candidates.iter().filter(|candidate| candidate.reach.is_some()).collect();
+    let first = &all[..all.len().min(MOST_CONFIRMED)];
+    let bar = Progress::in_parts("pushing the scene");
+    let watch = Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE };
+    let tried = confirm(scene, first, watch)?.unwrap_or_default();
+    bar.finish();
+    writeln!(out, "\nConfirmed by pushes along each candidate's mode, out of the equilibrium")?;
+    for (candidate, tried) in first.iter().zip(&tried) {
+        let (states, hz) = (Joined(&candidate.states), candidate.frequency_hz);
+        write!(out, "  {states} ({hz:.2} Hz): ")?;
+        match tried.met() {
+            Some(Attempt { friction, push, ending: Ok(ending), .. }) => writeln!(
+                out,
+                "met at µ = {} by a push of {} m/s: {}, {:.4e} of {}{}",
+                significant(*friction, 6),
+                significant(*push, 3),
+                ending.kind.name(),
+                ending.amplitude,
+                tried.of,
+                ending.frequency.map_or_else(String::new, |hz| format!(" at {hz:.2} Hz")),
+            )?,
+            _ => print_not_met(tried, out)?,
+        }
+    }
+    if first.len() < all.len() {
+        writeln!(
+            out,
+            "  the other {} were not tried: these {MOST_CONFIRMED} need least; a narrower --friction has fewer",
+            all.len() - first.len()
+        )?;
+    }
+    Ok(())
+}
+
+/// What was tried of a candidate that was not met.
+fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
+    let list = |value: fn(&Attempt) -> f64, digits: usize| {
+        let mut all: Vec<f64> = tried.attempts.iter().map(value).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(", ")
+    };
+    let [rested, other, unsettled, failed] = tried.count();
+    writeln!(
+        out,
+        "not met: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; {rested} came to rest, \
+         {other} ended in a motion without these states, {unsettled} had not settled, {failed} failed",
+        list(|attempt| attempt.push, 3),
+        list(|attempt| attempt.friction, 4),
+        tried.longest,
+    )?;
+    Ok(())
+}
+
+/// Says how closely the states were looked at.
+fn print_width(widest: f64, out: &mut dyn Write) -> Result<(), Failure> {
+    if widest > 0.0 {
+        let widest = significant(widest, 2);
+        writeln!(
+            out,
+            "\nEach state was looked at every {widest} of µ: a mode that grows over less may be missed; a \
+             narrower --friction looks closer"
+        )?;
     }
     Ok(())
 }

@@ -11,10 +11,9 @@ mod states;
 
 use amontons::Error;
 use amontons::contact::{ContactState, Friction, parse_states};
-use amontons::model::{Equilibrium, LumpedModel, equilibrium};
 use amontons::scene::{self, Scene};
-use amontons::simulation::assign;
-use amontons::stability::candidates::uniform_sliding;
+use amontons::simulation::{assign, at_instant, require_undriven, signals_left_out};
+use amontons::stability::Linearised;
 use amontons::sweep::FRICTION;
 use amontons::sweep::range::check_once;
 use arguments::{Arguments, Command, Common};
@@ -73,8 +72,26 @@ fn main() -> ExitCode {
     }
 }
 
-/// The scene with the values of the command line.
-fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
+/// A scene as a command looks at it.
+struct Given {
+    /// At one instant, without signals.
+    scene: Scene,
+    /// When, s; only of a scene with signals.
+    at: Option<f64>,
+    /// What is left out of its signals.
+    left_out: Option<String>,
+}
+
+impl Given {
+    /// The line under a heading that says what is left out, if anything is.
+    fn head(&self) -> String {
+        self.left_out.as_ref().map_or_else(String::new, |left_out| format!("{left_out}\n"))
+    }
+}
+
+/// The scene with the values of the command line, at the instant that it names. `varied` are the parameters through
+/// whose values the command goes.
+fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result<Given, Error> {
     let (mut scene, _) = scene::find(&common.scene)?;
     check_once(&common.set)?;
     for (name, value) in &common.set {
@@ -87,17 +104,19 @@ fn configured(common: &Common, friction: Option<f64>) -> Result<Scene, Error> {
         assign(&mut scene, FRICTION, friction)?;
     }
     scene.check()?;
-    Ok(scene)
-}
-
-/// The scene's model, linearised about its equilibrium.
-fn linearised(scene: &Scene) -> (LumpedModel, Result<Equilibrium, Error>) {
-    let mut model = LumpedModel::from(scene);
-    let equilibrium = equilibrium(scene, &model);
-    if let Ok(equilibrium) = &equilibrium {
-        model.linearise(equilibrium);
+    varied.iter().try_for_each(|name| require_undriven(&scene, name))?;
+    let time = common.at.unwrap_or(0.0);
+    let left_out = signals_left_out(&scene, time);
+    match (&left_out, common.at) {
+        (Some(left_out), None) => eprintln!("note: {left_out}; --at TIME takes another instant"),
+        (Some(left_out), Some(_)) => eprintln!("note: {left_out}"),
+        (None, Some(_)) => eprintln!("note: the scene has no signals, so --at changes nothing"),
+        (None, None) => {}
     }
-    (model, equilibrium)
+    let at = left_out.is_some().then_some(time);
+    let scene = at_instant(&scene, time)?;
+    scene.check()?;
+    Ok(Given { scene, at, left_out })
 }
 
 /// µ as the heading of a table says it.
@@ -111,28 +130,20 @@ fn friction(scene: &Scene) -> String {
     }
 }
 
-/// Refuses an analysis that varies µ as one number where the law has none.
-fn require_constant_friction(scene: &Scene) -> Result<(), Failure> {
-    let about = scene.contact_law().friction.about();
-    if about.is_constant() {
-        return Ok(());
-    }
-    Err(Failure::Usage(format!(
-        "{} has the law \"{}\", by which µ is another at each slip velocity: this analysis follows one µ; \
-         look at the scene's own values with `states` and `modes`, or at a `map` of two of its parameters",
-        scene.name, about.name
-    )))
-}
-
 /// Refuses a parameter of which nothing depends that an analysis looks at.
 fn check_effect<T: PartialEq>(
     name: &str,
-    [first, last]: [f64; 2],
+    values: &[f64],
     seen: impl Fn(f64) -> Result<T, Error>,
     wish: &str,
 ) -> Result<(), Failure> {
-    if seen(first)? != seen(last)? {
-        return Ok(());
+    if let Some((last, others)) = values.split_last() {
+        let first = seen(*last)?;
+        for value in others {
+            if seen(*value)? != first {
+                return Ok(());
+            }
+        }
     }
     Err(Failure::Usage(format!("nothing here depends on {name}; {wish}")))
 }
@@ -146,13 +157,9 @@ fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
 }
 
 /// The contact state that a command is to look at: the one named, or uniform sliding.
-fn state(
-    name: Option<&str>,
-    scene: &Scene,
-    model: &LumpedModel,
-) -> Result<Vec<ContactState>, Error> {
+fn state(name: Option<&str>, scene: &Scene, here: &Linearised) -> Result<Vec<ContactState>, Error> {
     match name {
-        Some(name) => parse_states(name, model.contacts.len()),
-        None => uniform_sliding(model, scene.slider.velocity),
+        Some(name) => parse_states(name, scene.contact_count()),
+        None => here.uniform_sliding(),
     }
 }

@@ -1,23 +1,23 @@
 //! `amontons-stability map`.
 
 use crate::arguments::{Map as Arguments, Values};
-use crate::{Failure, check_effect, configured, linearised, with};
-use amontons::model::LumpedModel;
+use crate::{Failure, check_effect, configured};
 use amontons::picture::{self, Class, Map};
 use amontons::progress::Progress;
 use amontons::simulation::assign;
-use amontons::stability::MAX_CONTACTS;
 use amontons::stability::map::{Verdict, map};
+use amontons::stability::{Linearised, MAX_CONTACTS};
 use amontons::sweep::axis;
 use amontons::sweep::range::MAX_VALUES;
 use std::io::Write;
 
 /// Places in the palette that belong to the verdicts, in their order.
-const COLOURS: [usize; 4] = [5, 4, 1, 6];
+const COLOURS: [usize; 6] = [5, 4, 3, 1, 6, 7];
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
-    let scene = configured(&arguments.common, None)?;
+    let given = configured(&arguments.common, None, &[&*arguments.x.0, &*arguments.y.0])?;
+    let scene = &given.scene;
     let (x_name, Values(x)) = &arguments.x;
     let (y_name, Values(y)) = &arguments.y;
     let points = x.len() * y.len();
@@ -35,15 +35,16 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     }
     for (name, values) in [&arguments.x, &arguments.y] {
         let seen = |value: f64| {
-            let scene = with(&scene, name, value)?;
+            let mut scene = scene.clone();
+            assign(&mut scene, name, value)?;
             let velocity = scene.slider.velocity.partial_cmp(&0.0);
-            Ok((linearised(&scene).0, scene.friction_coefficient, velocity))
+            Ok((Linearised::of(&scene).into_model(), scene.friction_coefficient, velocity))
         };
         let wish = "the verdict depends on masses, stiffnesses, damping, preload, slider.angle, \
                     friction.coefficient and the sign of slider.velocity";
-        check_effect(name, [values.0[0], values.0[values.0.len() - 1]], seen, wish)?;
+        check_effect(name, &values.0, seen, wish)?;
     }
-    let contacts = LumpedModel::from(&scene).contacts.len();
+    let contacts = scene.contact_count();
     if contacts > MAX_CONTACTS {
         eprintln!("note: {contacts} contacts: only uniform sliding is looked at");
     }
@@ -66,8 +67,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         }
     } else {
         writeln!(out, "{}: {points} points of {x_name} and {y_name}", scene.name)?;
-        for verdict in Verdict::ALL {
-            writeln!(out, "  {:25} {}", verdict.to_string(), share(verdict))?;
+        write!(out, "{}", given.head())?;
+        let is_told = |verdict: &Verdict| *verdict != Verdict::Impossible || share(*verdict) > 0;
+        for verdict in Verdict::ALL.into_iter().filter(is_told) {
+            writeln!(out, "  {:31} {}", verdict.to_string(), share(verdict))?;
         }
     }
     let Some(path) = &arguments.plot else { return Ok(()) };
@@ -79,8 +82,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     };
     let picture = Map {
         title: format!("{}: uniform sliding", scene.name),
-        x_label: axis(&scene, x_name),
-        y_label: axis(&scene, y_name),
+        x_label: axis(scene, x_name),
+        y_label: axis(scene, y_name),
         x: [x[0], x[x.len() - 1]],
         y: [y[0], y[y.len() - 1]],
         cells: found.iter().map(|row| row.iter().map(place).collect()).collect(),

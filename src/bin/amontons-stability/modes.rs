@@ -2,10 +2,10 @@
 
 use crate::arguments::Modes as Arguments;
 use crate::labels::significant;
-use crate::{Failure, configured, friction, linearised, state};
+use crate::{Failure, configured, friction, state};
 use amontons::contact::Joined;
 use amontons::picture::{self, ModeShape, ModeShapes};
-use amontons::stability::modes;
+use amontons::stability::{Linearised, modes};
 use nalgebra::Complex;
 use std::io::{self, Write};
 
@@ -14,16 +14,19 @@ const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
-    let scene = configured(&arguments.common, arguments.point.friction)?;
+    let given = configured(&arguments.common, arguments.point.friction, &[])?;
+    let scene = &given.scene;
     if arguments.plot.is_some() {
         scene.require_ring("moving mode shapes are drawn")?;
     }
-    let (model, _) = linearised(&scene);
-    let states = state(arguments.point.state.as_deref(), &scene, &model)?;
-    let found = modes(&model, &states, scene.friction_coefficient)?;
+    let here = Linearised::of(scene);
+    let states = state(arguments.point.state.as_deref(), scene, &here)?;
+    here.require_slopes()?;
+    let found = modes(here.model(), &states, here.friction())?;
     let state = Joined(&states);
-    let title = format!("{}: state {state}, {}", scene.name, friction(&scene));
+    let title = format!("{}: state {state}, {}", scene.name, friction(scene));
     writeln!(out, "{title}")?;
+    write!(out, "{}", given.head())?;
     for (i, mode) in found.all().enumerate() {
         writeln!(
             out,

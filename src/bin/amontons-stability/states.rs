@@ -1,14 +1,15 @@
 //! `amontons-stability states`.
 
 use crate::arguments::{Format, States};
-use crate::{Failure, configured, friction, linearised, state};
+use crate::{Failure, Given, configured, friction, state};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
-use amontons::model::{Equilibrium, LumpedModel};
+use amontons::model::Equilibrium;
 use amontons::progress::Progress;
 use amontons::scene::Scene;
-use amontons::stability::candidates::{resting_state, uniform_sliding};
-use amontons::stability::{Departure, MAX_CONTACTS, Spectrum, StateClasses, departure, modes};
+use amontons::stability::{
+    Departure, Linearised, MAX_CONTACTS, Spectrum, StateClasses, departure, modes,
+};
 use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -27,7 +28,7 @@ struct Row {
 
 /// What is to be printed.
 struct Report {
-    scene: Scene,
+    given: Given,
     rows: Vec<Row>,
     equilibrium: Result<Equilibrium, Error>,
     /// Or why there are none.
@@ -43,29 +44,29 @@ struct Leaving {
 }
 
 pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
-    let scene = configured(&arguments.common, arguments.point.friction)?;
-    let (model, equilibrium) = linearised(&scene);
-    if let Err(error) = &equilibrium {
+    let given = configured(&arguments.common, arguments.point.friction, &[])?;
+    let scene = &given.scene;
+    let here = Linearised::of(scene);
+    if let Err(error) = here.equilibrium() {
         eprintln!("note: {error}");
     }
-    let found = spectra(arguments.point.state.as_deref(), &scene, &model)?;
-    let resting = resting_state(&model, scene.slider.velocity);
+    here.require_slopes()?;
+    let found = spectra(arguments.point.state.as_deref(), scene, &here)?;
+    let resting = here.resting_state();
     let rows = found.into_iter().map(|(states, spectrum, alike)| Row {
-        has_equilibrium: equilibrium.is_ok() && states == resting,
+        has_equilibrium: here.equilibrium().is_ok() && states == resting,
         states,
         spectrum,
         alike,
     });
     let report = Report {
         rows: rows.collect(),
-        departures: match model.contacts.len() {
-            0..=MAX_LEAVING => {
-                departures(&scene, &model, &equilibrium).map_err(|error| error.to_string())
-            }
+        departures: match scene.contact_count() {
+            0..=MAX_LEAVING => departures(&here).map_err(|error| error.to_string()),
             _ => Err(format!("they are looked at for up to {MAX_LEAVING} contacts")),
         },
-        equilibrium,
-        scene,
+        equilibrium: here.equilibrium().cloned(),
+        given,
     };
     match arguments.format {
         Format::Json => writeln!(out, "{:#}", report.as_json())?,
@@ -79,10 +80,10 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
 fn spectra(
     name: Option<&str>,
     scene: &Scene,
-    model: &LumpedModel,
+    here: &Linearised,
 ) -> Result<Vec<(Vec<ContactState>, Spectrum, usize)>, Error> {
+    let (model, mu) = (here.model(), here.friction());
     let contacts = model.contacts.len();
-    let mu = scene.friction_coefficient;
     if name.is_none() && contacts > MAX_CONTACTS {
         eprintln!(
             "note: {contacts} contacts: only uniform sliding is looked at; name another state with \
@@ -90,7 +91,7 @@ fn spectra(
         );
     }
     if name.is_some() || contacts > MAX_CONTACTS {
-        let states = state(name, scene, model)?;
+        let states = state(name, scene, here)?;
         let spectrum = Spectrum::of(model, &states, mu)?;
         return Ok(vec![(states, spectrum, 1)]);
     }
@@ -110,14 +111,10 @@ fn spectra(
 
 /// The way from the linear answer to the non-linear one: where each mode of uniform sliding makes a
 /// contact leave it.
-fn departures(
-    scene: &Scene,
-    model: &LumpedModel,
-    equilibrium: &Result<Equilibrium, Error>,
-) -> Result<Vec<(Leaving, Option<Departure>)>, Error> {
-    let (mu, velocity) = (scene.friction_coefficient, scene.slider.velocity);
-    let sliding = uniform_sliding(model, velocity)?;
-    let equilibrium = equilibrium.as_ref().map_err(Error::clone)?;
+fn departures(here: &Linearised) -> Result<Vec<(Leaving, Option<Departure>)>, Error> {
+    let (model, mu) = (here.model(), here.friction());
+    let sliding = here.uniform_sliding()?;
+    let equilibrium = here.equilibrium()?;
     let found = modes(model, &sliding, mu)?;
     let leaving = found.all().map(|mode| {
         let leaving = Leaving {
@@ -125,7 +122,7 @@ fn departures(
             growth_rate: mode.growth_rate(),
             rate: mode.eigenvalue.norm(),
         };
-        (leaving, departure(model, equilibrium, mu, velocity, mode))
+        (leaving, departure(model, equilibrium, mu, here.velocity(), mode))
     });
     Ok(leaving.collect())
 }
@@ -146,7 +143,7 @@ impl Report {
                 (Joined(states).to_string(), value)
             })
             .collect();
-        let names = self.scene.dof_names();
+        let names = self.given.scene.dof_names();
         let departures = self.departures.iter().flatten().filter_map(|(leaving, departure)| {
             let departure = departure.as_ref()?;
             Some(json!({
@@ -155,15 +152,17 @@ impl Report {
                 "amplitude": departure.amplitude,
                 "of": names[departure.dof],
                 "speed": departure.amplitude * leaving.rate,
-                "contact": self.scene.contact_name(departure.contact),
+                "contact": self.given.scene.contact_name(departure.contact),
                 "into": departure.into.to_string(),
             }))
         });
         json!({
-            "scene": self.scene.name,
-            "friction": self.scene.friction_coefficient,
+            "scene": self.given.scene.name,
+            "friction": self.given.scene.friction_coefficient,
             "states": states,
             "departures": departures.collect::<Vec<_>>(),
+            "at": self.given.at,
+            "left_out": self.given.left_out,
             "equilibrium_error": self.equilibrium.as_ref().err().map(Error::to_string),
         })
     }
@@ -184,9 +183,10 @@ impl Report {
     }
 
     fn print_table(&self, out: &mut dyn Write) -> Result<(), Failure> {
-        let (name, friction) = (&self.scene.name, friction(&self.scene));
-        writeln!(out, "{name}: eigenvalues / 2π [Hz] at {friction}; * grows\n")?;
-        if self.rows.len() == 16 && self.scene.network().is_none() {
+        let (name, friction) = (&self.given.scene.name, friction(&self.given.scene));
+        writeln!(out, "{name}: eigenvalues / 2π [Hz] at {friction}; * grows")?;
+        writeln!(out, "{}", self.given.head())?;
+        if self.rows.len() == 16 && self.given.scene.network().is_none() {
             print_paper_table(&self.rows, out)?;
         } else {
             print_list(&self.rows, out)?;
@@ -209,7 +209,7 @@ impl Report {
             out,
             "Uniform sliding: how large each mode may become before a contact leaves sliding"
         )?;
-        let names = self.scene.dof_names();
+        let names = self.given.scene.dof_names();
         for (Leaving { frequency_hz, rate, .. }, departure) in departures {
             let frequency = match frequency_hz {
                 0.0 => "real".to_owned(),
@@ -224,7 +224,7 @@ impl Report {
                 "  {frequency:>11}  {amplitude:.3e} m of {} ({:.3e} m/s): {} into {into}",
                 names[*dof],
                 amplitude * rate,
-                self.scene.contact_name(*contact),
+                self.given.scene.contact_name(*contact),
             )?;
         }
         Ok(())

@@ -48,11 +48,7 @@ pub(super) fn locate_crossing(
 }
 
 /// The root at `value` of a branch that is known at two points: the nearest to the line between.
-pub(in crate::stability) fn on_branch(
-    evaluate: &Evaluate<'_>,
-    [low, high]: [Point; 2],
-    value: f64,
-) -> Result<Point, Error> {
+fn on_branch(evaluate: &Evaluate<'_>, [low, high]: [Point; 2], value: f64) -> Result<Point, Error> {
     let part = (value - low.0) / (high.0 - low.0);
     let expected = low.1.sigma + (high.1.sigma - low.1.sigma) * part;
     Ok((value, nearest(evaluate(value)?, expected)))

@@ -17,7 +17,7 @@ mod follow;
 
 use super::reduced_problem::quadratic_roots;
 use super::spectrum::Spectrum;
-use super::symmetry::Part;
+use super::symmetry::{Part, all_stiffness_eigenvalues};
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::LumpedModel;
@@ -25,8 +25,8 @@ use nalgebra::Complex;
 use std::borrow::Cow;
 use std::cmp::Ordering;
 
+pub(super) use events::between;
 use events::closest_approaches;
-pub(super) use events::{between, on_branch};
 use follow::{Followed, follow};
 
 /// One eigenvalue of a contact state.
@@ -49,24 +49,55 @@ impl Root {
     }
 }
 
-/// All roots of a part of a contact state, by σ.
+/// What is followed of a contact state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Followable {
+    /// The eigenvalues σ of a part that does not couple with the others.
+    Stiffness(Part),
+    /// All modes at once, because some model has damping that couples them. Where the damping vanishes at one value of
+    /// the parameter, as that of friction does where it ceases to fall, what stands for σ must stay the same.
+    Damped,
+}
+
+/// All roots of what is followed of a contact state, by σ.
 ///
 /// # Errors
-/// As [`modes`](super::modes()).
-pub(super) fn roots(
+/// The state cannot be analysed.
+fn roots(
     model: &LumpedModel,
     states: &[ContactState],
     mu: f64,
-    part: Part,
+    what: Followable,
 ) -> Result<Vec<Root>, Error> {
-    if model.has_single_damping() {
-        return damped_roots(model, states, mu);
-    }
-    let root = |sigma| Root { sigma, lambda: upper(quadratic_roots(model, sigma)) };
+    let Followable::Stiffness(part) = what else { return damped_roots(model, states, mu) };
     let sigmas = part.stiffness_eigenvalues(model, states, mu)?;
-    let mut roots: Vec<Root> = sigmas.into_iter().map(root).collect();
+    let mut roots: Vec<Root> =
+        sigmas.into_iter().map(|sigma| rayleigh_root(model, sigma)).collect();
     roots.sort_by(by_number);
     Ok(roots)
+}
+
+/// The modes of a contact state that grow.
+///
+/// # Errors
+/// The state cannot be analysed.
+pub(super) fn growing(
+    model: &LumpedModel,
+    states: &[ContactState],
+    mu: f64,
+) -> Result<Vec<Root>, Error> {
+    let mut found = if model.has_single_damping() {
+        damped_roots(model, states, mu)?
+    } else {
+        let sigmas = all_stiffness_eigenvalues(model, states, mu)?;
+        sigmas.into_iter().map(|sigma| rayleigh_root(model, sigma)).collect()
+    };
+    found.retain(|root| root.grows());
+    Ok(found)
+}
+
+fn rayleigh_root(model: &LumpedModel, sigma: Complex<f64>) -> Root {
+    Root { sigma, lambda: upper(quadratic_roots(model, sigma)) }
 }
 
 /// With single dampers: what stands for σ is made of the product and the sum of a mode's two λ, which
@@ -120,6 +151,8 @@ pub struct Locus {
     pub approaches: Vec<Approach>,
     /// Values near which modes could not be told apart: there they may have changed their numbers.
     pub undecided: Vec<f64>,
+    /// `true` where damping other than α M + β K couples the modes: they come near each other and do not merge.
+    pub is_damped: bool,
 }
 
 /// Two modes with one eigenvalue.
@@ -182,11 +215,17 @@ pub fn locus(
     };
     let ends = [*first, 0.5 * (first + last), *last].map(|value| Ok(model_at(value)?.0));
     let ends: Vec<Cow<'_, LumpedModel>> = ends.into_iter().collect::<Result<_, Error>>()?;
-    let parts = Part::all(ends.iter().map(AsRef::as_ref), states);
+    let is_damped = ends.iter().any(|model| model.has_single_damping());
+    let parts: Vec<(Followable, usize)> = if is_damped {
+        vec![(Followable::Damped, 1)]
+    } else {
+        let parts = Part::all(ends.iter().map(AsRef::as_ref), states);
+        parts.into_iter().map(|part| (Followable::Stiffness(part), part.copies())).collect()
+    };
     let all = parts.len() * values.len();
     let count = std::cell::Cell::new(0);
     let mut followed = Vec::new();
-    for &part in &parts {
+    for &(part, copies) in &parts {
         let evaluate = |value: f64| {
             let (model, mu) = model_at(value)?;
             roots(&model, states, mu, part)
@@ -195,13 +234,13 @@ pub fn locus(
             count.set(count.get() + 1);
             done(count.get(), all);
         };
-        followed.push((follow(&evaluate, values, &one_done)?, part.copies()));
+        followed.push((follow(&evaluate, values, &one_done)?, copies));
     }
-    let mut found = together(values, followed);
-    if ends.iter().any(|model| model.has_single_damping()) {
+    let mut found = Locus { is_damped, ..together(values, followed) };
+    if is_damped {
         let evaluate = |value: f64| {
             let (model, mu) = model_at(value)?;
-            roots(&model, states, mu, Part::Whole)
+            roots(&model, states, mu, Followable::Damped)
         };
         found.approaches = closest_approaches(&evaluate, values, &found.branches)?;
     }
@@ -240,8 +279,15 @@ fn together(values: &[f64], parts: Vec<(Followed, usize)>) -> Locus {
     crossings.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.mode.cmp(&b.mode)));
     undecided.sort_by(f64::total_cmp);
     let branches = order.iter().map(|&old| branches[old].clone()).collect();
-    let approaches = Vec::new();
-    Locus { values: values.to_vec(), branches, coalescences, crossings, approaches, undecided }
+    Locus {
+        values: values.to_vec(),
+        branches,
+        coalescences,
+        crossings,
+        approaches: Vec::new(),
+        undecided,
+        is_damped: false,
+    }
 }
 
 #[cfg(test)]

@@ -6,6 +6,7 @@ use super::{heading, interrupted, prepared, watched};
 use amontons::contact::Joined;
 use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
+use amontons::simulation::{at_instant, require_undriven, signals_left_out};
 use amontons::stability::candidates::{Bistability, Candidate, bistability};
 use amontons::study::{
     Bistable, Both, Continuation, Ending, Jump, Kind, Look, Plan, Point, Push, Way, continuation,
@@ -65,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let resolution = resolution.unwrap_or(0.01 * (values[1] - values[0]));
     let push = Push::of(&scene);
     // What eigenvalues know.
-    let known = bistability(&scene, [first, last], &|_| {});
+    let known = eigenvalues(&scene, [first, last]);
     let ranges: Vec<[f64; 2]> =
         known.iter().flat_map(|known| &known.candidates).map(|candidate| candidate.range).collect();
     // Each value starts where the one before has ended, so a piece depends on them all.
@@ -76,12 +77,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
         return Err(interrupted(&folder));
     };
-    if let Err(error) = &known {
-        eprintln!("note: eigenvalues say nothing here: {error}");
-    }
-    let known = known.ok();
-    write(&folder, &scene, &look, &found, known.as_ref())?;
-    print(&scene, &look, &found, known.as_ref());
+    let known = known.as_ref();
+    write(&folder, &scene, &look, &found, known.ok())?;
+    print(&scene, &look, &found);
+    print_eigenvalues(&scene, &found, known);
     let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
     if found.falling.last().is_some_and(rests) {
         eprintln!(
@@ -257,7 +256,7 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     curve
 }
 
-fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistability>) {
+fn print(scene: &Scene, look: &Look, found: &Continuation) {
     println!("{}: what it ends in over µ\n{}\n", scene.name, heading(scene, look));
     for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
         println!("µ {}", way.name());
@@ -306,8 +305,39 @@ fn print(scene: &Scene, look: &Look, found: &Continuation, known: Option<&Bistab
             "  none wider than the step of {step:.4}: both ways end in the same motion everywhere"
         );
     }
-    let Some(known) = known else { return };
+}
+
+/// The eigenvalues of the scene as it is at t = 0 over a range of µ.
+fn eigenvalues(scene: &Scene, range: [f64; 2]) -> Result<Bistability, amontons::Error> {
+    require_undriven(scene, FRICTION)?;
+    bistability(&at_instant(scene, 0.0)?, range, &|_| {})
+}
+
+fn print_eigenvalues(
+    scene: &Scene,
+    found: &Continuation,
+    known: Result<&Bistability, &amontons::Error>,
+) {
     println!("\nWhat eigenvalues say");
+    if let Some(left_out) = signals_left_out(scene, 0.0) {
+        println!("  {left_out}");
+    }
+    let known = match known {
+        Ok(known) => known,
+        Err(error) => {
+            println!("  unknown: {error}");
+            return;
+        }
+    };
+    if known.uniform.is_empty() {
+        for [from, to] in &known.equilibrium {
+            let is_stable =
+                known.stable.iter().any(|stable| stable[0] <= *from && *to <= stable[1]);
+            let verb =
+                if is_stable { "no mode of sliding grows" } else { "a mode of sliding grows" };
+            println!("  {verb} from {from} to {to}");
+        }
+    }
     for crossing in &known.uniform {
         println!("  {} at {:.6}", turn(crossing.becomes_unstable), crossing.value);
     }

@@ -1,0 +1,200 @@
+//! Whether a motion takes the contact state of a candidate and stays: pushes along its mode, followed to what they end in.
+
+use super::Watch;
+use super::ending::{Ending, Kind, settle};
+use super::look::{Look, Wish, pace};
+use crate::Error;
+use crate::contact::ContactState;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+use crate::stability::candidates::Candidate;
+use crate::stability::parallel::collect;
+use crate::stability::{Linearised, modes};
+
+/// Pushes in parts of the least one that a candidate's state asks for.
+pub const PUSHES: [f64; 5] = [1.0, 3.0, 10.0, 30.0, 100.0];
+/// Places in the candidate's range of µ, from its end, where the mode grows most, to its start.
+pub const PLACES: [f64; 3] = [0.98, 0.6, 0.2];
+
+/// A push and what it ended in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attempt {
+    /// µ.
+    pub friction: f64,
+    /// The largest velocity that it gave a degree of freedom, m/s.
+    pub push: f64,
+    /// The motion that it ended in, or why it failed.
+    pub ending: Result<Ending, String>,
+    /// `true` where contacts took each of the candidate's states in that motion, also between its rows.
+    pub takes: bool,
+}
+
+impl Attempt {
+    /// `true` where the motion does not come to rest and contacts take the candidate's states.
+    #[must_use]
+    pub fn meets(&self) -> bool {
+        self.takes && self.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle())
+    }
+}
+
+/// What was tried of a candidate, up to the first push that met it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tried {
+    /// In the order in which they were made.
+    pub attempts: Vec<Attempt>,
+    /// s that a motion may take to settle.
+    pub longest: f64,
+    /// The output whose amplitude is told.
+    pub of: String,
+}
+
+impl Tried {
+    /// The push that met the candidate.
+    #[must_use]
+    pub fn met(&self) -> Option<&Attempt> {
+        self.attempts.last().filter(|attempt| attempt.meets())
+    }
+
+    /// How many attempts ended in rest, in another motion, had not settled, and failed.
+    #[must_use]
+    pub fn count(&self) -> [usize; 4] {
+        let mut count = [0; 4];
+        for attempt in &self.attempts {
+            count[match &attempt.ending {
+                Ok(ending) if ending.rests() => 0,
+                Ok(ending) if ending.kind == Kind::Unsettled => 2,
+                Ok(_) => 1,
+                Err(_) => 3,
+            }] += 1;
+        }
+        count
+    }
+}
+
+/// Pushes the scene along each candidate's mode, at a few µ of its range, out of the equilibrium; on all cores. `None`
+/// if the watch ended it. The scene has no signals.
+///
+/// # Errors
+/// A scene that cannot be looked at.
+pub fn confirm(
+    scene: &Scene,
+    candidates: &[&Candidate],
+    watch: Watch<'_>,
+) -> Result<Option<Vec<Tried>>, Error> {
+    #[allow(clippy::cast_precision_loss)]
+    let done = |done: usize| (watch.progress)(done as f64 / candidates.len() as f64);
+    let found = collect(candidates.len(), &|i| tried(scene, candidates[i], watch), &done)?;
+    Ok(found.into_iter().collect())
+}
+
+fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Option<Tried>, Error> {
+    let mut found = Tried { attempts: Vec::new(), longest: 0.0, of: String::new() };
+    let Some(reach) = candidate.reach else { return Ok(Some(found)) };
+    let [from, to] = candidate.range;
+    for place in PLACES {
+        let friction = from + (to - from) * place;
+        let mut scene = Scene { friction_coefficient: friction, ..scene.clone() };
+        scene.rest();
+        let look = Look::of(&scene, &Wish::default())?;
+        pace(&mut scene, &look);
+        (found.longest, found.of) = (found.longest.max(look.longest), look.of.clone());
+        let Some(along) = direction(&scene, candidate)? else { continue };
+        for part in PUSHES {
+            let push = part * reach.push;
+            let attempt = match run(&scene, candidate, &along, push, &look, watch) {
+                Ok(None) => return Ok(None),
+                Ok(Some((ending, takes))) => Attempt { friction, push, ending: Ok(ending), takes },
+                Err(error) => {
+                    Attempt { friction, push, ending: Err(error.to_string()), takes: false }
+                }
+            };
+            found.attempts.push(attempt);
+            if found.met().is_some() {
+                return Ok(Some(found));
+            }
+        }
+    }
+    Ok(Some(found))
+}
+
+/// The velocities of the candidate's growing mode, the largest 1, in the sense that brings contacts into the state: along
+/// the surface's velocity where they are to stick, off the surface where they are to open. `None` where the mode does not
+/// grow here.
+fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, Error> {
+    let here = Linearised::of(scene);
+    let found = modes(here.model(), &candidate.states, here.friction())?;
+    let miss = |frequency: f64| (frequency - candidate.frequency_hz).abs();
+    let mode = found
+        .all()
+        .filter(|mode| mode.growth_rate() > 0.0)
+        .min_by(|a, b| miss(a.frequency_hz()).total_cmp(&miss(b.frequency_hz())));
+    let Some(mode) = mode else { return Ok(None) };
+    let mut along: Vec<f64> = mode.shape.iter().map(|part| part.re).collect();
+    let contacts = || here.model().contacts.iter().zip(&candidate.states);
+    let inwards: f64 = contacts()
+        .map(|(contact, state)| match state {
+            ContactState::Detached => contact.normal.dot(&along),
+            _ => contact.tangent.dot(&along) * contact.velocity(here.velocity()).signum(),
+        })
+        .sum();
+    if inwards < 0.0 {
+        along.iter_mut().for_each(|part| *part = -*part);
+    }
+    for (contact, _) in contacts() {
+        // A push into the surface is none.
+        let into = contact.normal.dot(&along);
+        if into < 0.0 {
+            let square: f64 = contact.normal.0.iter().map(|(_, part)| part * part).sum();
+            contact.normal.add_to(&mut along, -into / square);
+        }
+    }
+    let largest = along.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+    along.iter_mut().for_each(|part| *part /= largest);
+    Ok((largest > 0.0).then_some(along))
+}
+
+/// One push: the motion that it ends in, and whether contacts take the candidate's states in it.
+fn run(
+    scene: &Scene,
+    candidate: &Candidate,
+    along: &[f64],
+    push: f64,
+    look: &Look,
+    watch: Watch<'_>,
+) -> Result<Option<(Ending, bool)>, Error> {
+    let mut simulation = Simulation::new(scene.clone(), 0.0)?;
+    for (dof, part) in along.iter().enumerate().filter(|(_, part)| **part != 0.0) {
+        simulation.push(dof, push * part);
+    }
+    let is_over = || watch.is_over();
+    let Some(ending) = settle(&mut simulation, look, &is_over)? else { return Ok(None) };
+    let takes = candidate.states.iter().all(|state| ending.taken[*state as usize - 1]);
+    Ok(Some((ending, takes)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+    use crate::stability::candidates::bistability;
+
+    /// The paper: Set 2 squeals at µ = 1.96 after a large push, with one contact stuck at times (Figs. 6, 7); from 1.94 on.
+    #[test]
+    fn the_stuck_state_of_set_2_is_met_and_a_scene_without_a_push_is_not() {
+        let scene = builtin("set2").unwrap().scene();
+        let found = bistability(&scene, [1.9, 2.06], &|_| {}).unwrap();
+        let sticks = |candidate: &&Candidate| candidate.states.contains(&ContactState::Stick);
+        let candidate = found.candidates.iter().find(sticks).unwrap();
+        let [tried] = &confirm(&scene, &[candidate], Watch::IDLE).unwrap().unwrap()[..] else {
+            panic!()
+        };
+        let met = tried.met().unwrap_or_else(|| panic!("{tried:?}"));
+        assert!(met.push >= candidate.reach.unwrap().push && met.friction > 1.9);
+        // Nothing is met where the push is too small to leave sliding.
+        let reach = candidate.reach.map(|reach| crate::stability::Reach { push: 1e-6, ..reach });
+        let small = Candidate { reach, ..candidate.clone() };
+        let tried = super::tried(&scene, &small, Watch::IDLE).unwrap().unwrap();
+        assert!(tried.met().is_none());
+        assert_eq!(tried.count(), [PUSHES.len() * PLACES.len(), 0, 0, 0]);
+    }
+}
