@@ -1,6 +1,7 @@
 //! What is possible, but hardly meant.
 
 use super::Simulation;
+use super::doubts::doubts;
 use crate::model::LumpedModel;
 use crate::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use crate::stability::critical_step;
@@ -32,7 +33,8 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// All of it: the step, contacts without load, signals that the step cannot follow.
+/// All of it: the step, contacts without load, signals that the step cannot follow, values that look like those of
+/// another unit.
 #[must_use]
 pub fn warnings(simulation: &Simulation) -> Vec<String> {
     let step = step_warning(simulation.acting()).into_iter();
@@ -41,7 +43,8 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     // What a tolerance has chosen follows the signals as well as it asks for.
     let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
     let direction = direction_warning(simulation.acting());
-    step.chain(tolerance).chain(load_warnings(simulation)).chain(direction).chain(signals).collect()
+    let words = step.chain(tolerance).chain(load_warnings(simulation));
+    words.chain(doubts(simulation)).chain(direction).chain(signals).collect()
 }
 
 /// Contacts whose friction has the direction of a surface that stands still.
