@@ -1,17 +1,15 @@
 //! What an importer does with the FMU.
 
-use super::{can_squeal, markup};
+use super::coupling::coupling;
+use super::{Subject, markup};
 use crate::scene::{Scene, Selection};
 use crate::simulation::catalogue::{Causality, Quantity, Variable, fmu_variables};
 
-/// What makes a coupling converge (`examples/importers/README.md`).
-const EXCHANGE: &str = "While contacts slide, a communication step well below the period of the motion is short \
-                        enough; where they stick, give values with their derivatives, since held ones lose momentum at \
-                        any step.";
 /// Of each kind so many are named.
 const NAMED: usize = 4;
 
-pub(super) fn section(scene: &Scene) -> String {
+pub(super) fn section(subject: Subject<'_>) -> String {
+    let scene = subject.scene;
     let mut html = String::from(
         "<p>It is an FMI 2.0 co-simulation FMU: it steps by itself, so an importer gives communication steps of any \
          length and no solver.</p>\n<h3>FMPy</h3>\n",
@@ -87,7 +85,7 @@ pub(super) fn section(scene: &Scene) -> String {
         "To be watched",
         outputs.iter().map(|v| v.name.clone()).collect::<Vec<_>>().join(", "),
     ));
-    if let Some(text) = coupling(scene, &variables) {
+    if let Some(text) = coupling(scene, subject.start.reference(), &variables) {
         pairs.push(("To be coupled", text));
     }
     markup::facts(&mut html, &pairs);
@@ -124,34 +122,11 @@ fn outputs(variables: &[Variable]) -> Vec<&Variable> {
     kinds.iter().filter_map(|&kind| first(variables, kind, Causality::Output)).collect()
 }
 
-fn first(variables: &[Variable], quantity: Quantity, causality: Causality) -> Option<&Variable> {
+/// The first variable of a kind and role.
+pub(super) fn first(
+    variables: &[Variable],
+    quantity: Quantity,
+    causality: Causality,
+) -> Option<&Variable> {
     variables.iter().find(|v| v.template.quantity == quantity && v.causality == causality)
-}
-
-/// How another FMU is to be joined to it.
-fn coupling(scene: &Scene, variables: &[Variable]) -> Option<String> {
-    let name = |quantity: Quantity, causality: Causality| {
-        first(variables, quantity, causality).map(|variable| variable.name.clone())
-    };
-    let velocity = name(Quantity::SliderVelocity, Causality::Input)
-        .or_else(|| name(Quantity::OwnVelocity, Causality::Input));
-    let velocity = velocity.filter(|_| can_squeal(scene));
-    if let Some(velocity) = velocity {
-        // Of a network the force on each mass is known; the surface gets its negative.
-        let reaction = name(Quantity::TangentialReaction, Causality::Output).or_else(|| {
-            let force = name(Quantity::FrictionForce, Causality::Output)?;
-            let all = if scene.contact_count() == 1 {
-                String::new()
-            } else {
-                format!(", summed over the {} contacts", scene.contact_count())
-            };
-            Some(format!("−{force}{all}"))
-        })?;
-        return Some(format!("a drive gives {velocity} and takes {reaction}. {EXCHANGE}"));
-    }
-    let force = name(Quantity::ExternalForce, Causality::Input)?;
-    // Over the surface that it slides on, which may itself move: the velocity that another part has to do with.
-    let moved = name(Quantity::SlipVelocity, Causality::Output)
-        .or_else(|| name(Quantity::Velocity, Causality::Output))?;
-    Some(format!("another FMU gives {force} and takes {moved}. {EXCHANGE}"))
 }
