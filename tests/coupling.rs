@@ -266,9 +266,11 @@ fn a_network_has_reactions_of_what_rubs_on_its_slider_with_friction_alone() {
     assert_eq!(reactions(text("corner")), [tangential]);
     assert_eq!(reactions(text("disc_brake")), <[&str; 0]>::default());
     assert_eq!(reactions(text("drive")), <[&str; 0]>::default());
-    // At rest on the belt, which it presses with 10 N at µ = 0.4 or what the scene has.
-    let mut belt = Simulation::new(builtin("belt").unwrap().scene(), 0.0).unwrap();
-    let friction = belt.scene().friction_coefficient;
+    // In uniform sliding a block that weighs 10 N has N = 10 N and T = µN.
+    let mut scene = builtin("belt").unwrap().scene();
+    scene.rest();
+    let friction = scene.friction_coefficient;
+    let mut belt = Simulation::new(scene, 0.0).unwrap();
     assert_eq!(value(&mut belt, normal), -10.0);
     assert!((value(&mut belt, tangential) + friction * 10.0).abs() < 1e-12);
 }

@@ -293,6 +293,10 @@ fn the_page_says_what_to_couple_and_what_contact_states_mean() {
         ),
         "{disc}"
     );
+    assert!(disc.contains(
+        "contact.upper_lining.velocity (now 0.05) with contact.lower_lining.velocity (now -0.05), friction"
+    ));
+    assert!(disc.contains("Normal forces in the equilibrium</dt>"));
     let hoffmann = page("hoffmann");
     assert!(
         hoffmann.contains("a drive gives slider.velocity and takes slider.tangential_reaction. ")

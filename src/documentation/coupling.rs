@@ -101,6 +101,13 @@ fn drives(scene: &Scene, start: &Equilibrium, variables: &[Variable]) -> Vec<Dri
     drives
 }
 
+/// The contacts (from 0) whose surfaces the body moves that moves the first surface with a velocity of its own.
+pub(super) fn moved_with_first(scene: &Scene) -> Vec<usize> {
+    let surfaces = scene.network().map(|network| surfaces(scene, network)).unwrap_or_default();
+    let first = surfaces.first().map_or(&[][..], |surface| &surface.contacts);
+    first.iter().take(MOST_CONTACTS).map(|(contact, _)| *contact).collect()
+}
+
 /// A body that moves the surfaces of contacts which have velocities of their own.
 struct Surface {
     /// The contacts, each with the sign of its velocity where that of the first is positive.

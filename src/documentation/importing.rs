@@ -1,7 +1,7 @@
 //! What an importer does with the FMU.
 
-use super::coupling::coupling;
-use super::{Subject, markup};
+use super::coupling::{coupling, moved_with_first};
+use super::{Subject, can_squeal, markup};
 use crate::scene::{Scene, Selection};
 use crate::simulation::catalogue::{Causality, Quantity, Variable, fmu_variables};
 
@@ -18,7 +18,7 @@ pub(super) fn section(subject: Subject<'_>) -> String {
     let (stop, interval) = (experiment.stop_time, experiment.output_interval);
     let file = file(scene);
     let variables = fmu_variables(scene);
-    let outputs = outputs(&variables);
+    let outputs = outputs(scene, &variables);
     let plot = outputs.first().map_or("time", |variable| &*variable.name);
     let python = format!(
         "from fmpy import simulate_fmu\n\
@@ -99,19 +99,29 @@ fn file(scene: &Scene) -> String {
     format!("{name}.fmu")
 }
 
-/// The first settable variable of each of these kinds that the scene has, with its value.
+/// The first settable variable of each of these kinds that the scene has, with its value; of contacts whose surfaces one
+/// body moves, all velocities.
 fn tried(scene: &Scene, variables: &[Variable], kinds: &[Quantity]) -> Vec<String> {
-    let first = |quantity: &Quantity| {
-        let is_it = |v: &&Variable| v.template.quantity == *quantity && v.is_settable();
-        let variable = variables.iter().find(is_it)?;
+    let now = |variable: &Variable| {
         let value = crate::simulation::read_scene(scene, variable)?;
         Some(format!("{} (now {value:?})", variable.name))
+    };
+    let first = |quantity: &Quantity| {
+        let of_it =
+            || variables.iter().filter(|v| v.template.quantity == *quantity && v.is_settable());
+        if *quantity != Quantity::OwnVelocity {
+            return now(of_it().next()?);
+        }
+        // A body moves all of its surfaces.
+        let together = moved_with_first(scene);
+        let all = of_it().filter(|v| together.contains(&v.index)).filter_map(now);
+        Some(all.collect::<Vec<_>>().join(" with ")).filter(|text| !text.is_empty())
     };
     kinds.iter().filter_map(first).take(NAMED).collect()
 }
 
 /// Outputs that tell most: a displacement, forces and the state of the first contact.
-fn outputs(variables: &[Variable]) -> Vec<&Variable> {
+fn outputs<'a>(scene: &Scene, variables: &'a [Variable]) -> Vec<&'a Variable> {
     let kinds = [
         Quantity::Displacement,
         Quantity::Velocity,
@@ -119,7 +129,9 @@ fn outputs(variables: &[Variable]) -> Vec<&Variable> {
         Quantity::FrictionForce,
         Quantity::ContactState,
     ];
-    kinds.iter().filter_map(|&kind| first(variables, kind, Causality::Output)).collect()
+    let acts = |kind: &&Quantity| **kind != Quantity::FrictionForce || can_squeal(scene);
+    let kinds = kinds.iter().filter(acts);
+    kinds.filter_map(|&kind| first(variables, kind, Causality::Output)).collect()
 }
 
 /// The first variable of a kind and role.

@@ -223,10 +223,10 @@ mod tests {
     #[test]
     fn a_common_slider_between_two_pads_is_told_what_would_be_meant() {
         let text = builtin("disc_brake").unwrap().text;
-        let slider = "[slider]\nvelocity = 0.05\nangle = 0.0\n";
+        let slider = "\n[slider]\nvelocity = 0.05\nangle = 0.0\n";
         let common = text.replace("velocity = 0.05 ", "").replace("velocity = -0.05 ", "");
         assert_ne!(common, text);
-        let scene = parse("mine", &format!("{slider}{common}")).unwrap();
+        let scene = parse("mine", &format!("{common}{slider}")).unwrap();
         let told = of(scene.clone());
         assert_eq!(told.len(), 1, "{told:?}");
         let words = [
