@@ -141,3 +141,136 @@ fn while_contacts_stick_rates_lead_to_the_truth_and_held_values_beside_it() {
     assert!(with_rates[3] < 0.2 * with_rates[0] && with_rates[3] < 0.01 * truth[0].abs());
     assert!(held[2] > 0.1 * truth[0].abs() && held[3] > 0.9 * held[2]);
 }
+
+/// A block on the slider, one on the carriage of another block that rolls on ground, and one on a surface with a velocity
+/// of its own; all swing, and the slider's velocity does too.
+const THREE: &str = r#"
+[slider]
+velocity = 0.4
+angle = 0.3
+[friction]
+coefficient = 0.3
+[effects]
+energy = true
+[[mass]]
+name = "plain"
+mass = 1.0
+angle = 0.3
+force = [0.0, -20.0]
+[[mass]]
+name = "rider"
+mass = 0.5
+force = [0.0, -10.0]
+[[mass]]
+name = "carriage"
+mass = 2.0
+locked = ["y"]
+[[mass]]
+name = "other"
+mass = 0.7
+force = [0.0, -15.0]
+[[spring]]
+name = "a"
+between = ["plain", "ground"]
+direction = 0.9
+stiffness = 900.0
+[[spring]]
+name = "b"
+between = ["rider", "ground"]
+direction = 0.5
+stiffness = 400.0
+[[spring]]
+name = "c"
+between = ["carriage", "ground"]
+direction = "x"
+stiffness = 700.0
+[[spring]]
+name = "d"
+between = ["other", "ground"]
+direction = 0.4
+stiffness = 300.0
+[[contact]]
+name = "plain"
+mass = "plain"
+[[contact]]
+name = "rider"
+mass = "rider"
+on = "carriage"
+angle = 0.0
+[[contact]]
+name = "other"
+mass = "other"
+angle = 0.0
+velocity = -0.6
+[[initial]]
+mass = "plain"
+vx = 0.05
+[[initial]]
+mass = "rider"
+vx = 0.04
+[[initial]]
+mass = "other"
+vx = 0.03
+[[signal]]
+input = "slider.velocity"
+sine = { amplitude = 0.1, frequency = 2.0 }
+[integrator]
+method = "event-driven"
+step = 1e-3
+"#;
+
+/// The work of whoever moves the surfaces is in the ledger; that of the slider is −∫ reaction · v dt, and that of a
+/// surface with a velocity w of its own ∫ T w dt.
+#[test]
+fn the_reaction_of_a_network_belongs_to_the_velocity_of_its_slider() {
+    let mut simulation = Simulation::new(parse("three", THREE).unwrap(), 0.0).unwrap();
+    let interval = 1e-4;
+    let mut power = |t: f64| {
+        simulation.advance_to(t).unwrap();
+        let mut read = |name: &str| value(&mut simulation, name);
+        let velocity = 0.4 + 0.1 * (4.0 * std::f64::consts::PI * t).sin();
+        let powers = [
+            -read("slider.tangential_reaction") * velocity,
+            -0.6 * read("contact.other.friction_force"),
+        ];
+        (powers, read("energy.slider"))
+    };
+    let (mut last, _) = power(0.0);
+    let mut work = [0.0; 2];
+    for row in 1..=10_000_u32 {
+        let (now, ledger) = power(f64::from(row) * interval);
+        for (work, ends) in work.iter_mut().zip(last.iter().zip(now)) {
+            *work += 0.5 * interval * (ends.0 + ends.1);
+        }
+        last = now;
+        // A trapezium is off by a jump of the power, of 10 W, where a contact changes its state.
+        let sum: f64 = work.iter().sum();
+        assert!((sum - ledger).abs() < 5e-3, "at row {row}: {work:?} for {ledger}");
+    }
+    assert!(work[0] > 1.0 && work[1] > 1.0, "{work:?}");
+}
+
+#[test]
+fn a_network_has_reactions_of_what_rubs_on_its_slider_with_friction_alone() {
+    let reactions = |text: &str| {
+        let all = variables(&parse("mine", text).unwrap()).into_iter().map(|v| v.name);
+        all.filter(|name| name.ends_with("_reaction")).collect::<Vec<_>>()
+    };
+    let [tangential, normal] = ["slider.tangential_reaction", "slider.normal_reaction"];
+    // The rider's surface is carried by the carriage: the slider does not feel how it is pressed.
+    assert_eq!(reactions(THREE), [tangential]);
+    let aside = THREE.replace("on = \"carriage\"\nangle = 0.0\n", "velocity = 0.1\nangle = 0.0\n");
+    assert_eq!(reactions(&aside), [tangential, normal]);
+    let text = |name: &str| builtin(name).unwrap().text;
+    assert_eq!(reactions(text("belt")), [tangential, normal]);
+    assert_eq!(reactions(text("corner")), [tangential]);
+    assert_eq!(reactions(text("disc_brake")), <[&str; 0]>::default());
+    assert_eq!(reactions(text("drive")), <[&str; 0]>::default());
+    // In uniform sliding a block that weighs 10 N has N = 10 N and T = µN.
+    let mut scene = builtin("belt").unwrap().scene();
+    scene.rest();
+    let friction = scene.friction_coefficient;
+    let mut belt = Simulation::new(scene, 0.0).unwrap();
+    assert_eq!(value(&mut belt, normal), -10.0);
+    assert!((value(&mut belt, tangential) + friction * 10.0).abs() < 1e-12);
+}

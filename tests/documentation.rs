@@ -282,10 +282,61 @@ fn the_page_says_what_to_couple_and_what_contact_states_mean() {
          2 R-Sl (reverse sliding: the mass overtakes the slider), \
          3 St (sticking: the mass moves with the slider), 4 Dt (detached)."
     ));
+    // 2 µN with µ = 0.6 and N = 2500 N: each pad's strut, which turns a fifth of µN back, presses 2000 N that much
+    // more on. Both linings brake the one disc.
+    let disc = page("disc_brake");
+    assert!(
+        disc.contains(
+            "a drive gives contact.upper_lining.velocity = v and contact.lower_lining.velocity = −v, and takes \
+             −contact.upper_lining.friction_force + contact.lower_lining.friction_force. In the equilibrium that is \
+             −3000.0 N, against its velocity. "
+        ),
+        "{disc}"
+    );
+    assert!(disc.contains(
+        "contact.upper_lining.velocity (now 0.05) with contact.lower_lining.velocity (now -0.05), friction"
+    ));
+    assert!(disc.contains("Normal forces in the equilibrium</dt>"));
+    let hoffmann = page("hoffmann");
+    assert!(
+        hoffmann.contains("a drive gives slider.velocity and takes slider.tangential_reaction. ")
+    );
     let drive = page("drive");
     assert!(drive.contains(
         "another FMU gives mass.table.fx and takes contact.guide.slip_velocity. While contacts slide"
     ));
+}
+
+/// Three blocks of 100 N each on one plate, two on its upper side and one under it, at µ = 0.2, and one on a plate of its
+/// own: what brakes the first plate is three times 20 N.
+#[test]
+fn contacts_are_summed_by_the_body_that_moves_their_surfaces() {
+    let mut text = "[friction]\ncoefficient = 0.2\n[[mass]]\nname = \"plate\"\nmass = 5.0\nlocked = [\"x\"]\n\
+        [[spring]]\nname = \"bed\"\nbetween = [\"plate\", \"ground\"]\ndirection = \"y\"\nstiffness = 1e7\n\
+        [integrator]\nstep = 1e-6\n[experiment]\nstop_time = 0.01\noutput_interval = 1e-4\n"
+        .to_owned();
+    for (name, on, force, angle, velocity) in [
+        ("one", "on = \"plate\"", -100.0, 0.0, 0.3),
+        ("two", "on = \"plate\"", -100.0, 0.0, 0.3),
+        ("under", "on = \"plate\"", 100.0, std::f64::consts::PI, -0.3),
+        ("alone", "", -100.0, 0.0, -0.3),
+    ] {
+        text += &format!(
+            "[[mass]]\nname = \"{name}\"\nmass = 1.0\nforce = [0.0, {force:?}]\n[[spring]]\nname = \"{name}\"\n\
+             between = [\"{name}\", \"ground\"]\ndirection = \"x\"\nstiffness = 1e6\n[[contact]]\n\
+             name = \"{name}\"\nmass = \"{name}\"\n{on}\nangle = {angle:?}\nvelocity = {velocity:?}\n"
+        );
+    }
+    let page = unescaped(&page_of(&text));
+    for words in [
+        "a drive gives contact.one.velocity = v, contact.two.velocity = v and contact.under.velocity = −v, and takes \
+         −contact.one.friction_force − contact.two.friction_force + contact.under.friction_force. In the equilibrium \
+         that is −60.000 N, against its velocity. ",
+        "Another drive gives contact.alone.velocity and takes −contact.alone.friction_force. In the equilibrium that \
+         is 20.000 N, against its velocity. ",
+    ] {
+        assert!(page.contains(words), "{words} is not in {page}");
+    }
 }
 
 #[test]
@@ -299,6 +350,8 @@ fn what_makes_no_sense_for_a_scene_is_said_in_a_sentence() {
     let page = page_of(GUIDED);
     assert!(page.contains("without friction: that cannot squeal"), "{page}");
     assert!(page.contains("5.0000 N at contact.foot"));
+    // Force times velocity is power: slip counts against the mass's velocity, from a floor that nothing ties it to.
+    assert!(page.contains("another FMU gives mass.a.fx and takes mass.a.vx. "));
 }
 
 #[test]

@@ -194,7 +194,11 @@ fn a_law_of_friction_has_the_variables_of_its_own_numbers_and_no_other() {
         let none = with(LAWS[0].0);
         for (place, (friction, own)) in LAWS.iter().enumerate() {
             let text = with(friction);
-            let own: BTreeSet<String> = own.iter().map(|name| (*name).to_owned()).collect();
+            let mut own: BTreeSet<String> = own.iter().map(|name| (*name).to_owned()).collect();
+            // Where nothing rubs, who moves the slider of a network feels nothing.
+            if place > 0 && text.contains("[[mass]]") {
+                own.extend(["tangential", "normal"].map(|part| format!("slider.{part}_reaction")));
+            }
             for (all, rest) in [
                 (names(&scene(&text)), names(&scene(&none))),
                 (described(&scene(&text), &text), described(&scene(&none), &none)),

@@ -229,8 +229,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<usize>, Box<dyn Error>> {
             for (fmu, output, into) in
                 [(&scene, REACTION[0], VELOCITY[1]), (&drive, VELOCITY[0], REACTION[1])]
             {
-                let hint =
-                    "coupled are the FMU of a ring, which comes first, and --drive drive.fmu";
+                let hint = "coupled are the FMU of a scene with a slider, which comes first, and --drive drive.fmu";
                 fmu.must_have(output, &[Causality::Output])
                     .and_then(|()| fmu.must_have(into, &[Causality::Input]))
                     .map_err(|error| format!("{error}; {hint}"))?;

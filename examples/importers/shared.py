@@ -107,7 +107,7 @@ def arguments(importer, description, rates=False):
         given.scene.must_have(name, "parameter", "input")
     if given.drive:
         given.drive = Fmu(given.drive)
-        hint = "; coupled are the FMU of a ring, which comes first, and --drive drive.fmu"
+        hint = "; coupled are the FMU of a scene with a slider, which comes first, and --drive drive.fmu"
         for fmu, output, into in [(given.scene, REACTION[0], VELOCITY[1]), (given.drive, VELOCITY[0], REACTION[1])]:
             fmu.must_have(output, "output", hint=hint)
             fmu.must_have(into, "input", hint=hint)

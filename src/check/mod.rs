@@ -77,7 +77,7 @@ fn missing(archive: &Archive, folder: &str) -> String {
 }
 
 /// Examines the model description and the libraries; the library to run.
-fn files(archive: &Archive, floor: Glibc, report: &mut Report) -> Option<String> {
+fn files(archive: &Archive, floor: Option<Glibc>, report: &mut Report) -> Option<String> {
     let entry = archive.find(xml::PATH)?;
     // What is damaged has been told.
     let content = archive.content(entry, xml::MOST_BYTES).ok()?;

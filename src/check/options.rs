@@ -36,8 +36,9 @@ impl FromStr for Glibc {
 /// What to examine, and against what.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
-    /// The newest glibc that a library for Linux may need.
-    pub glibc: Glibc,
+    /// The newest glibc that a library for Linux may need; without one, a newer glibc than [`Glibc::default`] is a
+    /// hint.
+    pub glibc: Option<Glibc>,
     /// How to run the library for this host; none examines files only.
     pub run: Option<Run>,
 }

@@ -1,4 +1,4 @@
-//! What was found, and what could not be examined.
+//! What was found, what may be meant so, and what could not be examined.
 
 use super::rules::Rule;
 use std::collections::BTreeMap;
@@ -29,13 +29,15 @@ impl fmt::Display for Finding {
 pub struct Report {
     /// Rules that are broken.
     pub findings: Vec<Finding>,
+    /// Rules that are broken where the FMU may well be right: it depends on the hosts that it is for.
+    pub hints: Vec<Finding>,
     /// What could not be examined, and why.
     pub notes: Vec<String>,
     more: BTreeMap<Rule, usize>,
 }
 
 impl Report {
-    /// How many findings there are, with those that are only counted.
+    /// How many findings there are, with those that are only counted and without hints.
     #[must_use]
     pub fn count(&self) -> usize {
         self.findings.len() + self.more.values().sum::<usize>()
@@ -50,19 +52,32 @@ impl Report {
         }
     }
 
+    pub(super) fn hint(
+        &mut self,
+        rule: Rule,
+        place: impl Into<String>,
+        message: impl Into<String>,
+    ) {
+        let (place, message) = (place.into(), message.into());
+        self.hints.push(Finding { rule, place, message });
+    }
+
     pub(super) fn note(&mut self, note: impl Into<String>) {
         self.notes.push(note.into());
     }
 }
 
 impl fmt::Display for Report {
-    /// A line a finding, then a line a note.
+    /// A line a finding, then a line a hint, then a line a note.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for finding in &self.findings {
             writeln!(f, "{finding}")?;
         }
         for (rule, count) in &self.more {
             writeln!(f, "{} …: {count} more", rule.id())?;
+        }
+        for hint in &self.hints {
+            writeln!(f, "hint: {hint}")?;
         }
         for note in &self.notes {
             writeln!(f, "note: {}", printable(note))?;

@@ -97,7 +97,7 @@ rules! {
     FunctionMissing "function-missing" "the library exports every function that importers ask for";
     SymbolUndefined "symbol-undefined" "something that the library needs provides each of its symbols";
     NeededLibrary "needed-library" "the library needs no others but those of the system, and what lies beside it";
-    GlibcFloor "glibc-floor" "the library needs no newer glibc than hosts have";
+    GlibcFloor "glibc-floor" "the library needs no newer glibc than hosts have; a hint unless --glibc says which";
     RunPath "run-path" "the library looks for others beside itself, not in a folder of the machine it was built on";
     ExecutableStack "executable-stack" "the library asks for no executable stack";
     // The run.

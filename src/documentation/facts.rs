@@ -18,7 +18,8 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
     if scene.contact_count() > 0 {
         facts.push(("Contact", contact(scene)));
         let forces = &start.reference().normal_force;
-        facts.push(("Normal forces at rest", normal_forces(scene, forces)));
+        // Friction of uniform sliding is in them.
+        facts.push(("Normal forces in the equilibrium", normal_forces(scene, forces)));
     }
     facts.push(("Method", method(subject)));
     if acting.method == Method::ForwardIncrement {

@@ -1,17 +1,15 @@
 //! What an importer does with the FMU.
 
-use super::{can_squeal, markup};
+use super::coupling::{coupling, moved_with_first};
+use super::{Subject, can_squeal, markup};
 use crate::scene::{Scene, Selection};
 use crate::simulation::catalogue::{Causality, Quantity, Variable, fmu_variables};
 
-/// What makes a coupling converge (`examples/importers/README.md`).
-const EXCHANGE: &str = "While contacts slide, a communication step well below the period of the motion is short \
-                        enough; where they stick, give values with their derivatives, since held ones lose momentum at \
-                        any step.";
 /// Of each kind so many are named.
 const NAMED: usize = 4;
 
-pub(super) fn section(scene: &Scene) -> String {
+pub(super) fn section(subject: Subject<'_>) -> String {
+    let scene = subject.scene;
     let mut html = String::from(
         "<p>It is an FMI 2.0 co-simulation FMU: it steps by itself, so an importer gives communication steps of any \
          length and no solver.</p>\n<h3>FMPy</h3>\n",
@@ -20,7 +18,7 @@ pub(super) fn section(scene: &Scene) -> String {
     let (stop, interval) = (experiment.stop_time, experiment.output_interval);
     let file = file(scene);
     let variables = fmu_variables(scene);
-    let outputs = outputs(&variables);
+    let outputs = outputs(scene, &variables);
     let plot = outputs.first().map_or("time", |variable| &*variable.name);
     let python = format!(
         "from fmpy import simulate_fmu\n\
@@ -87,7 +85,7 @@ pub(super) fn section(scene: &Scene) -> String {
         "To be watched",
         outputs.iter().map(|v| v.name.clone()).collect::<Vec<_>>().join(", "),
     ));
-    if let Some(text) = coupling(scene, &variables) {
+    if let Some(text) = coupling(scene, subject.start.reference(), &variables) {
         pairs.push(("To be coupled", text));
     }
     markup::facts(&mut html, &pairs);
@@ -101,19 +99,29 @@ fn file(scene: &Scene) -> String {
     format!("{name}.fmu")
 }
 
-/// The first settable variable of each of these kinds that the scene has, with its value.
+/// The first settable variable of each of these kinds that the scene has, with its value; of contacts whose surfaces one
+/// body moves, all velocities.
 fn tried(scene: &Scene, variables: &[Variable], kinds: &[Quantity]) -> Vec<String> {
-    let first = |quantity: &Quantity| {
-        let is_it = |v: &&Variable| v.template.quantity == *quantity && v.is_settable();
-        let variable = variables.iter().find(is_it)?;
+    let now = |variable: &Variable| {
         let value = crate::simulation::read_scene(scene, variable)?;
         Some(format!("{} (now {value:?})", variable.name))
+    };
+    let first = |quantity: &Quantity| {
+        let of_it =
+            || variables.iter().filter(|v| v.template.quantity == *quantity && v.is_settable());
+        if *quantity != Quantity::OwnVelocity {
+            return now(of_it().next()?);
+        }
+        // A body moves all of its surfaces.
+        let together = moved_with_first(scene);
+        let all = of_it().filter(|v| together.contains(&v.index)).filter_map(now);
+        Some(all.collect::<Vec<_>>().join(" with ")).filter(|text| !text.is_empty())
     };
     kinds.iter().filter_map(first).take(NAMED).collect()
 }
 
 /// Outputs that tell most: a displacement, forces and the state of the first contact.
-fn outputs(variables: &[Variable]) -> Vec<&Variable> {
+fn outputs<'a>(scene: &Scene, variables: &'a [Variable]) -> Vec<&'a Variable> {
     let kinds = [
         Quantity::Displacement,
         Quantity::Velocity,
@@ -121,37 +129,16 @@ fn outputs(variables: &[Variable]) -> Vec<&Variable> {
         Quantity::FrictionForce,
         Quantity::ContactState,
     ];
-    kinds.iter().filter_map(|&kind| first(variables, kind, Causality::Output)).collect()
+    let acts = |kind: &&Quantity| **kind != Quantity::FrictionForce || can_squeal(scene);
+    let kinds = kinds.iter().filter(acts);
+    kinds.filter_map(|&kind| first(variables, kind, Causality::Output)).collect()
 }
 
-fn first(variables: &[Variable], quantity: Quantity, causality: Causality) -> Option<&Variable> {
+/// The first variable of a kind and role.
+pub(super) fn first(
+    variables: &[Variable],
+    quantity: Quantity,
+    causality: Causality,
+) -> Option<&Variable> {
     variables.iter().find(|v| v.template.quantity == quantity && v.causality == causality)
-}
-
-/// How another FMU is to be joined to it.
-fn coupling(scene: &Scene, variables: &[Variable]) -> Option<String> {
-    let name = |quantity: Quantity, causality: Causality| {
-        first(variables, quantity, causality).map(|variable| variable.name.clone())
-    };
-    let velocity = name(Quantity::SliderVelocity, Causality::Input)
-        .or_else(|| name(Quantity::OwnVelocity, Causality::Input));
-    let velocity = velocity.filter(|_| can_squeal(scene));
-    if let Some(velocity) = velocity {
-        // Of a network the force on each mass is known; the surface gets its negative.
-        let reaction = name(Quantity::TangentialReaction, Causality::Output).or_else(|| {
-            let force = name(Quantity::FrictionForce, Causality::Output)?;
-            let all = if scene.contact_count() == 1 {
-                String::new()
-            } else {
-                format!(", summed over the {} contacts", scene.contact_count())
-            };
-            Some(format!("−{force}{all}"))
-        })?;
-        return Some(format!("a drive gives {velocity} and takes {reaction}. {EXCHANGE}"));
-    }
-    let force = name(Quantity::ExternalForce, Causality::Input)?;
-    // Over the surface that it slides on, which may itself move: the velocity that another part has to do with.
-    let moved = name(Quantity::SlipVelocity, Causality::Output)
-        .or_else(|| name(Quantity::Velocity, Causality::Output))?;
-    Some(format!("another FMU gives {force} and takes {moved}. {EXCHANGE}"))
 }

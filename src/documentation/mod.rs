@@ -10,6 +10,7 @@
 //! | `reference` | that run as a chart and a table |
 //! | `variables` | the variables, by kind and one by one |
 //! | `importing` | what an importer does with the FMU |
+//! | `coupling` | what another FMU gives and takes that is joined to it |
 //! | `accuracy` | what accuracy costs, as a page of its own |
 //! | `cross_check` | files of a reference run, as cross-checks of tools want them |
 //! | `markup` | the frame of a page, and pictures in it |
@@ -17,6 +18,7 @@
 //! The same scene gives the same bytes.
 
 mod accuracy;
+mod coupling;
 mod cross_check;
 mod facts;
 mod importing;

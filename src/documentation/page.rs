@@ -25,7 +25,7 @@ pub(super) fn index(
     let mut sections = vec![
         ("scene", "The scene", model(subject, structure)?),
         ("squeal", "Will it squeal?", stability::section(start.acting(), start.reference())?),
-        ("import", "How to import it", importing::section(scene)),
+        ("import", "How to import it", importing::section(subject)),
         ("run", "A reference run", reference::section(scene, subject.run)?),
         ("variables", "Variables", variables::section(scene)),
         ("file", "Scene file", file(subject)),

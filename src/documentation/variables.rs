@@ -94,7 +94,7 @@ fn names(scene: &Scene, kind: &[&Variable]) -> String {
     if kind.len() == 1 {
         return kind[0].name.clone();
     }
-    let numbered = scene.network().is_none() || matches!(template.per, Per::Scene | Per::Ring);
+    let numbered = scene.network().is_none() || template.per == Per::Scene;
     if numbered {
         let [first, last] = [kind[0], kind[kind.len() - 1]].map(|variable| variable.index + 1);
         return template.name.replace("{i}", &format!("[{first} … {last}]"));

@@ -410,6 +410,28 @@ impl Scene {
         self.shares(|place| place.velocity.is_some())
     }
 
+    /// Does what a contact (from 0) rubs on move with the slider's velocity?
+    #[must_use]
+    pub fn is_on_slider(&self, contact: usize) -> bool {
+        self.network().is_none_or(|network| network.contacts[contact].velocity.is_none())
+    }
+
+    /// Does a drive that moves the slider feel what rubs on it? Without friction a network's has no reaction.
+    #[must_use]
+    pub fn has_slider_reaction(&self) -> bool {
+        self.network().is_none() || (self.has_common_velocity() && self.friction_law.about().sticks)
+    }
+
+    /// Do all contacts on the slider press along its normal, with no mass between that carries the surface?
+    #[must_use]
+    pub fn has_common_plane(&self) -> bool {
+        let is_beside = |place: &RubbingPlace| place.velocity.is_some();
+        let is_plain = |place: &RubbingPlace| place.angle.is_none() && place.on.is_none();
+        self.network().is_none_or(|network| {
+            network.contacts.iter().all(|place| is_beside(place) || is_plain(place))
+        })
+    }
+
     /// Does any contact have the slider's inclination?
     #[must_use]
     pub fn has_common_angle(&self) -> bool {

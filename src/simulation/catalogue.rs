@@ -36,8 +36,6 @@ pub struct Template {
 pub enum Per {
     /// Once.
     Scene,
-    /// Once, in a ring.
-    Ring,
     /// Once a module.
     Module,
     /// Once a contact.
@@ -229,14 +227,14 @@ fn group(quantity: Quantity) -> Option<Group> {
 /// How often a scene has what a template is repeated for.
 fn count(scene: &Scene, per: Per) -> usize {
     match (per, &scene.structure) {
-        (Per::Scene, _) | (Per::Ring, Structure::Ring(_)) => 1,
+        (Per::Scene, _) => 1,
         (Per::Module, Structure::Ring(modules)) => modules.len(),
         (Per::Contact, _) => scene.contact_count(),
         (Per::Mass, Structure::Network(network)) => network.masses.len(),
         (Per::Spring, Structure::Network(network)) => network.springs.len(),
         (Per::Damper, Structure::Network(network)) => network.dampers.len(),
         (Per::Mass | Per::Spring | Per::Damper, Structure::Ring(_))
-        | (Per::Ring | Per::Module, Structure::Network(_))
+        | (Per::Module, Structure::Network(_))
         | (Per::Fmu, _) => 0,
     }
 }
@@ -257,12 +255,17 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
 const LINKS: [usize; 2] = [0, 1];
 
 /// What a scene goes without has no variables: damping, links, preload, external forces, locked degrees of
-/// freedom, v and µ of a contact that has none of its own, static friction, effects, a step that is chosen.
+/// freedom, v and µ of a contact that has none of its own, static friction, effects, a step that is chosen,
+/// reactions of a slider that nothing rubs on.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
         Quantity::Energy => return scene.effects.energy,
         Quantity::SliderVelocity => return scene.has_common_velocity(),
         Quantity::SliderAngle => return scene.has_common_angle(),
+        Quantity::TangentialReaction => return scene.has_slider_reaction(),
+        Quantity::NormalReaction => {
+            return scene.has_slider_reaction() && scene.has_common_plane();
+        }
         Quantity::FrictionCoefficient => return scene.has_common_friction(),
         Quantity::StaticFriction => return scene.has_common_static_friction(),
         Quantity::StribeckVelocity => return scene.stribeck_velocity.is_some(),

@@ -7,6 +7,8 @@ pub mod catalogue;
 mod clock;
 mod derivatives;
 #[cfg(feature = "tools")]
+mod doubts;
+#[cfg(feature = "tools")]
 mod effects;
 mod failure;
 mod fingerprint;

@@ -5,6 +5,7 @@ use super::Simulation;
 use super::catalogue::variables;
 use super::catalogue::{Kind, Quantity, Template, Variable};
 use crate::Error;
+use crate::contact::ContactForce;
 #[cfg(feature = "tools")]
 use crate::scene::{Lack, nearest};
 use crate::scene::{Problem, Rule, Scene, Structure};
@@ -171,13 +172,8 @@ impl Simulation {
             Quantity::NormalForce => self.contact_forces()?[index].normal_force,
             Quantity::FrictionForce => self.contact_forces()?[index].friction_force,
             Quantity::SlipVelocity => self.contact_forces()?[index].slip_velocity,
-            // What the contacts do to the masses they undo to the slider.
-            Quantity::TangentialReaction => {
-                -self.contact_forces()?.iter().map(|force| force.friction_force).sum::<f64>()
-            }
-            Quantity::NormalReaction => {
-                -self.contact_forces()?.iter().map(|force| force.normal_force).sum::<f64>()
-            }
+            Quantity::TangentialReaction => self.reaction(|force| force.friction_force)?,
+            Quantity::NormalReaction => self.reaction(|force| force.normal_force)?,
             Quantity::StateChanges => count(self.motion.statistics.state_changes()),
             Quantity::ReversedSlips => count(self.motion.statistics.reversed_slips),
             Quantity::PulledContacts => count(self.motion.statistics.pulled_contacts),
@@ -189,6 +185,14 @@ impl Simulation {
             Quantity::ModeCount => f64::from(self.outlook()?.modes),
             _ => read_scene(&self.scene, variable).expect("every other quantity is a scene's"),
         })
+    }
+
+    /// What the contacts do to the slider, N: the opposite of what they do to the masses.
+    fn reaction(&mut self, part: impl Fn(&ContactForce) -> f64) -> Result<f64, Error> {
+        self.contact_forces()?;
+        let forces = self.contact_forces.iter().enumerate();
+        let on_slider = forces.filter(|(contact, _)| self.scene.is_on_slider(*contact));
+        Ok(-on_slider.map(|(_, force)| part(force)).sum::<f64>())
     }
 
     /// Gives an input or a tunable parameter another value, from now on.

@@ -2,6 +2,7 @@
 
 use super::Simulation;
 use super::catalogue::{Quantity, variables};
+use super::doubts::doubts;
 use crate::model::LumpedModel;
 use crate::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use crate::stability::critical_step;
@@ -33,7 +34,8 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// All of it: the step, contacts without load, signals that the step cannot follow.
+/// All of it: the step, contacts without load, signals that the step cannot follow, values that look like those of
+/// another unit.
 #[must_use]
 pub fn warnings(simulation: &Simulation) -> Vec<String> {
     let step = step_warning(simulation.acting()).into_iter();
@@ -45,6 +47,7 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     let steps = step_at_start_warnings(scene);
     step.chain(tolerance)
         .chain(load_warnings(simulation))
+        .chain(doubts(simulation))
         .chain(direction)
         .chain(signals)
         .chain(steps)

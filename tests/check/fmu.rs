@@ -107,7 +107,8 @@ pub fn check(fmu: &[u8], arguments: &[&str]) -> (i32, String) {
 
 /// The rules that findings name.
 pub fn rules(printed: &str) -> BTreeSet<&str> {
-    let findings = printed.lines().filter(|line| !line.starts_with("note: "));
+    let is_finding = |line: &&str| !["note: ", "hint: "].iter().any(|word| line.starts_with(word));
+    let findings = printed.lines().filter(is_finding);
     findings.map(|line| line.split_once(' ').unwrap().0).collect()
 }
 

@@ -85,6 +85,33 @@ fn a_newer_glibc_than_asked_for_is_told() {
     assert!(printed.contains("needs glibc 2."), "{printed}");
 }
 
+/// The sound library, as if a later compiler had made it: every version of glibc that it names is 2.99.
+fn of_a_newer_glibc() -> Vec<u8> {
+    let (old, new) = (b"GLIBC_2.2.5\0", b"GLIBC_2.99\0\0");
+    let mut made = library(&[]);
+    let mut places = made.windows(old.len()).enumerate().filter(|(_, bytes)| bytes == old);
+    let place = places.next().expect("it calls functions of glibc").0;
+    made[place..place + new.len()].copy_from_slice(new);
+    made
+}
+
+#[test]
+fn a_newer_glibc_than_old_hosts_have_is_a_hint_unless_hints_or_a_floor_are_asked_for() {
+    let fmu = with_library(of_a_newer_glibc()).pack();
+    let told = "glibc-floor binaries/linux64/decay.so: needs glibc 2.99 (GLIBC_2.99";
+    let (code, printed) = check(&fmu, &["--no-run"]);
+    assert_eq!((code, printed.lines().count()), (0, 1), "{printed}");
+    assert!(printed.starts_with(&format!("hint: {told}")), "{printed}");
+    let (code, printed) = check(&fmu, &["--no-run", "--strict"]);
+    assert_eq!(code, 1, "{printed}");
+    assert!(printed.starts_with(&format!("hint: {told}")), "{printed}");
+    let (code, printed) = check(&fmu, &["--no-run", "--glibc", "2.17"]);
+    assert_eq!(code, 1, "{printed}");
+    assert!(printed.starts_with(told), "{printed}");
+    assert_eq!(check(&fmu, &["--no-run", "--strict", "--glibc", "2.99"]), (0, String::new()));
+    assert_eq!(check(&sound().pack(), &["--strict"]), (0, String::new()));
+}
+
 #[test]
 fn each_fault_of_a_run_is_found_by_its_rule_alone() {
     for (rule, fault, words) in [

@@ -3,6 +3,7 @@
 use crate::interrupt::{self, Interrupted};
 use amontons::Error;
 use amontons::check::{self, Glibc, Options, Rule, Run};
+use amontons::documentation::counted;
 use amontons::progress::Progress;
 use clap::Args;
 use std::error;
@@ -13,8 +14,9 @@ use std::sync::Once;
 use std::time::Duration;
 
 const NOTES: &str = "Exit codes: 0 nothing found, 1 something found, 2 not readable as an FMU, 130 \
-interrupted. A finding is a line: its rule, the file (and line), what is wrong. Lines that begin with note: \
-say what could not be examined.\n\nThe run takes place in a process of its own with limits of time, memory \
+interrupted. A finding is a line: its rule, the file (and line), what is wrong. Lines that begin with hint: \
+tell what is right on some hosts alone; with --strict they are findings. Lines that begin with note: say \
+what could not be examined.\n\nThe run takes place in a process of its own with limits of time, memory \
 and file size. That is no sandbox: a library can do what its user can. --no-run reads files only.";
 
 #[derive(Args)]
@@ -33,9 +35,12 @@ pub struct Check {
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = clap::value_parser!(u64).range(1..=86400),
         conflicts_with = "no_run")]
     timeout: u64,
-    /// The newest glibc that a library for Linux may need
-    #[arg(long, value_name = "VERSION", default_value_t)]
-    glibc: Glibc,
+    /// The newest glibc that a library for Linux may need; without it, needing a newer one than 2.17 is a hint
+    #[arg(long, value_name = "VERSION")]
+    glibc: Option<Glibc>,
+    /// Count hints as findings
+    #[arg(long)]
+    strict: bool,
 }
 
 #[derive(Args)]
@@ -101,13 +106,16 @@ pub fn run(arguments: &Check) -> Result<(), Box<dyn error::Error>> {
     shown.finish();
     let report = report.map_err(Failed::Unreadable)?.ok_or(Interrupted)?;
     write!(stdout().lock(), "{report}")?;
-    match report.count() {
-        0 => {
-            eprintln!("no findings");
-            Ok(())
-        }
-        count => Err(Failed::Found(count).into()),
+    let (found, hints) = (report.count(), report.hints.len());
+    let failing = if arguments.strict { found + hints } else { found };
+    if failing > 0 {
+        return Err(Failed::Found(failing).into());
     }
+    match hints {
+        0 => eprintln!("no findings"),
+        _ => eprintln!("no findings, {}", counted(hints, "hint", "hints")),
+    }
+    Ok(())
 }
 
 pub fn run_library(arguments: &RunLibrary) -> Result<(), Box<dyn error::Error>> {

@@ -18,7 +18,7 @@ type Exports<'a> = &'a dyn Fn(&str) -> Option<HashSet<String>>;
 pub(super) fn examine<Elf: FileHeader<Endian = Endianness>>(
     file: &ElfFile<'_, Elf>,
     platform: &Platform,
-    (path, floor): (&str, Glibc),
+    (path, floor): (&str, Option<Glibc>),
     beside: Exports<'_>,
     report: &mut Report,
 ) {
@@ -140,7 +140,9 @@ impl Versions {
     }
 }
 
-fn glibc(versions: &Versions, path: &str, floor: Glibc, report: &mut Report) {
+/// A newer glibc than the floor that was asked for is a finding; without one, than that of old hosts, a hint.
+fn glibc(versions: &Versions, path: &str, asked: Option<Glibc>, report: &mut Report) {
+    let floor = asked.unwrap_or_default();
     let version = |name: &str| match name {
         // Relative relocations, which glibc reads since then.
         "GLIBC_ABI_DT_RELR" => Some(Glibc(2, 36)),
@@ -166,7 +168,10 @@ fn glibc(versions: &Versions, path: &str, floor: Glibc, report: &mut Report) {
         if symbols.is_empty() { "" } else { ", for " },
         symbols.join(", ")
     );
-    report.add(Rule::GlibcFloor, path, message);
+    match asked {
+        Some(_) => report.add(Rule::GlibcFloor, path, message),
+        None => report.hint(Rule::GlibcFloor, path, message),
+    }
 }
 
 fn undefined<Elf: FileHeader<Endian = Endianness>>(

@@ -26,7 +26,12 @@ pub(super) struct Library<'a> {
 
 impl Library<'_> {
     /// Whether it is a library of its platform.
-    pub(super) fn examine(&self, content: &[u8], floor: Glibc, report: &mut Report) -> bool {
+    pub(super) fn examine(
+        &self,
+        content: &[u8],
+        floor: Option<Glibc>,
+        report: &mut Report,
+    ) -> bool {
         let parts = match parts(content) {
             Ok(parts) => parts,
             Err(what) => {

@@ -23,7 +23,7 @@ const MOST_BYTES: u64 = 512 << 20;
 pub(super) fn examine(
     description: &Description<'_>,
     archive: &Archive,
-    floor: Glibc,
+    floor: Option<Glibc>,
     report: &mut Report,
 ) -> Option<String> {
     let mut folders: BTreeMap<&str, Vec<&Entry>> = BTreeMap::new();

@@ -158,7 +158,11 @@ impl Simulation {
             return Err(Error::variable(format!("{name} has no derivative: it is no output")));
         }
         let dof = || super::dof(&self.scene, &self.numbering, variable);
-        let reaction = |part: usize| -outcome.forces.iter().map(|force| force[part]).sum::<f64>();
+        let reaction = |part: usize| {
+            let forces = outcome.forces.iter().enumerate();
+            let on_slider = forces.filter(|(contact, _)| self.scene.is_on_slider(*contact));
+            -on_slider.map(|(_, force)| force[part]).sum::<f64>()
+        };
         Ok(match variable.template.quantity {
             Quantity::Displacement => change.displacement[dof()],
             Quantity::Velocity => change.velocity[dof()],
