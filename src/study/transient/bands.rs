@@ -24,6 +24,9 @@ const FINEST: f64 = 1e-9;
 const MOST_TERMS: i32 = 3;
 /// Near any frequency there is some such sum by chance: only what is known to this part of itself is one.
 const CHANCE: f64 = 1e-3;
+/// Or to this part, if its rate is the sum of theirs and that is known to this part of itself.
+const CHANCE_WITH_RATE: f64 = 5e-3;
+const SAME_RATE: f64 = 0.2;
 
 /// The amplitude of a line over time.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -181,6 +184,16 @@ impl Followed {
         [self.frequency + fit.slope / TAU, fit.slope_error(length) / TAU]
     }
 
+    /// The growth rate over some looks, and how far it may be off, 1/s.
+    fn rate_over(&self, looks: Range<usize>) -> [f64; 2] {
+        let tiny = f64::MIN_POSITIVE;
+        let point = |i: usize| [self.time(i), libm::log(self.amplitude[i].max(tiny))];
+        let points: Vec<[f64; 2]> = looks.map(point).collect();
+        let fit = Fit::of(&points);
+        let length = points[points.len() - 1][0] - points[0][0];
+        [fit.slope, fit.slope_error(length)]
+    }
+
     /// The straight stretches within some looks.
     fn phases(&self, band: usize, looks: Range<usize>) -> Vec<Phase> {
         let point = |i: usize| [self.time(i), libm::log(self.amplitude[i])];
@@ -209,22 +222,33 @@ fn combination(phase: &Phase, all: &[Followed]) -> Option<Combination> {
     };
     let own = level(&all[phase.band?]);
     let stronger = all.iter().filter(|band| level(band) > own);
-    let stronger: Vec<[f64; 2]> =
-        stronger.map(|band| band.frequency_over(band.looks(phase.span))).collect();
-    for (i, &[a, a_error]) in stronger.iter().enumerate() {
-        for (j, &[b, b_error]) in stronger.iter().enumerate().skip(i) {
+    let stronger: Vec<_> = stronger
+        .map(|band| {
+            (band.frequency_over(band.looks(phase.span)), band.rate_over(band.looks(phase.span)))
+        })
+        .collect();
+    for (i, (a, rate_a)) in stronger.iter().enumerate() {
+        for (j, (b, rate_b)) in stronger.iter().enumerate().skip(i) {
             // Of one line there are multiples, no differences.
             let least = if i == j { 0 } else { -MOST_TERMS };
             for m in 0..=MOST_TERMS {
                 for n in least..=MOST_TERMS {
                     let [times_a, times_b] = [m, n].map(f64::from);
-                    let sum = (times_a * a + times_b * b).abs();
-                    let error = times_a * a_error + times_b.abs() * b_error + phase.frequency_error;
+                    let sum = (times_a * a[0] + times_b * b[0]).abs();
+                    let error = times_a * a[1] + times_b.abs() * b[1] + phase.frequency_error;
+                    // Amplitudes multiply, so rates add.
+                    let rate = times_a * rate_a[0] + times_b.abs() * rate_b[0];
+                    let rate_error =
+                        times_a * rate_a[1] + times_b.abs() * rate_b[1] + phase.rate_error;
+                    let has_rate = (rate - phase.rate).abs() <= rate_error
+                        && rate_error <= SAME_RATE * phase.rate.abs();
+                    let allowed = if has_rate { CHANCE_WITH_RATE } else { CHANCE };
                     let is_few = (2..=MOST_TERMS).contains(&(m + n.abs()));
-                    let is_known = error <= CHANCE * phase.frequency;
+                    let is_known = error <= allowed * phase.frequency;
                     let apart = (sum - phase.frequency).abs();
                     if is_few && is_known && apart <= error + FINEST * sum {
-                        return Some(Combination { frequencies: [a, b], factors: [m, n] });
+                        let frequencies = [a[0], b[0]];
+                        return Some(Combination { frequencies, factors: [m, n] });
                     }
                 }
             }

@@ -18,6 +18,11 @@ pub enum Open {
         /// The end of a run that would show it tenfold, s.
         stop_time: f64,
     },
+    /// A mode that grows from the beginning, but less than tenfold before the motion is no longer that of the modes.
+    EndsBeforeTenfold {
+        /// As far as the run shows it.
+        phase: Phase,
+    },
     /// Contacts change their states to the end of the run, over too few periods to tell growth from decay.
     TooShort {
         /// s.
@@ -27,8 +32,8 @@ pub enum Open {
         /// The end of a run that has enough, s.
         stop_time: f64,
     },
-    /// Contacts change their states to the end of the run, and no tenfold change was found: one that is slower would not
-    /// have been.
+    /// Contacts change their states to the end of the run: a tenfold change that is slower than its length would not have
+    /// been found.
     Slower {
         /// s.
         span: [f64; 2],
@@ -38,8 +43,8 @@ pub enum Open {
 }
 
 /// What of a run to `end` (s) the modes do not explain: spans in which contacts change their states, or do not follow
-/// the modes. Stretches between two changes in the midst of the run have to last for some periods of the strongest
-/// line to be no part of these.
+/// the modes. But for the first, stretches without a change have to last for some periods of the strongest line
+/// to be no part of these.
 pub(super) fn unexplained(
     explained: &[[f64; 2]],
     end: f64,
@@ -49,8 +54,7 @@ pub(super) fn unexplained(
     let mut found = Vec::new();
     let mut from = 0.0;
     for &[begin, last] in explained {
-        let is_at_an_end = begin == 0.0 || last >= end;
-        if !is_at_an_end && last - begin < shortest {
+        if begin > 0.0 && last - begin < shortest {
             continue;
         }
         if begin > from {
@@ -72,9 +76,13 @@ pub(super) fn questions(
     end: f64,
 ) -> Vec<Open> {
     let lasts = |span: [f64; 2]| span[1] >= end * (1.0 - 1e-2);
-    let less = slow.into_iter().filter(|phase| lasts(phase.span)).map(|phase| {
-        let stop_time = phase.span[0] + MARGIN * LN_10 / phase.rate.abs();
-        Open::LessThanTenfold { phase, stop_time }
+    let less = slow.into_iter().filter_map(|phase| {
+        if lasts(phase.span) {
+            let stop_time = phase.span[0] + MARGIN * LN_10 / phase.rate.abs();
+            return Some(Open::LessThanTenfold { phase, stop_time });
+        }
+        let grows = phase.rate > 0.0 && phase.span[0] == 0.0;
+        grows.then_some(Open::EndsBeforeTenfold { phase })
     });
     let last = unexplained.last().filter(|span| lasts(**span)).zip(growth.dominant);
     let last = last.and_then(|(&span, frequency)| {

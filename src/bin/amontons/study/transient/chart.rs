@@ -4,7 +4,7 @@ use super::most_telling;
 use amontons::contact::ContactState;
 use amontons::picture::{Chart, Class, Lane, Panel, Raster, Series, Stretch, Style};
 use amontons::scene::Scene;
-use amontons::study::transient::{Band, Finding, Transient};
+use amontons::study::transient::{Band, Finding, Phase, Transient};
 use std::f64::consts::TAU;
 
 /// A curve of many values is drawn by the smallest and the largest of each of so many pieces.
@@ -76,7 +76,8 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
         ..Series::default()
     });
     let own = most_telling(&found.findings).into_iter().filter(|finding| {
-        finding.phase.combination.is_none() && finding.phase.displacement.is_none()
+        let Phase { combination, displacement, amplitude, .. } = &finding.phase;
+        combination.is_none() && displacement.is_none() && amplitude.iter().all(|a| *a > floor)
     });
     let fits = own.map(|Finding { phase, .. }| Series {
         label: Some("fitted exponential".to_owned()),
@@ -84,11 +85,12 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
         labels: vec![
             String::new(),
             format!(
-                "{:+.2} 1/s ({:+.2} Hz) at {:.1} Hz",
+                "growth rate {:+.2} 1/s ({:+.2} Hz) at {:.1} Hz",
                 phase.rate,
                 phase.rate / TAU,
                 phase.frequency
-            ),
+            )
+            .replace('-', "−"),
         ],
         colour: 6,
         style: Style::Dashed,

@@ -165,7 +165,9 @@ fn combination(finding: &Finding) -> Option<String> {
 
 fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Result<()> {
     let Transient { output, unit, interval, end, growth, findings, open, left_out, .. } = found;
-    writeln!(out, "{}: {output} over {end} s, each {interval} s", scene.name)?;
+    // Without the digits of a third.
+    let shown: f64 = format!("{interval:.4e}").parse().unwrap_or(*interval);
+    writeln!(out, "{}: {output} over {end} s, each {shown:?} s", scene.name)?;
     match growth.dominant {
         Some(dominant) => writeln!(out, "strongest line: {dominant:.2} Hz")?,
         None => writeln!(out, "it does not oscillate")?,
@@ -177,8 +179,8 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
     for sentence in left_out {
         writeln!(out, "note: {sentence}")?;
     }
-    if findings.is_empty() && open.is_empty() {
-        writeln!(out, "nothing grows or decays tenfold along an exponential")?;
+    if findings.is_empty() {
+        writeln!(out, "no tenfold growth or decay along an exponential was found")?;
     }
     let listed = most_telling(findings);
     for finding in &listed {
@@ -190,13 +192,11 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
         writeln!(out)?;
         writeln!(
             out,
-            "{} from {} to {} s: growth rate {:+.4} ± {:.1e} 1/s ({:+.4} Hz) {}, {:.2e} to {:.2e} {unit}{of}",
+            "{} from {} to {} s: {} {}, {:.2e} to {:.2e} {unit}{of}",
             verb(phase.rate),
             time(phase.span[0], *interval),
             time(phase.span[1], *interval),
-            phase.rate,
-            phase.rate_error,
-            phase.rate / TAU,
+            growth_rate(phase),
             at_frequency(phase),
             phase.amplitude[0],
             phase.amplitude[1],
@@ -266,30 +266,45 @@ fn time(time: f64, interval: f64) -> String {
 }
 
 fn asked(question: &Open, interval: f64) -> String {
+    let rate = |phase: &Phase| {
+        format!(
+            "a mode {} with a {} {}, by a factor of {:.3}",
+            verb(phase.rate),
+            growth_rate(phase),
+            at_frequency(phase),
+            (phase.rate * (phase.span[1] - phase.span[0])).exp()
+        )
+    };
     match question {
         Open::LessThanTenfold { phase, stop_time } => format!(
-            "a mode {} with a growth rate of {:+.4} ± {:.1e} 1/s ({:+.4} Hz) {}, by a factor of {:.3} so far; \
-             --stop-time {} or more would show if it does so tenfold",
-            verb(phase.rate),
-            phase.rate,
-            phase.rate_error,
-            phase.rate / TAU,
-            at_frequency(phase),
-            phase.amplitude[1] / phase.amplitude[0],
+            "{} by the end of the run; --stop-time {} or more would show if it does so tenfold",
+            rate(phase),
             rounded_up(*stop_time),
         ),
+        Open::EndsBeforeTenfold { phase } => format!(
+            "{} until {} s, where the motion ceases to be that of the modes; a smaller initial perturbation would show if \
+             it does so tenfold",
+            rate(phase),
+            time(phase.span[1], interval),
+        ),
         Open::TooShort { span, periods, stop_time } => format!(
-            "from {} s on contacts change their states, and {periods:.1} periods of the strongest line are too few to see \
-             growth or decay; --stop-time {} or more would decide",
+            "from {} s on contacts change their states or forces drive the motion, and {periods:.1} periods of the strongest \
+             line are too few to see growth or decay; --stop-time {} or more would decide",
             time(span[0], interval),
             rounded_up(*stop_time),
         ),
         Open::Slower { span, rate } => format!(
-            "from {} s on contacts change their states, and nothing grows or decays tenfold; what does so slower than \
-             {rate:.2e} 1/s needs a longer --stop-time to be seen",
+            "from {} s on contacts change their states or forces drive the motion; a tenfold change there that is slower \
+             than {rate:.2} 1/s would show in a longer run (--stop-time)",
             time(span[0], interval),
         ),
     }
+}
+
+/// As `growth rate +175.7834 ± 6.8e-6 1/s (+27.9768 Hz)`.
+fn growth_rate(phase: &Phase) -> String {
+    let Phase { rate, rate_error, .. } = phase;
+    format!("growth rate {rate:+.4} ± {rate_error:.1e} 1/s ({:+.4} Hz)", rate / TAU)
 }
 
 /// With two digits, not below it.
