@@ -75,17 +75,22 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
         colour,
         ..Series::default()
     });
+    // Beside a growth the modes that decay would only reach far down.
+    let grows = found.findings.iter().any(|finding| finding.phase.rate > 0.0);
     let own = most_telling(&found.findings).into_iter().filter(|finding| {
-        let Phase { combination, displacement, amplitude, .. } = &finding.phase;
-        combination.is_none() && displacement.is_none() && amplitude.iter().all(|a| *a > floor)
+        let Phase { combination, displacement, amplitude, band, rate, .. } = &finding.phase;
+        combination.is_none()
+            && displacement.is_none()
+            && amplitude.iter().all(|a| *a > floor)
+            && (*rate > 0.0 || band.is_some() || !grows)
     });
     let fits = own.map(|Finding { phase, .. }| Series {
-        label: Some("fitted exponential".to_owned()),
+        label: Some("fitted exponential with its growth rate".to_owned()),
         points: phase.span.into_iter().zip(phase.amplitude).map(|(t, a)| [t, a.log10()]).collect(),
         labels: vec![
             String::new(),
             format!(
-                "growth rate {:+.2} 1/s ({:+.2} Hz) at {:.1} Hz",
+                "{:+.2} 1/s ({:+.2} Hz) at {:.1} Hz",
                 phase.rate,
                 phase.rate / TAU,
                 phase.frequency

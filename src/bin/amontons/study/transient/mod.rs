@@ -265,6 +265,9 @@ fn time(time: f64, interval: f64) -> String {
     format!("{time:.digits$}")
 }
 
+/// Why a motion is not followed mode by mode.
+const NO_MODES: &str = "the motion is not that of the modes (contacts change their states, signals drive it, or friction is not linear)";
+
 fn asked(question: &Open, interval: f64) -> String {
     let rate = |phase: &Phase| {
         format!(
@@ -288,14 +291,14 @@ fn asked(question: &Open, interval: f64) -> String {
             time(phase.span[1], interval),
         ),
         Open::TooShort { span, periods, stop_time } => format!(
-            "from {} s on contacts change their states or forces drive the motion, and {periods:.1} periods of the strongest \
-             line are too few to see growth or decay; --stop-time {} or more would decide",
+            "from {} s on {NO_MODES}, and {periods:.1} periods of the strongest line are too few to see growth or decay; \
+             --stop-time {} or more would decide",
             time(span[0], interval),
             rounded_up(*stop_time),
         ),
         Open::Slower { span, rate } => format!(
-            "from {} s on contacts change their states or forces drive the motion; a tenfold change there that is slower \
-             than {rate:.2} 1/s would show in a longer run (--stop-time)",
+            "from {} s on {NO_MODES}; a tenfold change there that is slower than {rate:.2} 1/s would show in a longer run \
+             (--stop-time)",
             time(span[0], interval),
         ),
     }
