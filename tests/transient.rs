@@ -3,12 +3,12 @@
 
 mod program;
 
-use amontons::contact::ContactState::Slide;
+use amontons::contact::ContactState::{ReverseSlide, Slide};
 use amontons::model::LumpedModel;
-use amontons::scene::{Experiment, Method, Scene, builtin};
+use amontons::scene::{Experiment, Method, Scene, builtin, parse};
 use amontons::stability::Spectrum;
 use amontons::study::Watch;
-use amontons::study::transient::{Finding, Transient, transient};
+use amontons::study::transient::{Finding, Open, Transient, transient};
 use program::{assert_refused, folder, run, text};
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -128,6 +128,162 @@ fn a_coarse_interval_is_parted_for_the_fastest_mode() {
     assert_eq!(found.interval, 2e-4);
     assert_eq!((found.history.len(), found.states.len(), found.states[0].len()), (501, 2, 501));
     assert!((found.end - 0.1).abs() < 1e-12);
+}
+
+/// The disc brake as its user runs it, with rows each `interval` (s).
+fn disc_brake(interval: f64) -> Scene {
+    builtin("disc_brake").unwrap().scene().with_integrator(Method::EventDriven, interval)
+}
+
+/// The eigenvalue of sliding of the disc brake, or one that has grown from it, that grows fastest: rate and frequency.
+fn fastest(scene: &Scene) -> [f64; 2] {
+    let model = LumpedModel::from(scene);
+    let states = [Slide, ReverseSlide];
+    let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).unwrap();
+    let mode = spectrum.fastest_growing().unwrap();
+    [mode.re, mode.im / TAU]
+}
+
+/// The only growth that is no combination of others.
+fn growing(found: &Transient) -> &Finding {
+    let grows =
+        |finding: &&Finding| finding.phase.rate > 0.0 && finding.phase.combination.is_none();
+    let all: Vec<&Finding> = found.findings.iter().filter(grows).collect();
+    let [one] = all[..] else { panic!("{:?}", found.findings) };
+    one
+}
+
+fn assert_is(finding: &Finding, [rate, frequency]: [f64; 2]) {
+    let phase = &finding.phase;
+    assert!((phase.rate - rate).abs() <= phase.rate_error, "{phase:?}, not {rate}");
+    assert!((phase.frequency - frequency).abs() <= phase.frequency_error, "{phase:?}");
+    assert!(
+        phase.rate_error < 1e-4 * rate && phase.frequency_error < 1e-4 * frequency,
+        "{phase:?}"
+    );
+}
+
+#[test]
+fn the_brake_s_squeal_grows_alike_however_long_and_often_it_is_looked_at() {
+    let mut spans = Vec::new();
+    // Of the last, contacts no longer change their states before the end: it grows all the time.
+    for (stop_time, interval) in
+        [(0.3, 5e-5), (0.04, 5e-5), (0.3, 1e-3), (1.0, 2e-5), (0.025, 5e-5)]
+    {
+        let scene = disc_brake(5e-5);
+        let experiment = Experiment { stop_time, output_interval: interval };
+        let found = transient(&scene, experiment, None, Watch::IDLE).unwrap();
+        // In closed form modes merge at 3 − √6; NumPy has 175.7834 ± 2πi 1087.9067 at 0.6.
+        assert_is(growing(&found), fastest(&scene));
+        assert!((growing(&found).phase.rate - 175.78).abs() < 0.01, "{:?}", found.findings);
+        assert_eq!(&*growing(&found).taken[0].states, "Sl-R-Sl");
+        spans.push(growing(&found).phase.span);
+    }
+    for span in &spans[1..4] {
+        let apart = [0, 1].map(|end| (span[end] - spans[0][end]).abs());
+        assert!(apart[0] < 1e-3 && apart[1] < 1e-3, "{spans:?}");
+    }
+}
+
+#[test]
+fn a_growth_is_the_same_from_each_output() {
+    let scene = disc_brake(5e-5);
+    let outputs =
+        ["mass.upper.x", "mass.disc.y", "mass.lower.vy", "contact.upper_lining.normal_force"];
+    for output in outputs {
+        let found = found(&scene, 0.3, Some(output));
+        assert_is(growing(&found), fastest(&scene));
+        let of_displacement = growing(&found).phase.displacement.is_some();
+        assert_eq!(of_displacement, output.ends_with("force"), "{output}");
+    }
+}
+
+/// The disc brake with a caliper that yields: seven degrees of freedom.
+fn seven() -> Scene {
+    let text = include_str!("../scenes/disc_brake.toml");
+    let mut text = text.replace("stiffness = 40.0e6      # N/m", "stiffness = 30.0e6");
+    for pad in ["upper", "lower"] {
+        let back = format!("name = \"{pad}_back\"\nbetween = [\"{pad}\", ");
+        assert!(text.contains(&back));
+        text = text.replace(&format!("{back}\"ground\"]"), &format!("{back}\"caliper\"]"));
+    }
+    text += "[[mass]]\nname = \"caliper\"\nmass = 2.0\n";
+    for (name, direction, stiffness) in [("carrier", "y", 400e6), ("pins", "x", 30e6)] {
+        text += &format!("[[spring]]\nname = \"{name}\"\nbetween = [\"caliper\", \"ground\"]\n");
+        text += &format!("direction = \"{direction}\"\nstiffness = {stiffness:?}\n");
+    }
+    parse("seven", &text).unwrap().with_integrator(Method::EventDriven, 5e-5)
+}
+
+#[test]
+fn a_brake_of_seven_degrees_of_freedom_grows_tenfold_in_eight_periods() {
+    let scene = seven();
+    assert_eq!(scene.dof_names().len(), 7);
+    for stop_time in [0.02, 0.3] {
+        let found = found(&scene, stop_time, None);
+        assert_is(growing(&found), fastest(&scene));
+        // NumPy on matrices assembled by hand: λ = 316.80320995786 + 6544.530589049i.
+        let phase = &growing(&found).phase;
+        assert!((phase.rate - 316.803_209_96).abs() < 1e-4, "{phase:?}");
+        assert!((phase.frequency - 1_041.594_393_46).abs() < 1e-4, "{phase:?}");
+        assert!(found.findings.iter().all(|finding| is_no_sum_of_itself(finding)));
+    }
+}
+
+/// A line is never a combination of itself.
+fn is_no_sum_of_itself(finding: &Finding) -> bool {
+    finding.phase.combination.is_none_or(|combination| {
+        let [a, b] = combination.frequencies;
+        let [m, n] = combination.factors;
+        a != b || m + n > 1
+    })
+}
+
+#[test]
+fn a_run_that_is_too_short_says_which_would_do() {
+    // 5 ms: the growth of e^(175.78 t) is 2.4-fold.
+    let scene = disc_brake(5e-5);
+    let short = found(&scene, 5e-3, None);
+    assert!(short.findings.iter().all(|finding| finding.phase.rate < 0.0), "{:?}", short.findings);
+    let grows =
+        |open: &&Open| matches!(open, Open::LessThanTenfold { phase, .. } if phase.rate > 0.0);
+    let Some(Open::LessThanTenfold { phase, stop_time }) = short.open.iter().find(grows) else {
+        panic!("{:?}", short.open)
+    };
+    assert!((phase.rate - fastest(&scene)[0]).abs() <= phase.rate_error, "{phase:?}");
+    // ln 10 / 175.78 is 13.1 ms.
+    assert!((0.0131..0.016).contains(stop_time), "{stop_time}");
+    assert_is(growing(&found(&scene, *stop_time, None)), fastest(&scene));
+}
+
+#[test]
+fn what_decays_below_rounding_is_not_fitted() {
+    let mut scene = scene("set2");
+    scene.modules_mut()[0].velocity = [0.0, 1e-4, 0.0, 0.0];
+    let found = found(&scene, 20.0, None);
+    assert!(!found.findings.is_empty());
+    // Displacements at rest are some mm.
+    for finding in &found.findings {
+        assert!(finding.phase.amplitude[1] > 1e-16, "{finding:?}");
+    }
+    let largest = found.history.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+    for band in &found.growth.bands {
+        assert!(band.amplitude.iter().all(|[_, a]| *a > 1e-12 * largest), "{}", band.frequency);
+    }
+}
+
+#[test]
+fn eigenvalues_say_what_of_the_scene_they_leave_out() {
+    assert_eq!(found(&disc_brake(5e-5), 0.01, None).left_out, Vec::<String>::new());
+    let said = |text: &str| {
+        let scene = parse("said", text).unwrap();
+        let experiment = Experiment { stop_time: 0.5, ..scene.experiment };
+        transient(&scene, experiment, None, Watch::IDLE).unwrap().left_out
+    };
+    let driven = said(include_str!("../scenes/den_hartog.toml"));
+    assert!(driven.len() == 1 && driven[0].contains("signals"), "{driven:?}");
+    let falling = said(include_str!("../scenes/effects/stribeck.toml"));
+    assert!(falling.len() == 1 && falling[0].contains("slip velocity"), "{falling:?}");
 }
 
 fn amontons(folder: &Path, arguments: &[&str]) -> Output {

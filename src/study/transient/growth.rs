@@ -1,79 +1,52 @@
-//! Growth and decay in a history, band by band.
+//! Growth and decay in a history.
 //!
-//! In one contact state the motion is a sum of modes, each of which grows or decays as an exponential, and where
-//! contacts take the same states over and over so does a small motion beside a cycle: the logarithm of its
-//! amplitude is straight. A growth in one band of frequencies may be hidden under a larger motion in another, so
-//! each of the strongest lines is followed by itself.
+//! Where contacts take the same states over and over, a small motion beside a cycle grows or decays as an exponential:
+//! the logarithm of its amplitude is straight. It is looked for band by band, through windows of several lengths: long
+//! ones tell near lines apart, short ones follow a fast growth. What is too fast for all is seen in the envelope.
 
+use super::bands::{Band, Bands, Combination};
 use super::straight::{Fit, pieces};
 use crate::accuracy::half_range;
-use crate::spectral::{Lines, cycles, demodulate, lines};
+use crate::spectral::cycles;
 use serde::Serialize;
-use std::f64::consts::{LN_10, TAU};
+use std::f64::consts::LN_10;
 use std::ops::Range;
 
-/// Bands are seen through windows of so many periods of the strongest line: lines of 4/30 of its frequency or more
-/// apart are told from each other.
-const WINDOW_PERIODS: f64 = 30.0;
-/// A window has no less; then what is at zero and at the mirror image of the frequency still is out of sight.
-const FEWEST_PERIODS: f64 = 8.0;
-/// A run has no less of windows.
-const FEWEST_WINDOWS: f64 = 10.0;
-/// A band is looked at so often within a window. Its phase is then followed without ambiguity: what the window
-/// lets through turns by a quarter of a turn at most.
-const LOOKS: usize = 16;
-/// In so many parts of a run the strongest lines are looked for.
-const PARTS: usize = 8;
-/// The most bands.
-const MOST_BANDS: usize = 6;
-/// A line that is nowhere this part of the largest is not followed.
-const FAINT: f64 = 3e-2;
-/// What is less than this part of the strongest band at its time may be what the window lets through of that.
-const LEAK: f64 = 2e-4;
+/// Bands are seen through windows of so many periods of the strongest line: through the longest, lines of 4/30 of its
+/// frequency or more apart are told from each other; less than the shortest has what is at zero and at the mirror image
+/// of the frequency in sight.
+const WINDOWS: [f64; 3] = [30.0, 16.0, 8.0];
+/// A band changes over so many windows or more.
+const FEWEST_WINDOWS: f64 = 3.0;
+/// A stretch of so many periods of the strongest line has shown what changes tenfold in it.
+pub(super) const FEWEST_PERIODS: f64 = 24.0;
+/// What is less than this part of the largest value is rounding.
+pub(super) const ROUNDING: f64 = 1e-12;
 /// How straight the logarithm of an amplitude has to be.
-const STRAIGHT: f64 = 0.1;
-/// How well frequencies are known whose phases are straight to rounding, in parts of themselves.
-const ROUNDING: f64 = 1e-9;
-/// Sums and differences of the frequencies of two lines with so many terms are looked for.
-const MOST_TERMS: i32 = 3;
+pub(super) const STRAIGHT: f64 = 0.1;
 
-/// The amplitude of a line over time.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Band {
-    /// The middle of the band, Hz.
-    pub frequency: f64,
-    /// (time, amplitude): s and the history's unit. None where the band is hidden by a stronger one.
-    pub amplitude: Vec<[f64; 2]>,
-}
-
-/// A stretch of time over which the logarithm of a band's amplitude is straight.
+/// A stretch of time over which the logarithm of an amplitude is straight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Phase {
-    /// Its place among the bands; `None` of the whole motion, where the run is too short for bands.
+    /// Its place among the bands; `None` of a mode while no contact changes its state, of the envelope, and of a band
+    /// of a shorter window than the bands that are kept.
     pub band: Option<usize>,
-    /// Beginning and end, s: half a window inside of where the logarithm bends.
+    /// Beginning and end, s: of a band, half a window inside of where the logarithm bends.
     pub span: [f64; 2],
     /// The fitted line's amplitudes there, the history's unit.
     pub amplitude: [f64; 2],
+    /// The displacement of which these are the amplitudes (m), where they are not those of the output.
+    pub displacement: Option<String>,
     /// The growth rate, 1/s; negative where it decays.
     pub rate: f64,
     /// How far that may be off, as far as the amplitudes tell, 1/s.
     pub rate_error: f64,
-    /// Hz.
+    /// Hz; 0 of a mode that does not oscillate.
     pub frequency: f64,
     /// How far that may be off, as far as the phases tell, Hz.
     pub frequency_error: f64,
     /// The frequency is that of a sum or difference of stronger lines: no motion of its own.
     pub combination: Option<Combination>,
-}
-
-/// A frequency as a sum of multiples of others.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
-pub struct Combination {
-    /// Two stronger lines, Hz.
-    pub frequencies: [f64; 2],
-    /// How often each.
-    pub factors: [i32; 2],
 }
 
 /// What was found in a history.
@@ -87,8 +60,8 @@ pub struct Growth {
     /// That, not the modulus of the analytic signal: it is the amplitude that one sees, whatever lines the motion
     /// has, a slow motion of the middle does not enter it, and it needs no filter that smears a beginning.
     pub envelope: Vec<[f64; 2]>,
-    /// The length of the windows through which bands are seen, s: lines 4 / window apart are told from each other. 0
-    /// where the run is too short for bands: less than eighty periods of the strongest line.
+    /// The length of the windows through which the bands are seen that are kept, s: lines 4 / window apart are told from
+    /// each other. 0 where the run is too short for bands.
     pub window: f64,
     /// Strongest first, by what part of the largest line they are somewhere. None where the run is too short for them.
     pub bands: Vec<Band>,
@@ -97,53 +70,60 @@ pub struct Growth {
     pub phases: Vec<Phase>,
 }
 
-/// Finds growth and decay in a history in steps of `interval` (s): straight stretches of two windows or more in
-/// which the amplitude changes by a factor of ten or more.
+/// The strongest line of a history, Hz; `None` if nothing oscillates.
+#[allow(clippy::cast_precision_loss)]
+pub(super) fn dominant(history: &[f64], interval: f64) -> Option<f64> {
+    cycles(history).map(|cycles| cycles / (history.len() as f64 * interval))
+}
+
+/// Finds growth and decay within some `spans` (s) of a history in steps of `interval` (s), besides what is `known`:
+/// straight stretches in which an amplitude changes by a factor of ten or more.
 #[must_use]
-#[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub fn growth(history: &[f64], interval: f64) -> Growth {
+#[allow(clippy::cast_precision_loss)]
+pub fn growth(history: &[f64], interval: f64, spans: &[[f64; 2]], known: Vec<Phase>) -> Growth {
     let length = history.len() as f64 * interval;
-    let dominant = cycles(history).map(|cycles| cycles / length);
-    let Some(frequency) = dominant else { return Growth::default() };
-    let window = (WINDOW_PERIODS / frequency).min(length / FEWEST_WINDOWS);
+    let dominant = dominant(history, interval);
+    let Some(frequency) = dominant else { return Growth { phases: known, ..Growth::default() } };
+    let floor = ROUNDING * history.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
     let envelope = envelope(history, interval, 1.0 / frequency);
-    if window * frequency < FEWEST_PERIODS {
-        let phases = whole(history, interval, frequency, &envelope);
-        return Growth { dominant, envelope, phases, ..Growth::default() };
-    }
-    let hop = (window / interval / LOOKS as f64).round().max(1.0) as usize;
-    let count = hop * LOOKS;
-    let width = 4.0 / window;
-    let all: Vec<Followed> = frequencies(history, interval, width)
-        .into_iter()
-        .map(|frequency| Followed::of(history, interval, frequency, [count, hop]))
-        .collect();
-    let strongest = |i: usize| all.iter().fold(0.0, |most, band| f64::max(most, band.amplitude[i]));
-    let strongest: Vec<f64> =
-        (0..all.first().map_or(0, |band| band.amplitude.len())).map(strongest).collect();
-    let is_seen = |band: &Followed, i: usize| {
-        let amplitude = band.amplitude[i];
-        amplitude > LEAK * strongest[i] && amplitude >= f64::MIN_POSITIVE
-    };
-    let mut phases: Vec<Phase> = Vec::new();
-    for (place, band) in all.iter().enumerate() {
-        let seen: Vec<usize> = (0..strongest.len()).filter(|&i| is_seen(band, i)).collect();
-        for run in seen.chunk_by(|a, b| a + 1 == *b) {
-            phases.extend(band.phases(place, run[0]..run[0] + run.len()));
+    let mut found = Growth { dominant, envelope, phases: known, ..Growth::default() };
+    for window in WINDOWS.map(|periods| periods / frequency) {
+        if length < FEWEST_WINDOWS * window {
+            continue;
+        }
+        let bands = Bands::of(history, interval, frequency, window, floor);
+        let is_kept = found.window == 0.0;
+        for phase in spans.iter().flat_map(|span| bands.phases(*span)) {
+            let band = phase.band.filter(|_| is_kept);
+            found.add(Phase { band, ..phase }, bands.width());
+        }
+        if is_kept {
+            (found.window, found.bands) = (bands.window, bands.shown());
         }
     }
-    for phase in &mut phases {
-        phase.combination = combination(phase, &all);
+    for span in spans {
+        for phase in whole(history, interval, &found, *span, floor) {
+            found.add(phase, f64::INFINITY);
+        }
     }
-    phases.sort_by(|a: &Phase, b: &Phase| a.span[0].total_cmp(&b.span[0]));
-    let bands = all.iter().map(|band| Band {
-        frequency: band.frequency,
-        amplitude: (0..strongest.len())
-            .filter(|&i| is_seen(band, i))
-            .map(|i| [band.time(i), band.amplitude[i]])
-            .collect(),
-    });
-    Growth { dominant, envelope, window, bands: bands.collect(), phases }
+    found.phases.sort_by(|a: &Phase, b: &Phase| a.span[0].total_cmp(&b.span[0]));
+    found
+}
+
+impl Growth {
+    /// Adds what was found through a shorter window than the others, unless they have it: at a frequency nearer than
+    /// `width` (Hz), over half of its time.
+    fn add(&mut self, phase: Phase, width: f64) {
+        let is_it = |other: &Phase| {
+            let common = other.span[1].min(phase.span[1]) - other.span[0].max(phase.span[0]);
+            (other.rate > 0.0) == (phase.rate > 0.0)
+                && (other.frequency - phase.frequency).abs() < width
+                && common > 0.5 * (phase.span[1] - phase.span[0])
+        };
+        if !self.phases.iter().any(is_it) {
+            self.phases.push(phase);
+        }
+    }
 }
 
 /// Half of what lies between the smallest and the largest value of each period (s), at its middle.
@@ -157,20 +137,37 @@ fn envelope(history: &[f64], interval: f64, period: f64) -> Vec<[f64; 2]> {
     pieces.enumerate().map(point).collect()
 }
 
-/// Growth and decay of the whole motion, of which the envelope has a value a period.
+/// Growth and decay of the whole motion within a span, of which the envelope has a value a period.
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn whole(history: &[f64], interval: f64, dominant: f64, envelope: &[[f64; 2]]) -> Vec<Phase> {
-    let points: Vec<[f64; 2]> =
-        envelope.iter().map(|[time, half]| [*time, libm::log(*half)]).collect();
+fn whole(
+    history: &[f64],
+    interval: f64,
+    growth: &Growth,
+    span: [f64; 2],
+    floor: f64,
+) -> Vec<Phase> {
+    let Some(dominant) = growth.dominant else { return Vec::new() };
+    let half_period = 0.5 / dominant;
+    let is_within =
+        |[time, _]: &&[f64; 2]| time - half_period >= span[0] && time + half_period <= span[1];
+    let logarithm = |half: f64| if half > floor { libm::log(half) } else { f64::NAN };
+    let points: Vec<[f64; 2]> = growth
+        .envelope
+        .iter()
+        .filter(is_within)
+        .map(|[time, half]| [*time, logarithm(*half)])
+        .collect();
     let mut found = Vec::new();
     for run in points.split(|[_, y]| !y.is_finite()) {
         for (_, span, fit) in straight_pieces(run, 2) {
             let [from, to] = span.map(|time| (time / interval).round() as usize);
-            let frequency = cycles(&history[from..to])
-                .map_or(dominant, |cycles| cycles / ((to - from) as f64 * interval));
+            // Without its growth the line is steady, and its peak where its frequency is.
+            let level =
+                |i: usize| history[i] * libm::exp(-fit.slope * (i - from) as f64 * interval);
+            let steady: Vec<f64> = (from..to).map(level).collect();
             let length = span[1] - span[0];
-            let phase = Phase::of(None, span, &fit, [frequency, 1.0 / length]);
-            found.push(phase);
+            let frequency = cycles(&steady).map_or(dominant, |cycles| cycles / length);
+            found.push(Phase::of(None, span, &fit, [frequency, 1.0 / length]));
         }
     }
     found
@@ -178,7 +175,7 @@ fn whole(history: &[f64], interval: f64, dominant: f64, envelope: &[[f64; 2]]) -
 
 /// The straight pieces of a logarithm that are longer than two windows, and in which it rises or falls enough: the
 /// piece but half a window at each end, which sees what is beyond; its span; its line.
-fn straight_pieces(
+pub(super) fn straight_pieces(
     points: &[[f64; 2]],
     looks_a_window: usize,
 ) -> Vec<(Range<usize>, [f64; 2], Fit)> {
@@ -199,7 +196,7 @@ fn straight_pieces(
 }
 
 impl Phase {
-    fn of(band: Option<usize>, span: [f64; 2], fit: &Fit, frequency: [f64; 2]) -> Self {
+    pub(super) fn of(band: Option<usize>, span: [f64; 2], fit: &Fit, frequency: [f64; 2]) -> Self {
         let [frequency, frequency_error] = frequency;
         Self {
             band,
@@ -209,124 +206,16 @@ impl Phase {
             rate_error: fit.slope_error(span[1] - span[0]),
             frequency,
             frequency_error,
+            displacement: None,
             combination: None,
         }
     }
 }
 
-/// The strongest lines of the parts of a history, each by what part of the part's largest line it is, no two within
-/// `width` (Hz).
-fn frequencies(history: &[f64], interval: f64, width: f64) -> Vec<f64> {
-    let mut found: Vec<(f64, f64)> = Vec::new();
-    for part in history.chunks(history.len().div_ceil(PARTS).max(1)) {
-        let Lines { lines, .. } = lines(part, interval, FAINT);
-        let Some(largest) = lines.first().map(|line| line.amplitude) else { continue };
-        found.extend(lines.iter().map(|line| (line.amplitude / largest, line.frequency)));
-    }
-    // Of equal ones the first.
-    found.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let mut kept: Vec<f64> = Vec::new();
-    for (_, frequency) in found {
-        if kept.len() < MOST_BANDS && kept.iter().all(|other| (other - frequency).abs() >= width) {
-            kept.push(frequency);
-        }
-    }
-    kept
-}
-
-/// A band at all times.
-struct Followed {
-    frequency: f64,
-    amplitude: Vec<f64>,
-    /// Without jumps, rad.
-    phase: Vec<f64>,
-    /// Of the first look, and between two, s.
-    begin: f64,
-    hop: f64,
-}
-
-impl Followed {
-    #[allow(clippy::cast_precision_loss)]
-    fn of(history: &[f64], interval: f64, frequency: f64, [count, hop]: [usize; 2]) -> Self {
-        let phasors = demodulate(history, interval, frequency, count, hop);
-        let mut phase = 0.0;
-        let unwrapped = phasors.iter().map(|phasor| {
-            phase += libm::remainder(phasor.phase - phase, TAU);
-            phase
-        });
-        Self {
-            frequency,
-            phase: unwrapped.collect(),
-            amplitude: phasors.iter().map(|phasor| phasor.amplitude).collect(),
-            begin: 0.5 * (count - 1) as f64 * interval,
-            hop: hop as f64 * interval,
-        }
-    }
-
-    #[allow(clippy::cast_precision_loss)]
-    fn time(&self, i: usize) -> f64 {
-        self.begin + i as f64 * self.hop
-    }
-
-    /// The frequency over some looks, and how far it may be off, Hz.
-    fn frequency_over(&self, looks: Range<usize>) -> [f64; 2] {
-        let points: Vec<[f64; 2]> = looks.map(|i| [self.time(i), self.phase[i]]).collect();
-        let fit = Fit::of(&points);
-        let length = points[points.len() - 1][0] - points[0][0];
-        [self.frequency + fit.slope / TAU, fit.slope_error(length) / TAU]
-    }
-
-    /// The straight stretches within some looks.
-    fn phases(&self, band: usize, looks: Range<usize>) -> Vec<Phase> {
-        let point = |i: usize| [self.time(i), libm::log(self.amplitude[i])];
-        let points: Vec<[f64; 2]> = looks.clone().map(point).collect();
-        let phase = |(inner, span, fit): (Range<usize>, _, _)| {
-            let looks = looks.start + inner.start..looks.start + inner.end;
-            Phase::of(Some(band), span, &fit, self.frequency_over(looks))
-        };
-        straight_pieces(&points, LOOKS).into_iter().map(phase).collect()
-    }
-
-    /// The looks within a span, s.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    fn looks(&self, span: [f64; 2]) -> Range<usize> {
-        let [from, to] = span.map(|time| ((time - self.begin) / self.hop).round() as usize);
-        from..(to + 1).min(self.amplitude.len())
-    }
-}
-
-/// Is the frequency of a phase a combination of those of stronger bands over the same time, as the kinks of the law
-/// of contact make them?
-fn combination(phase: &Phase, all: &[Followed]) -> Option<Combination> {
-    let level = |band: &Followed| {
-        let looks = band.looks(phase.span);
-        looks.fold(0.0, |sum, i| sum + libm::log(band.amplitude[i].max(f64::MIN_POSITIVE)))
-    };
-    let own = level(&all[phase.band?]);
-    let stronger = all.iter().filter(|band| level(band) > own);
-    let stronger: Vec<[f64; 2]> =
-        stronger.map(|band| band.frequency_over(band.looks(phase.span))).collect();
-    for (i, &[a, a_error]) in stronger.iter().enumerate() {
-        for &[b, b_error] in &stronger[i..] {
-            for m in 0..=MOST_TERMS {
-                for n in -MOST_TERMS..=MOST_TERMS {
-                    let [times_a, times_b] = [m, n].map(f64::from);
-                    let sum = (times_a * a + times_b * b).abs();
-                    let error = times_a * a_error + times_b.abs() * b_error + phase.frequency_error;
-                    let is_few = (2..=MOST_TERMS).contains(&(m + n.abs()));
-                    if is_few && (sum - phase.frequency).abs() <= error + ROUNDING * sum {
-                        return Some(Combination { frequencies: [a, b], factors: [m, n] });
-                    }
-                }
-            }
-        }
-    }
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::TAU;
 
     /// A sum of lines a exp(σ t) cos(2π f t), each as [f, a, σ], in steps of 0.2 ms.
     fn history(count: i32, parts: &[[f64; 3]]) -> Vec<f64> {
@@ -335,6 +224,11 @@ mod tests {
             parts.iter().map(|[f, a, rate]| a * (rate * t).exp() * (TAU * f * t).cos()).sum()
         };
         (0..count).map(value).collect()
+    }
+
+    /// All of a history.
+    fn of(history: &[f64]) -> Growth {
+        growth(history, 2e-4, &[[0.0, f64::INFINITY]], Vec::new())
     }
 
     fn assert_found(phase: &Phase, [frequency, amplitude, rate]: [f64; 3], allowed: f64) {
@@ -355,7 +249,7 @@ mod tests {
     fn a_growth_under_a_steady_line_and_a_decay_have_their_rates_and_frequencies() {
         let [steady, growing, decaying] =
             [[219.0, 1.0, 0.0], [168.3, 1e-3, 1.6], [43.0, 0.5, -3.0]];
-        let found = growth(&history(20_000, &[steady, growing, decaying]), 2e-4);
+        let found = of(&history(20_000, &[steady, growing, decaying]));
         assert_eq!(found.phases.len(), 2, "{:?}", found.phases);
         for exact in [growing, decaying] {
             let is_it = |phase: &&Phase| (phase.frequency - exact[0]).abs() < 5.0;
@@ -377,7 +271,7 @@ mod tests {
         let mut values = history(20_000, &[steady, growing]);
         // A law that bends makes sums and differences of the two.
         values.iter_mut().for_each(|value| *value += 0.2 * *value * *value);
-        let found = growth(&values, 2e-4);
+        let found = of(&values);
         let own: Vec<&Phase> =
             found.phases.iter().filter(|phase| phase.combination.is_none()).collect();
         let [own] = own[..] else { panic!("{:?}", found.phases) };
@@ -391,7 +285,7 @@ mod tests {
     fn a_few_periods_show_the_growth_of_the_whole_motion() {
         // 16 periods: too few for bands.
         let exact = [5.0, 1e-3, 1.5];
-        let found = growth(&history(16_000, &[exact]), 2e-4);
+        let found = of(&history(16_000, &[exact]));
         assert_eq!((found.bands.len(), found.window), (0, 0.0));
         let [phase] = &found.phases[..] else { panic!("{:?}", found.phases) };
         assert_eq!(phase.band, None);
@@ -405,9 +299,9 @@ mod tests {
 
     #[test]
     fn what_neither_grows_nor_oscillates_has_no_phases() {
-        let steady = growth(&history(20_000, &[[219.0, 1.0, 0.0], [180.0, 0.3, 0.0]]), 2e-4);
+        let steady = of(&history(20_000, &[[219.0, 1.0, 0.0], [180.0, 0.3, 0.0]]));
         assert_eq!(steady.phases, []);
-        assert_eq!(growth(&[], 1e-3), Growth::default());
-        assert_eq!(growth(&[1.0; 500], 1e-3), Growth::default());
+        assert_eq!(of(&[]), Growth::default());
+        assert_eq!(of(&[1.0; 500]), Growth::default());
     }
 }

@@ -2,15 +2,23 @@
 //!
 //! | file | what it finds |
 //! | --- | --- |
-//! | `growth` | growth and decay in a history, band by band |
+//! | `linear` | growth and decay mode by mode while no contact changes its state |
+//! | `growth` | growth and decay in a history, by its bands and its envelope |
+//! | `bands` | the strongest lines, each followed over time by itself |
 //! | `straight` | where a curve is straight |
+//! | `open` | what a run leaves open, and what would decide it |
 //! | `stretches` | which states each contact takes over time |
 
+mod bands;
 mod growth;
+mod linear;
+mod open;
 mod straight;
 mod stretches;
 
-pub use growth::{Band, Combination, Growth, Phase, growth};
+pub use bands::{Band, Combination};
+pub use growth::{Growth, Phase, growth};
+pub use open::Open;
 pub use stretches::{Course, Stretch};
 
 use super::look::{ROWS_A_PERIOD, frequencies, output};
@@ -22,8 +30,9 @@ use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Quantity;
 use crate::simulation::{Simulation, Variable, variables};
 use crate::spectral::Spectrogram;
-use crate::stability::Spectrum;
 use crate::stability::candidates::resting_state;
+use crate::stability::{Spectrum, highest_frequency};
+use linear::{Follower, Observed};
 use serde::Serialize;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -101,6 +110,10 @@ pub struct Transient {
     pub growth: Growth,
     /// Each of `growth.phases` beside eigenvalues.
     pub findings: Vec<Finding>,
+    /// What the run is too short to tell.
+    pub open: Vec<Open>,
+    /// Of the scene, what the eigenvalues leave out: sentences.
+    pub left_out: Vec<String>,
     /// The states that each contact takes over time.
     pub courses: Vec<Course>,
     /// Of the output.
@@ -133,21 +146,28 @@ pub fn transient(
             experiment.stop_time
         )));
     }
-    let mut record = Record::of(outputs, scene.contact_count());
+    let follower = linear.follower(scene, &simulation, interval);
+    let mut record = Record::of(outputs, scene.contact_count(), follower);
     let ended = record.run(&mut simulation, experiment, watch);
     let (output, history) = record.most_moving();
+    let found = record.follower.found(observed(scene, &output.name));
     let states = record.states;
-    let growth = growth(&history, interval);
+    let end = interval * history.len().saturating_sub(1) as f64;
+    let rest = open::unexplained(&found.explained, end, growth::dominant(&history, interval));
+    let growth = growth(&history, interval, &rest, found.phases);
+    let open = open::questions(found.slow, &rest, &growth, end);
     let mut shares = Shares::of(&linear, &states, interval);
     let findings = growth.phases.iter().map(|phase| shares.beside(phase)).collect();
     Ok(Transient {
         unit: unit(&output),
         output: output.name,
         interval,
-        end: interval * history.len().saturating_sub(1) as f64,
+        end,
         complete: matches!(ended, Ok(true)),
         failure: ended.err(),
         findings,
+        open,
+        left_out: linear.leaves_out(scene),
         courses: stretches::courses(&contact_names(scene), &states, interval),
         spectrogram: spectrogram(&history, interval, growth.window, highest(scene)),
         growth,
@@ -177,7 +197,21 @@ pub fn interval(scene: &Scene, output_interval: f64) -> f64 {
 
 /// The frequency of the fastest mode, Hz.
 fn highest(scene: &Scene) -> Option<f64> {
-    frequencies(scene).map(|[_, fastest]| fastest)
+    let of_modes = frequencies(scene).map(|[_, fastest]| fastest);
+    // At rest nothing may oscillate that does in other states.
+    of_modes.or_else(|| highest_frequency(&LumpedModel::from(scene)).map(|bound| bound / TAU))
+}
+
+/// The degree of freedom whose displacement or velocity an output is.
+fn observed(scene: &Scene, output: &str) -> Option<Observed> {
+    [(Quantity::Displacement, false), (Quantity::Velocity, true)].into_iter().find_map(
+        |(quantity, is_velocity)| {
+            let all = variables(scene);
+            let mut all = all.iter().filter(|variable| variable.template.quantity == quantity);
+            let dof = all.position(|variable| variable.name == output)?;
+            Some(Observed { dof, is_velocity })
+        },
+    )
 }
 
 /// The contacts as the FMU names them.
@@ -203,6 +237,30 @@ impl Linear {
         let resting = resting_state(&model, acting.slider.velocity);
         Self { model, friction: acting.friction_coefficient, resting }
     }
+
+    fn follower(&self, scene: &Scene, simulation: &Simulation, interval: f64) -> Follower {
+        let equilibrium = &simulation.reference().displacement;
+        let (model, names) = (self.model.clone(), scene.dof_names());
+        Follower::of(model, self.friction, names, equilibrium, interval)
+    }
+
+    fn leaves_out(&self, scene: &Scene) -> Vec<String> {
+        let mut found = Vec::new();
+        if !scene.signals.is_empty() {
+            found.push(
+                "signals act in the run; the eigenvalues beside it are those of the values at its start"
+                    .to_owned(),
+            );
+        }
+        if self.model.contacts.iter().any(|contact| contact.weakening() != 0.0) {
+            found.push(
+                "friction depends on the slip velocity; the eigenvalues have its slope at the equilibrium, which is \
+                 right for small motions"
+                    .to_owned(),
+            );
+        }
+        found
+    }
 }
 
 /// What is kept of a run.
@@ -210,12 +268,14 @@ struct Record {
     outputs: Vec<Variable>,
     histories: Vec<Vec<f64>>,
     states: Vec<Vec<ContactState>>,
+    rows: usize,
+    follower: Follower,
 }
 
 impl Record {
-    fn of(outputs: Vec<Variable>, contacts: usize) -> Self {
+    fn of(outputs: Vec<Variable>, contacts: usize, follower: Follower) -> Self {
         let histories = vec![Vec::new(); outputs.len()];
-        Self { outputs, histories, states: vec![Vec::new(); contacts] }
+        Self { outputs, histories, states: vec![Vec::new(); contacts], rows: 0, follower }
     }
 
     /// All rows until the end, or a failure, or the watch's word: whether it is the end.
@@ -249,6 +309,10 @@ impl Record {
         for (history, output) in self.histories.iter_mut().zip(&self.outputs) {
             history.push(simulation.read(output)?);
         }
+        let changes = simulation.statistics().state_changes();
+        let (displacement, velocity) = (simulation.displacement(), simulation.velocity());
+        self.follower.row(self.rows, &states, changes, displacement, velocity);
+        self.rows += 1;
         for (course, state) in self.states.iter_mut().zip(states) {
             course.push(state);
         }

@@ -1,5 +1,7 @@
 //! Where a curve is straight.
 
+use std::cmp::Reverse;
+use std::collections::BinaryHeap;
 use std::ops::Range;
 
 /// The straight line of least squares through points (x, y).
@@ -44,24 +46,46 @@ impl Fit {
 /// in the order in which they fit best; a piece has two points at least, but for an odd one at the end.
 pub(super) fn pieces(points: &[[f64; 2]], apart: f64) -> Vec<Range<usize>> {
     let count = points.len();
-    let mut found: Vec<Range<usize>> =
-        (0..count).step_by(2).map(|from| from..(from + 2).min(count)).collect();
-    let cost = |a: &Range<usize>, b: &Range<usize>| Fit::of(&points[a.start..b.end]).apart;
-    let mut costs: Vec<f64> = found.windows(2).map(|two| cost(&two[0], &two[1])).collect();
-    while let Some(best) = (0..costs.len()).rev().min_by(|&a, &b| costs[a].total_cmp(&costs[b])) {
-        if costs[best] > apart {
+    let mut found: Vec<Option<Range<usize>>> =
+        (0..count).step_by(2).map(|from| Some(from..(from + 2).min(count))).collect();
+    let mut before: Vec<Option<usize>> =
+        (0..found.len()).map(|place| place.checked_sub(1)).collect();
+    let mut after: Vec<Option<usize>> =
+        (1..=found.len()).map(|place| (place < found.len()).then_some(place)).collect();
+    // Costs are not negative, so their bits are in their order; of equal ones the last goes first.
+    let mut costs = BinaryHeap::new();
+    let cost = |left: &Range<usize>, right: &Range<usize>| {
+        let apart = Fit::of(&points[left.start..right.end]).apart;
+        Reverse((apart.to_bits(), Reverse(left.start), right.end))
+    };
+    for two in found.windows(2) {
+        let [Some(left), Some(right)] = two else { continue };
+        costs.push(cost(left, right));
+    }
+    while let Some(Reverse((bits, Reverse(start), end))) = costs.pop() {
+        if f64::from_bits(bits) > apart {
             break;
         }
-        found[best].end = found.remove(best + 1).end;
-        costs.remove(best);
-        if best > 0 {
-            costs[best - 1] = cost(&found[best - 1], &found[best]);
+        let place = start / 2;
+        let Some(right_place) = after[place] else { continue };
+        // Either may have grown since.
+        let (Some(left), Some(right)) = (&found[place], &found[right_place]) else { continue };
+        if right.end != end {
+            continue;
         }
-        if best < costs.len() {
-            costs[best] = cost(&found[best], &found[best + 1]);
+        let merged = left.start..right.end;
+        found[right_place] = None;
+        after[place] = after[right_place];
+        if let Some(next) = after[place] {
+            before[next] = Some(place);
+            costs.extend(found[next].iter().map(|next| cost(&merged, next)));
         }
+        if let Some(last) = before[place] {
+            costs.extend(found[last].iter().map(|last| cost(last, &merged)));
+        }
+        found[place] = Some(merged);
     }
-    found
+    found.into_iter().flatten().collect()
 }
 
 #[cfg(test)]

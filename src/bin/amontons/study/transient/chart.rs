@@ -1,15 +1,19 @@
 //! The picture of `amontons study transient`.
 
+use super::most_telling;
 use amontons::contact::ContactState;
 use amontons::picture::{Chart, Class, Lane, Panel, Raster, Series, Stretch, Style};
 use amontons::scene::Scene;
-use amontons::study::transient::{Band, Finding, Transient};
+use amontons::study::transient::{Band, Finding, Phase, Transient};
+use std::f64::consts::TAU;
 
 /// A curve of many values is drawn by the smallest and the largest of each of so many pieces.
 const PIECES: usize = 1200;
 /// The most bands that are drawn, and lanes.
 const MOST_BANDS: usize = 5;
 const MOST_LANES: usize = 16;
+/// What is less than this part of the largest value is rounding, and is not drawn.
+const ROUNDING: f64 = 1e-12;
 /// Less than this below the largest power is not told from nothing, dB.
 const DEEPEST: f64 = -80.0;
 
@@ -49,9 +53,11 @@ fn history(found: &Transient) -> Panel {
 
 /// Logarithms to base ten, with the fitted lines.
 fn amplitudes(found: &Transient) -> Option<Panel> {
+    let largest = found.history.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+    let floor = ROUNDING * largest;
     let logarithms = |points: &[[f64; 2]]| {
         let logarithm = |[time, amplitude]: &[f64; 2]| {
-            [*time, if *amplitude > 0.0 { amplitude.log10() } else { f64::NAN }]
+            [*time, if *amplitude > floor { amplitude.log10() } else { f64::NAN }]
         };
         points.iter().map(logarithm).collect::<Vec<_>>()
     };
@@ -69,11 +75,28 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
         colour,
         ..Series::default()
     });
-    let own = found.findings.iter().filter(|finding| finding.phase.combination.is_none());
+    // Beside a growth the modes that decay would only reach far down.
+    let grows = found.findings.iter().any(|finding| finding.phase.rate > 0.0);
+    let own = most_telling(&found.findings).into_iter().filter(|finding| {
+        let Phase { combination, displacement, amplitude, band, rate, .. } = &finding.phase;
+        combination.is_none()
+            && displacement.is_none()
+            && amplitude.iter().all(|a| *a > floor)
+            && (*rate > 0.0 || band.is_some() || !grows)
+    });
     let fits = own.map(|Finding { phase, .. }| Series {
-        label: Some("fitted exponential".to_owned()),
+        label: Some("fitted exponential with its growth rate".to_owned()),
         points: phase.span.into_iter().zip(phase.amplitude).map(|(t, a)| [t, a.log10()]).collect(),
-        labels: vec![String::new(), format!("{:+.2} 1/s at {:.1} Hz", phase.rate, phase.frequency)],
+        labels: vec![
+            String::new(),
+            format!(
+                "{:+.2} 1/s ({:+.2} Hz) at {:.1} Hz",
+                phase.rate,
+                phase.rate / TAU,
+                phase.frequency
+            )
+            .replace('-', "−"),
+        ],
         colour: 6,
         style: Style::Dashed,
     });

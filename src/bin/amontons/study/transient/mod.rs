@@ -8,11 +8,14 @@ use super::{found, set_pace, watched};
 use crate::arguments::positive;
 use crate::interrupt::Interrupted;
 use amontons::scene::{Experiment, Scene};
-use amontons::study::transient::{Eigenvalue, Finding, Taken, Transient, interval, transient};
+use amontons::study::transient::{
+    Eigenvalue, Finding, Open, Phase, Taken, Transient, interval, transient,
+};
 use amontons::study::{Look, output, pace};
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
+use std::f64::consts::TAU;
 use std::io::{ErrorKind, Write, stdout};
 
 #[derive(Args)]
@@ -93,7 +96,7 @@ fn write(folder: &Folder, scene: &Scene, found: &Transient) -> Result<(), Box<dy
     Ok(())
 }
 
-const COLUMNS: [&str; 13] = [
+const COLUMNS: [&str; 14] = [
     "from",
     "to",
     "frequency",
@@ -102,6 +105,7 @@ const COLUMNS: [&str; 13] = [
     "rate_error",
     "amplitude_from",
     "amplitude_to",
+    "displacement",
     "combination",
     "resting_frequency",
     "resting_rate",
@@ -123,6 +127,7 @@ fn cells(finding: &Finding) -> Vec<String> {
         phase.amplitude[1],
     ];
     let mut cells: Vec<String> = numbers.iter().map(|number| format!("{number:?}")).collect();
+    cells.push(phase.displacement.clone().unwrap_or_default());
     cells.push(combination(finding).unwrap_or_default());
     let resting = finding.resting.map(|Eigenvalue { rate, frequency }| [frequency, rate]);
     cells.extend(match resting {
@@ -159,35 +164,40 @@ fn combination(finding: &Finding) -> Option<String> {
 }
 
 fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Result<()> {
-    let Transient { output, unit, interval, end, growth, findings, .. } = found;
-    writeln!(out, "{}: {output} over {end} s, each {interval} s", scene.name)?;
+    let Transient { output, unit, interval, end, growth, findings, open, left_out, .. } = found;
+    // Without the digits of a third.
+    let shown: f64 = format!("{interval:.4e}").parse().unwrap_or(*interval);
+    writeln!(out, "{}: {output} over {end} s, each {shown:?} s", scene.name)?;
     match growth.dominant {
         Some(dominant) => writeln!(out, "strongest line: {dominant:.2} Hz")?,
         None => writeln!(out, "it does not oscillate")?,
     }
     match growth.window {
         window if window > 0.0 => writeln!(out, "bands seen through windows of {window:.3} s")?,
-        _ if growth.dominant.is_some() => {
-            writeln!(out, "less than 80 periods of it: the motion is looked at as a whole")?;
-        }
         _ => {}
     }
-    if findings.is_empty() {
-        return writeln!(out, "nothing grows or decays tenfold along an exponential");
+    for sentence in left_out {
+        writeln!(out, "note: {sentence}")?;
     }
-    for finding in findings {
+    if findings.is_empty() {
+        writeln!(out, "no tenfold growth or decay along an exponential was found")?;
+    }
+    let listed = most_telling(findings);
+    for finding in &listed {
         let phase = &finding.phase;
+        let (of, unit) = match &phase.displacement {
+            Some(displacement) => (format!(" of {displacement}"), "m"),
+            None => (String::new(), *unit),
+        };
         writeln!(out)?;
         writeln!(
             out,
-            "{} from {:.2} to {:.2} s: {:+.4} ± {:.1e} 1/s at {:.3} ± {:.1e} Hz, {:.2e} to {:.2e} {unit}",
-            if phase.rate > 0.0 { "grows" } else { "decays" },
-            phase.span[0],
-            phase.span[1],
-            phase.rate,
-            phase.rate_error,
-            phase.frequency,
-            phase.frequency_error,
+            "{} from {} to {} s: {} {}, {:.2e} to {:.2e} {unit}{of}",
+            verb(phase.rate),
+            time(phase.span[0], *interval),
+            time(phase.span[1], *interval),
+            growth_rate(phase),
+            at_frequency(phase),
             phase.amplitude[0],
             phase.amplitude[1],
         )?;
@@ -207,5 +217,102 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
             writeln!(out, "                      {states:<15}{}", eigenvalue(taken.eigenvalue))?;
         }
     }
+    if listed.len() < findings.len() {
+        writeln!(out)?;
+        writeln!(out, "and {} more, in results.csv", findings.len() - listed.len())?;
+    }
+    if !open.is_empty() {
+        writeln!(out)?;
+    }
+    for question in open {
+        writeln!(out, "unknown: {}", asked(question, *interval))?;
+    }
     Ok(())
+}
+
+/// The most findings that are printed, and drawn.
+const MOST_LISTED: usize = 12;
+
+/// The findings that change most, in order of time: growth before decay, and no combinations before others.
+pub fn most_telling(findings: &[Finding]) -> Vec<&Finding> {
+    let change = |finding: &Finding| {
+        let Phase { rate, span, .. } = &finding.phase;
+        (rate * (span[1] - span[0])).abs()
+    };
+    let rank = |finding: &Finding| (finding.phase.combination.is_some(), finding.phase.rate < 0.0);
+    let mut order: Vec<&Finding> = findings.iter().collect();
+    order.sort_by(|a, b| rank(a).cmp(&rank(b)).then(change(b).total_cmp(&change(a))));
+    order.truncate(MOST_LISTED);
+    order.sort_by(|a, b| a.phase.span[0].total_cmp(&b.phase.span[0]));
+    order
+}
+
+fn verb(rate: f64) -> &'static str {
+    if rate > 0.0 { "grows" } else { "decays" }
+}
+
+fn at_frequency(phase: &Phase) -> String {
+    match phase.frequency {
+        0.0 => "without oscillation".to_owned(),
+        frequency => format!("at {frequency:.3} ± {:.1e} Hz", phase.frequency_error),
+    }
+}
+
+/// A time with the digits that rows each `interval` (s) give it.
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+fn time(time: f64, interval: f64) -> String {
+    let digits = (-interval.log10()).ceil().max(2.0) as usize;
+    format!("{time:.digits$}")
+}
+
+/// Why a motion is not followed mode by mode.
+const NO_MODES: &str = "the motion is not that of the modes (contacts change their states, signals drive it, or friction is not linear)";
+
+fn asked(question: &Open, interval: f64) -> String {
+    let rate = |phase: &Phase| {
+        format!(
+            "a mode {} with a {} {}, by a factor of {:.3}",
+            verb(phase.rate),
+            growth_rate(phase),
+            at_frequency(phase),
+            (phase.rate * (phase.span[1] - phase.span[0])).exp()
+        )
+    };
+    match question {
+        Open::LessThanTenfold { phase, stop_time } => format!(
+            "{} by the end of the run; --stop-time {} or more would show if it does so tenfold",
+            rate(phase),
+            rounded_up(*stop_time),
+        ),
+        Open::EndsBeforeTenfold { phase } => format!(
+            "{} until {} s, where the motion ceases to be that of the modes; a smaller initial perturbation would show if \
+             it does so tenfold",
+            rate(phase),
+            time(phase.span[1], interval),
+        ),
+        Open::TooShort { span, periods, stop_time } => format!(
+            "from {} s on {NO_MODES}, and {periods:.1} periods of the strongest line are too few to see growth or decay; \
+             --stop-time {} or more would decide",
+            time(span[0], interval),
+            rounded_up(*stop_time),
+        ),
+        Open::Slower { span, rate } => format!(
+            "from {} s on {NO_MODES}; a tenfold change there that is slower than {rate:.2} 1/s would show in a longer run \
+             (--stop-time)",
+            time(span[0], interval),
+        ),
+    }
+}
+
+/// As `growth rate +175.7834 ± 6.8e-6 1/s (+27.9768 Hz)`.
+fn growth_rate(phase: &Phase) -> String {
+    let Phase { rate, rate_error, .. } = phase;
+    format!("growth rate {rate:+.4} ± {rate_error:.1e} 1/s ({:+.4} Hz)", rate / TAU)
+}
+
+/// With two digits, not below it.
+fn rounded_up(value: f64) -> f64 {
+    let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
+    let rounded = (value / unit).ceil() * unit;
+    format!("{rounded:.1e}").parse().unwrap_or(rounded)
 }

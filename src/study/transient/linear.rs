@@ -1,0 +1,564 @@
+//! Growth and decay mode by mode while no contact changes its state.
+//!
+//! Between two changes the motion is linear and its whole state (x, v) is known, so the part of each mode is known at
+//! each row: s = Σ a_k (r_k, λ_k r_k), a solution of linear equations. Each a_k then follows its own exponential,
+//! whatever the other modes do, so a growth is seen however fast it is, and from whichever output. What is straight
+//! is measured: rate and frequency are those of a_k over time, and a motion that is not the mode's is not straight.
+//!
+//! A state that is not the one at rest has its own equilibrium, which may move as a straight line (a mass that sticks
+//! goes with the slider), and a load that has changed shifts the one at rest. The second difference in time leaves
+//! no such line, and of an exponential a multiple.
+
+use super::growth::{Phase, ROUNDING, STRAIGHT};
+use super::straight::{Fit, pieces};
+use crate::contact::ContactState;
+use crate::model::LumpedModel;
+use crate::stability::modes;
+use nalgebra::{Complex, DMatrix, DVector};
+use std::collections::HashMap;
+use std::f64::consts::{LN_10, TAU};
+use std::ops::Range;
+
+/// The most rows that are kept of a stretch; of a longer one every other is dropped, again and again.
+const MOST_ROWS: usize = 512;
+/// A stretch of fewer rows is not looked at, nor a line through fewer points.
+const FEWEST_ROWS: usize = 16;
+const FEWEST_POINTS: usize = 8;
+/// A mode that is nowhere this part of the largest of its time does not matter for what the motion is.
+const FAINT: f64 = 3e-2;
+/// How well rates and frequencies are known that are straight to rounding, in parts of |λ|.
+const FINEST: f64 = 1e-9;
+/// Eigenvalues this near, in parts of themselves, are those of one mode that comes more than once.
+const EQUAL: f64 = 1e-7;
+/// A second difference that leaves less than this of a mode does not show it.
+const LEAST_LEFT: f64 = 1e-2;
+/// A matrix of modes that solves no better than this is not used.
+const WORST: f64 = 1e-6;
+
+/// How fast the modes go that a run's stretches have shown.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Found {
+    /// Changes by a factor of ten or more.
+    pub(super) phases: Vec<Phase>,
+    /// Changes by less, over the whole of a stretch.
+    pub(super) slow: Vec<Phase>,
+    /// Where the modes explain the motion: all that matter follow their exponentials; s.
+    pub(super) explained: Vec<[f64; 2]>,
+}
+
+/// A degree of freedom's displacement or velocity.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Observed {
+    pub(super) dof: usize,
+    pub(super) is_velocity: bool,
+}
+
+/// Follows a run row by row.
+pub(super) struct Follower {
+    model: LumpedModel,
+    friction: f64,
+    names: Vec<String>,
+    /// The largest displacement at rest, m.
+    largest: f64,
+    interval: f64,
+    known: HashMap<Vec<ContactState>, Option<Basis>>,
+    stretch: Option<Rows>,
+    finished: Vec<Traced>,
+}
+
+/// The rows of one stretch.
+struct Rows {
+    states: Vec<ContactState>,
+    /// Changes of state up to here.
+    changes: u64,
+    first: usize,
+    last: usize,
+    /// Each so many rows one is kept.
+    step: usize,
+    /// Displacements, then velocities.
+    kept: Vec<Vec<f64>>,
+}
+
+impl Rows {
+    fn push(&mut self, row: usize, displacement: &[f64], velocity: &[f64]) {
+        self.last = row;
+        if !(row - self.first).is_multiple_of(self.step) {
+            return;
+        }
+        if self.kept.len() == MOST_ROWS {
+            let mut place = 0;
+            self.kept.retain(|_| {
+                place += 1;
+                place % 2 == 1
+            });
+            self.step *= 2;
+            if !(row - self.first).is_multiple_of(self.step) {
+                return;
+            }
+        }
+        self.kept.push([displacement, velocity].concat());
+    }
+}
+
+/// The modes of a stretch over its time.
+struct Traced {
+    span: [f64; 2],
+    modes: Vec<Trace>,
+    /// Do the modes that matter follow their exponentials all the time?
+    is_explained: bool,
+}
+
+/// One mode in a stretch, of which a change may be told.
+struct Trace {
+    eigenvalue: Complex<f64>,
+    /// What each degree of freedom has of the mode where it is 1 at the one that moves most.
+    shape: Vec<f64>,
+    dof: usize,
+    span: [f64; 2],
+    fit: Fit,
+    frequency: [f64; 2],
+    matters: bool,
+}
+
+impl Follower {
+    /// For a run of a model that is linearised about its equilibrium, with rows each `interval` (s) and degrees of
+    /// freedom of these names.
+    pub(super) fn of(
+        model: LumpedModel,
+        friction: f64,
+        names: Vec<String>,
+        equilibrium: &[f64],
+        interval: f64,
+    ) -> Self {
+        let largest = most(equilibrium);
+        let (known, finished) = (HashMap::new(), Vec::new());
+        Self { model, friction, names, largest, interval, known, stretch: None, finished }
+    }
+
+    /// Takes the next row: the contacts' states, how often they have changed since the start, displacements from the
+    /// equilibrium (m) and velocities (m/s).
+    pub(super) fn row(
+        &mut self,
+        row: usize,
+        states: &[ContactState],
+        changes: u64,
+        displacement: &[f64],
+        velocity: &[f64],
+    ) {
+        let goes_on = |rows: &Rows| rows.changes == changes && rows.states == states;
+        if !self.stretch.as_ref().is_some_and(goes_on) {
+            self.close();
+            let states = states.to_vec();
+            let (step, kept) = (1, Vec::new());
+            self.stretch = Some(Rows { states, changes, first: row, last: row, step, kept });
+        }
+        if let Some(rows) = &mut self.stretch {
+            rows.push(row, displacement, velocity);
+        }
+    }
+
+    fn close(&mut self) {
+        let Some(rows) = self.stretch.take() else { return };
+        if rows.kept.len() < FEWEST_ROWS {
+            return;
+        }
+        let Self { model, friction, known, .. } = self;
+        let basis = known
+            .entry(rows.states.clone())
+            .or_insert_with_key(|states| Basis::of(model, states, *friction));
+        let Some(basis) = basis else { return };
+        let traced = basis.trace(&rows, self.interval, self.largest);
+        self.finished.push(traced);
+    }
+
+    /// All that was found once the run is over; amplitudes are those of the output where it is a displacement or
+    /// a velocity, and else of the displacement that moves most in the mode.
+    pub(super) fn found(mut self, observed: Option<Observed>) -> Found {
+        self.close();
+        let mut found = Found::default();
+        for Traced { span, modes, is_explained } in &self.finished {
+            for mode in modes {
+                let phase = mode.phase(observed, &self.names);
+                let change = mode.fit.slope * (phase.span[1] - phase.span[0]);
+                if change.abs() >= LN_10 {
+                    found.phases.push(phase);
+                } else if change.abs() > 0.0 && phase.rate.abs() > phase.rate_error && mode.matters
+                {
+                    found.slow.push(phase);
+                }
+            }
+            if *is_explained {
+                found.explained.push(*span);
+            }
+        }
+        found
+    }
+}
+
+impl Trace {
+    fn phase(&self, observed: Option<Observed>, names: &[String]) -> Phase {
+        let (factor, displacement) = match observed {
+            Some(Observed { dof, is_velocity }) => {
+                let per_time = if is_velocity {
+                    libm::hypot(self.eigenvalue.re, self.eigenvalue.im)
+                } else {
+                    1.0
+                };
+                (self.shape[dof] * per_time, None)
+            }
+            None => (1.0, Some(names[self.dof].clone())),
+        };
+        let mut phase = Phase::of(None, self.span, &self.fit, self.frequency);
+        phase.amplitude = phase.amplitude.map(|amplitude| factor * amplitude);
+        phase.rate_error += FINEST * libm::hypot(self.eigenvalue.re, self.eigenvalue.im);
+        phase.displacement = displacement;
+        phase
+    }
+}
+
+/// The modes of one contact state as a basis of its motions.
+struct Basis {
+    /// Coordinates that the contacts leave free from degrees of freedom, m × n.
+    free: DMatrix<f64>,
+    /// By what velocities are divided, 1/s.
+    pace: f64,
+    /// Coefficients of the modes from free coordinates and their velocities, 2m × 2m.
+    inverse: DMatrix<Complex<f64>>,
+    /// One of each conjugate pair; those of one eigenvalue together.
+    modes: Vec<Members>,
+}
+
+/// The modes of one eigenvalue.
+struct Members {
+    eigenvalue: Complex<f64>,
+    /// Each its row of the inverse, and its shape.
+    members: Vec<(usize, Vec<Complex<f64>>)>,
+}
+
+impl Basis {
+    /// `None` where the modes do not span the motions, or are too nearly parallel to be told from each other.
+    fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Option<Self> {
+        let reduced = model.reduced(states, friction)?;
+        let motions = reduced.motions;
+        let free = (motions.transpose() * &motions).try_inverse()? * motions.transpose();
+        let found = modes(model, states, friction).ok()?;
+        let pace = found.all().map(|mode| mode.eigenvalue.norm()).fold(0.0, f64::max);
+        if !(pace > 0.0 && pace.is_finite()) {
+            return None;
+        }
+        let size = free.nrows();
+        let mut columns: Vec<DVector<Complex<f64>>> = Vec::new();
+        let mut all: Vec<Members> = Vec::new();
+        let is_equal = |a: Complex<f64>, b: Complex<f64>| (a - b).norm() <= EQUAL * a.norm();
+        let in_free = |shape: &[Complex<f64>]| -> Vec<Complex<f64>> {
+            (0..size)
+                .map(|row| shape.iter().zip(free.row(row).iter()).map(|(x, f)| x * *f).sum())
+                .collect()
+        };
+        let mut last_real: Option<(Complex<f64>, Vec<Complex<f64>>)> = None;
+        for mode in found.all() {
+            let (lambda, u) = (mode.eigenvalue, in_free(&mode.shape));
+            let column = |factor: [Complex<f64>; 2], u: &[Complex<f64>]| {
+                DVector::from_fn(2 * size, |row, _| factor[row / size] * u[row % size])
+            };
+            let is_real = lambda.im.abs() <= 1e-9 * lambda.norm();
+            // A motion that no spring holds, or one at the border of oscillation: the same vector twice.
+            let is_double = is_real
+                && last_real.as_ref().is_some_and(|(other, v)| {
+                    is_equal(lambda, *other)
+                        && u.iter().zip(v).all(|(a, b)| (a - b).norm() <= EQUAL)
+                });
+            if is_double {
+                columns.push(column([Complex::ZERO, Complex::ONE], &u));
+                continue;
+            }
+            if is_real {
+                last_real = Some((lambda, u.clone()));
+            }
+            let place = columns.len();
+            columns.push(column([Complex::ONE, lambda / pace], &u));
+            if !is_real {
+                columns.push(columns[place].map(|value| value.conj()));
+            }
+            let member = (place, mode.shape.clone());
+            match all.iter_mut().find(|members| is_equal(members.eigenvalue, lambda)) {
+                Some(members) => members.members.push(member),
+                None => all.push(Members { eigenvalue: lambda, members: vec![member] }),
+            }
+        }
+        if columns.len() != 2 * size {
+            return None;
+        }
+        let norms: Vec<f64> = columns.iter().map(|column| column.norm()).collect();
+        let columns: Vec<_> = columns
+            .into_iter()
+            .zip(&norms)
+            .map(|(column, norm)| column / Complex::from(*norm))
+            .collect();
+        let matrix = DMatrix::from_columns(&columns);
+        let mut inverse = matrix.clone().try_inverse()?;
+        let rest = &inverse * matrix - DMatrix::identity(2 * size, 2 * size);
+        if !rest.iter().all(|value| value.norm() < WORST) {
+            return None;
+        }
+        for (row, norm) in norms.iter().enumerate() {
+            inverse.row_mut(row).iter_mut().for_each(|value| *value /= *norm);
+        }
+        Some(Self { free, pace, inverse, modes: all })
+    }
+
+    /// The coefficients of all modes, in the order of the inverse's rows.
+    fn coefficients(&self, kept: &[f64]) -> DVector<Complex<f64>> {
+        let (displacement, velocity) = kept.split_at(kept.len() / 2);
+        let [u, v] = [displacement, velocity].map(|x| &self.free * DVector::from_column_slice(x));
+        let size = u.len();
+        let state = DVector::from_fn(2 * size, |row, _| {
+            Complex::from(if row < size { u[row] } else { v[row - size] / self.pace })
+        });
+        &self.inverse * state
+    }
+
+    #[allow(clippy::cast_precision_loss)]
+    fn trace(&self, rows: &Rows, interval: f64, largest: f64) -> Traced {
+        let begin = rows.first as f64 * interval;
+        let step = rows.step as f64 * interval;
+        let span = [begin, rows.last as f64 * interval];
+        let coefficients: Vec<_> = rows.kept.iter().map(|kept| self.coefficients(kept)).collect();
+        // The largest displacement of a row or before.
+        let mut level = largest;
+        let levels: Vec<f64> = rows
+            .kept
+            .iter()
+            .map(|kept| {
+                level = f64::max(level, most(&kept[..kept.len() / 2]));
+                level
+            })
+            .collect();
+        let curves: Vec<Curve> =
+            self.modes.iter().filter_map(|mode| mode.curve(&coefficients, step)).collect();
+        let strongest = |i: usize| {
+            curves
+                .iter()
+                .filter_map(|curve| curve.values.get(i))
+                .fold(0.0, |most, w| f64::max(most, w.norm()))
+        };
+        let strongest: Vec<f64> = (0..coefficients.len()).map(strongest).collect();
+        let mut traced = Traced { span, modes: Vec::new(), is_explained: true };
+        for curve in &curves {
+            let is_seen = |i: &usize| {
+                let last = (i + 2 * curve.lag).min(levels.len() - 1);
+                curve.values[*i].norm() > ROUNDING * levels[last]
+            };
+            let seen: Vec<usize> = (0..curve.values.len()).filter(is_seen).collect();
+            let matters = seen.iter().any(|&i| curve.values[i].norm() >= FAINT * strongest[i]);
+            for run in seen.chunk_by(|a, b| a + 1 == *b) {
+                let found = curve.straight(run[0]..run[0] + run.len(), begin, step);
+                traced.is_explained &=
+                    !matters || found.iter().all(|(range, _)| range.len() == run.len());
+                for (range, fit) in found {
+                    let is_end = range.end == curve.values.len();
+                    let ends =
+                        [range.start, range.end - 1 + if is_end { 2 * curve.lag } else { 0 }];
+                    let span = ends.map(|i| begin + i as f64 * step);
+                    let lambda = curve.members.eigenvalue;
+                    if range.len() < FEWEST_POINTS || (span[1] - span[0]) * lambda.im < TAU {
+                        continue;
+                    }
+                    traced.modes.push(Trace {
+                        eigenvalue: lambda,
+                        shape: curve.shape.clone(),
+                        dof: curve.dof,
+                        span,
+                        fit,
+                        frequency: curve.frequency(range, begin, step),
+                        matters,
+                    });
+                }
+            }
+        }
+        traced
+    }
+}
+
+/// One mode over the kept rows of a stretch.
+struct Curve<'a> {
+    members: &'a Members,
+    /// Of the degree of freedom that moves most, complex, its modulus the amplitude, m.
+    values: Vec<Complex<f64>>,
+    dof: usize,
+    shape: Vec<f64>,
+    /// Of the second difference, in kept rows.
+    lag: usize,
+}
+
+impl Members {
+    /// `None` where no second difference shows the mode.
+    #[allow(clippy::cast_precision_loss)]
+    fn curve(&self, coefficients: &[DVector<Complex<f64>>], step: f64) -> Option<Curve<'_>> {
+        let factor = |lag: usize| {
+            let turned = self.eigenvalue * (lag as f64 * step);
+            (turned.exp() - Complex::ONE).powu(2)
+        };
+        // The first that leaves as much as there was, or else the one that leaves most.
+        let lags = 1..=(coefficients.len() / 8).max(1);
+        let lag = lags
+            .clone()
+            .find(|&lag| factor(lag).norm() >= 1.0)
+            .or_else(|| lags.max_by(|&a, &b| factor(a).norm().total_cmp(&factor(b).norm())))?;
+        let factor = factor(lag);
+        if factor.norm() < LEAST_LEFT || !factor.is_finite() {
+            return None;
+        }
+        // Both of a pair make the motion, which is real.
+        let pair = if self.eigenvalue.im > 0.0 { 2.0 } else { 1.0 };
+        let difference = |i: usize, member: usize| {
+            let [a, b, c] = [i, i + lag, i + 2 * lag].map(|i| coefficients[i][member]);
+            (a - b * 2.0 + c) * pair / factor
+        };
+        let at = |i: usize, dof: usize| -> Complex<f64> {
+            self.members.iter().map(|(place, shape)| difference(i, *place) * shape[dof]).sum()
+        };
+        let count = coefficients.len() - 2 * lag;
+        let dofs = self.members[0].1.len();
+        // Where the mode is strongest: an end.
+        let strongest = if self.eigenvalue.re > 0.0 { count - 1 } else { 0 };
+        let sizes: Vec<f64> = (0..dofs).map(|dof| at(strongest, dof).norm()).collect();
+        let largest = most(&sizes);
+        let dof = sizes.iter().position(|size| *size >= largest * (1.0 - 1e-9))?;
+        let shape =
+            sizes.iter().map(|size| if largest > 0.0 { size / largest } else { 0.0 }).collect();
+        let values = (0..count).map(|i| at(i, dof)).collect();
+        Some(Curve { members: self, values, dof, shape, lag })
+    }
+}
+
+impl Curve<'_> {
+    /// The straight pieces of the amplitude's logarithm.
+    #[allow(clippy::cast_precision_loss)]
+    fn straight(&self, range: Range<usize>, begin: f64, step: f64) -> Vec<(Range<usize>, Fit)> {
+        let point = |i: usize| [begin + i as f64 * step, libm::log(self.values[i].norm())];
+        let points: Vec<[f64; 2]> = range.clone().map(point).collect();
+        if points.len() < 2 {
+            return Vec::new();
+        }
+        let whole = Fit::of(&points);
+        if whole.apart <= STRAIGHT {
+            return vec![(range, whole)];
+        }
+        let pieces = pieces(&points, STRAIGHT).into_iter().filter(|piece| piece.len() > 1);
+        pieces
+            .map(|piece| {
+                let fit = Fit::of(&points[piece.clone()]);
+                (range.start + piece.start..range.start + piece.end, fit)
+            })
+            .collect()
+    }
+
+    /// The frequency, and how far it may be off, Hz.
+    #[allow(clippy::cast_precision_loss)]
+    fn frequency(&self, range: Range<usize>, begin: f64, step: f64) -> [f64; 2] {
+        let lambda = self.members.eigenvalue;
+        if lambda.im == 0.0 {
+            return [0.0, 0.0];
+        }
+        // What is left of the turning when the eigenvalue's is taken away has no jumps.
+        let mut phase = 0.0;
+        let points: Vec<[f64; 2]> = range
+            .map(|i| {
+                let time = i as f64 * step;
+                let left = self.values[i].arg() - (lambda.im * time).rem_euclid(TAU);
+                phase += libm::remainder(left - phase, TAU);
+                [begin + time, phase]
+            })
+            .collect();
+        let fit = Fit::of(&points);
+        let length = points[points.len() - 1][0] - points[0][0];
+        let error = fit.slope_error(length) + FINEST * lambda.norm();
+        [(lambda.im + fit.slope) / TAU, error / TAU]
+    }
+}
+
+fn most(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::parse;
+
+    const RATE: f64 = 10.0;
+    const FREQUENCY: f64 = 11.0;
+
+    /// A mass that decays as exp(−10 t) at 11 Hz: tenfold within 2.5 periods.
+    fn follower() -> Follower {
+        let omega_squared = (TAU * FREQUENCY).powi(2) + RATE * RATE;
+        let text = format!(
+            "[[mass]]\nname = \"m\"\nmass = 1.0\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
+             between = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = {omega_squared:?}\n[[damper]]\n\
+             name = \"d\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\ndamping = {:?}\n",
+            2.0 * RATE
+        );
+        let scene = parse("decaying", &text).unwrap();
+        Follower::of(LumpedModel::from(&scene), 0.0, scene.dof_names(), &[0.0], 1e-3)
+    }
+
+    /// A exp(−10 t) cos(ω t) beside a straight line, over so many rows of 1 ms.
+    #[allow(clippy::cast_precision_loss)]
+    fn follow(follower: &mut Follower, rows: usize, amplitude: f64, line: [f64; 2]) {
+        for row in 0..rows {
+            let t = 1e-3 * row as f64;
+            let lambda = Complex::new(-RATE, TAU * FREQUENCY);
+            let x = (lambda * t).exp() * amplitude;
+            let state = [x.re + line[0] + line[1] * t, (lambda * x).re + line[1]];
+            follower.row(row, &[], 0, &state[..1], &state[1..]);
+        }
+    }
+
+    const OBSERVED: Option<Observed> = Some(Observed { dof: 0, is_velocity: false });
+
+    #[test]
+    fn a_decay_of_three_periods_is_found_beside_a_line_a_thousand_times_as_large() {
+        for line in [[0.0, 0.0], [1e-3, 0.0], [1e-3, -5e-3]] {
+            let mut follower = follower();
+            follow(&mut follower, 280, 1e-6, line);
+            let found = follower.found(OBSERVED);
+            let [phase] = &found.phases[..] else { panic!("{found:?}") };
+            assert!((phase.rate + RATE).abs() <= phase.rate_error.min(1e-4), "{phase:?}");
+            let error = phase.frequency_error.min(1e-4);
+            assert!((phase.frequency - FREQUENCY).abs() <= error, "{phase:?}");
+            for (amplitude, time) in phase.amplitude.iter().zip(phase.span) {
+                let exact = 1e-6 * libm::exp(-RATE * time);
+                assert!((amplitude / exact - 1.0).abs() < 1e-4, "{phase:?}");
+            }
+            assert_eq!(found.explained.len(), 1);
+        }
+    }
+
+    #[test]
+    fn rounding_is_not_followed() {
+        // After 2.76 s the decay is at 1e-12 of the line.
+        let mut follower = follower();
+        follow(&mut follower, 6000, 1.0, [1.0, 0.0]);
+        let found = follower.found(OBSERVED);
+        let [phase] = &found.phases[..] else { panic!("{found:?}") };
+        assert!((2.5..2.9).contains(&phase.span[1]) && phase.rate_error < 1e-3, "{phase:?}");
+    }
+
+    #[test]
+    fn less_than_tenfold_is_slow_and_another_motion_is_not_explained() {
+        let mut slow = follower();
+        follow(&mut slow, 150, 1.0, [0.0, 0.0]);
+        let found = slow.found(OBSERVED);
+        assert_eq!(found.phases, []);
+        assert!((found.slow[0].rate + RATE).abs() <= found.slow[0].rate_error, "{found:?}");
+        // The same mass driven at 3 Hz.
+        let mut driven = follower();
+        for row in 0..500_u16 {
+            let (sin, cos) = libm::sincos(TAU * 3.0 * 1e-3 * f64::from(row));
+            driven.row(usize::from(row), &[], 0, &[sin], &[TAU * 3.0 * cos]);
+        }
+        let found = driven.found(OBSERVED);
+        assert_eq!(found.phases, []);
+    }
+}

@@ -1,0 +1,126 @@
+//! What a run leaves open, and what would decide it.
+
+use super::growth::{FEWEST_PERIODS, Growth, Phase};
+use serde::Serialize;
+use std::f64::consts::LN_10;
+
+/// A run that is to show a tenfold change is asked to be longer than that by this factor.
+const MARGIN: f64 = 1.1;
+
+/// A question that a longer run would answer.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Open {
+    /// A mode that grows or decays to the end of the run, but less than tenfold.
+    LessThanTenfold {
+        /// As far as the run shows it.
+        phase: Phase,
+        /// The end of a run that would show it tenfold, s.
+        stop_time: f64,
+    },
+    /// A mode that grows from the beginning, but less than tenfold before the motion is no longer that of the modes.
+    EndsBeforeTenfold {
+        /// As far as the run shows it.
+        phase: Phase,
+    },
+    /// Contacts change their states to the end of the run, over too few periods to tell growth from decay.
+    TooShort {
+        /// s.
+        span: [f64; 2],
+        /// Of the strongest line.
+        periods: f64,
+        /// The end of a run that has enough, s.
+        stop_time: f64,
+    },
+    /// Contacts change their states to the end of the run: a tenfold change that is slower than its length would not have
+    /// been found.
+    Slower {
+        /// s.
+        span: [f64; 2],
+        /// The growth rate or decay that would have been tenfold over that span, 1/s.
+        rate: f64,
+    },
+}
+
+/// What of a run to `end` (s) the modes do not explain: spans in which contacts change their states, or do not follow
+/// the modes. But for the first, stretches without a change have to last for some periods of the strongest line
+/// to be no part of these.
+pub(super) fn unexplained(
+    explained: &[[f64; 2]],
+    end: f64,
+    dominant: Option<f64>,
+) -> Vec<[f64; 2]> {
+    let shortest = dominant.map_or(0.0, |frequency| FEWEST_PERIODS / frequency);
+    let mut found = Vec::new();
+    let mut from = 0.0;
+    for &[begin, last] in explained {
+        if begin > 0.0 && last - begin < shortest {
+            continue;
+        }
+        if begin > from {
+            found.push([from, begin]);
+        }
+        from = last;
+    }
+    if from < end {
+        found.push([from, end]);
+    }
+    found
+}
+
+/// The questions left open by modes that change by less than ten, and by spans that the modes do not explain.
+pub(super) fn questions(
+    slow: Vec<Phase>,
+    unexplained: &[[f64; 2]],
+    growth: &Growth,
+    end: f64,
+) -> Vec<Open> {
+    let lasts = |span: [f64; 2]| span[1] >= end * (1.0 - 1e-2);
+    let less = slow.into_iter().filter_map(|phase| {
+        if lasts(phase.span) {
+            let stop_time = phase.span[0] + MARGIN * LN_10 / phase.rate.abs();
+            return Some(Open::LessThanTenfold { phase, stop_time });
+        }
+        let grows = phase.rate > 0.0 && phase.span[0] == 0.0;
+        grows.then_some(Open::EndsBeforeTenfold { phase })
+    });
+    let last = unexplained.last().filter(|span| lasts(**span)).zip(growth.dominant);
+    let last = last.and_then(|(&span, frequency)| {
+        let length = span[1] - span[0];
+        let periods = length * frequency;
+        if periods < FEWEST_PERIODS {
+            let stop_time = span[0] + MARGIN * FEWEST_PERIODS / frequency;
+            return Some(Open::TooShort { span, periods, stop_time });
+        }
+        let is_found =
+            growth.phases.iter().any(|phase| phase.span[0] >= span[0] && lasts(phase.span));
+        (!is_found).then(|| Open::Slower { span, rate: LN_10 / length })
+    });
+    less.chain(last).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn short_stretches_between_two_changes_are_part_of_what_is_not_explained() {
+        let explained = [[0.0, 0.1], [0.2, 0.21], [0.4, 0.9]];
+        assert_eq!(unexplained(&explained, 1.0, Some(100.0)), [[0.1, 0.4], [0.9, 1.0]]);
+        assert_eq!(unexplained(&[[0.0, 1.0]], 1.0, Some(100.0)), Vec::<[f64; 2]>::new());
+        assert_eq!(unexplained(&[], 1.0, None), [[0.0, 1.0]]);
+    }
+
+    #[test]
+    fn a_rest_of_few_periods_asks_for_a_longer_run() {
+        let growth = Growth { dominant: Some(100.0), ..Growth::default() };
+        let open = questions(Vec::new(), &[[0.9, 1.0]], &growth, 1.0);
+        let [Open::TooShort { periods, stop_time, .. }] = open[..] else { panic!("{open:?}") };
+        assert!((periods - 10.0).abs() < 1e-9 && (stop_time - 1.164).abs() < 1e-9, "{open:?}");
+        // 50 periods: a change tenfold over half a second would have been seen.
+        let open = questions(Vec::new(), &[[0.5, 1.0]], &growth, 1.0);
+        let [Open::Slower { rate, .. }] = open[..] else { panic!("{open:?}") };
+        assert!((rate - LN_10 / 0.5).abs() < 1e-9, "{open:?}");
+        assert_eq!(questions(Vec::new(), &[[0.1, 0.5]], &growth, 1.0), []);
+    }
+}
