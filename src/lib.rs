@@ -6,6 +6,7 @@
 //! | --- | --- |
 //! | [`error`] | the one error type |
 //! | [`output`] | files that appear whole or not at all (feature `tools`) |
+//! | [`progress`] | how far a long command is: a bar, or a line now and then (feature `tools`) |
 //! | [`spectral`] | spectra of histories (feature `tools`) |
 //! | [`contact`] | contact states and the Signorini–Coulomb law of one contact |
 //! | [`scene`] | the file as its user writes it, checked |
@@ -42,6 +43,8 @@ pub mod output;
 pub mod package;
 #[cfg(feature = "tools")]
 pub mod picture;
+#[cfg(feature = "tools")]
+pub mod progress;
 #[cfg(feature = "tools")]
 pub mod report;
 pub mod scene;

@@ -4,9 +4,10 @@ use std::fs;
 use std::path::Path;
 
 /// The way through, in its one direction.
-const ROOMS: [&str; 18] = [
+const ROOMS: [&str; 19] = [
     "error",
     "output",
+    "progress",
     "spectral",
     "contact",
     "scene",

@@ -2,9 +2,10 @@
 
 use crate::arguments::Bistable;
 use crate::labels::{LOCATED, significant, turn};
-use crate::{Failure, configured, progress, require_constant_friction};
+use crate::{Failure, configured, require_constant_friction};
 use amontons::contact::Joined;
 use amontons::model::LumpedModel;
+use amontons::progress::Progress;
 use amontons::stability::StateClasses;
 use amontons::stability::candidates::{Bistability, Candidate, bistability, uniform_sliding};
 use std::io::Write;
@@ -14,9 +15,10 @@ pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     let scene = configured(&arguments.common, Some(first))?;
     require_constant_friction(&scene)?;
     let model = LumpedModel::from(&scene);
-    let bar = progress(StateClasses::of(&model)?.representatives.len());
-    let found = bistability(&scene, [first, last], &|done| bar.set_position(done as u64))?;
-    bar.finish_and_clear();
+    let bar =
+        Progress::new("the contact states", StateClasses::of(&model)?.representatives.len() as u64);
+    let found = bistability(&scene, [first, last], &|done| bar.set(done as u64))?;
+    bar.finish();
 
     let sliding = uniform_sliding(&model, scene.slider.velocity)?;
     writeln!(out, "{}: µ from {first} to {last}\n", scene.name)?;

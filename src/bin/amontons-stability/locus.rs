@@ -2,17 +2,17 @@
 
 use crate::arguments::{Locus as Arguments, Values};
 use crate::labels::{LOCATED, at_frequency, significant, turn};
-use crate::{Failure, check_effect, configured, progress, require_constant_friction, state, with};
+use crate::{Failure, check_effect, configured, require_constant_friction, state, with};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
 use amontons::model::{LumpedModel, equilibrium};
 use amontons::picture::{self, Chart, locus_chart};
+use amontons::progress::Progress;
 use amontons::scene::Scene;
 use amontons::stability::candidates::equilibrium_ranges;
 use amontons::stability::locus::{Locus, locus};
 use amontons::sweep::range::MAX_VALUES;
 use amontons::sweep::{FRICTION, axis};
-use indicatif::ProgressBar;
 use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -82,14 +82,18 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
                     friction.coefficient";
         check_effect(name, [values[0], values[values.len() - 1]], matrices, wish)?;
     }
-    let bar = progress(1);
+    let progress = Progress::in_parts("the locus");
     match others {
-        None => family.follow(None, is_uniform, &bar)?,
+        None => family.follow(None, is_uniform, &|part| progress.set_part(part))?,
         Some(others) => {
-            others.iter().try_for_each(|&at| family.follow(Some(at), is_uniform, &bar))?;
+            for (place, &at) in others.iter().enumerate() {
+                let done =
+                    |part: f64| progress.set_part((place as f64 + part) / others.len() as f64);
+                family.follow(Some(at), is_uniform, &done)?;
+            }
         }
     }
-    bar.finish_and_clear();
+    progress.finish();
     if arguments.csv {
         family.print_csv(out)?;
     } else {
@@ -107,7 +111,7 @@ impl Family<'_> {
         &mut self,
         at: Option<f64>,
         is_uniform: bool,
-        bar: &ProgressBar,
+        progress: &(dyn Fn(f64) + Sync),
     ) -> Result<(), Error> {
         let scene = match self.other.zip(at) {
             Some((other, at)) => with(self.scene, other, at)?,
@@ -117,11 +121,7 @@ impl Family<'_> {
             let scene = with(&scene, self.name, value)?;
             Ok((Cow::Owned(LumpedModel::from(&scene)), scene.friction_coefficient))
         };
-        bar.reset();
-        let done = |done: usize, all: usize| {
-            bar.set_length(all as u64);
-            bar.set_position(done as u64);
-        };
+        let done = |done: usize, all: usize| progress(done as f64 / all as f64);
         let locus = locus(&model_at, &self.states, self.values, &done)?;
         let has_equilibrium = |value: f64| {
             let scene = with(&scene, self.name, value)?;

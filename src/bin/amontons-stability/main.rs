@@ -17,7 +17,6 @@ use amontons::simulation::assign;
 use amontons::stability::candidates::uniform_sliding;
 use arguments::{Arguments, Command, Common};
 use clap::Parser;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
@@ -150,10 +149,4 @@ fn state(
         Some(name) => parse_states(name, model.contacts.len()),
         None => uniform_sliding(model, scene.slider.velocity),
     }
-}
-
-/// A bar on standard error, shown only to a person.
-fn progress(length: usize) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {pos}/{len}  {eta} left");
-    ProgressBar::new(length as u64).with_style(style.expect("the template is fixed"))
 }

@@ -1,9 +1,10 @@
 //! `amontons-stability map`.
 
 use crate::arguments::{Map as Arguments, Values};
-use crate::{Failure, check_effect, configured, linearised, progress, with};
+use crate::{Failure, check_effect, configured, linearised, with};
 use amontons::model::LumpedModel;
 use amontons::picture::{self, Class, Map};
+use amontons::progress::Progress;
 use amontons::simulation::assign;
 use amontons::stability::MAX_CONTACTS;
 use amontons::stability::map::{Verdict, map};
@@ -52,9 +53,9 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         assign(&mut scene, y_name, y[row])?;
         Ok(scene)
     };
-    let bar = progress(y.len());
-    let found = map(x.len(), y.len(), &scene_at, &|done| bar.set_position(done as u64))?;
-    bar.finish_and_clear();
+    let bar = Progress::new("the map", y.len() as u64);
+    let found = map(x.len(), y.len(), &scene_at, &|done| bar.set(done as u64))?;
+    bar.finish();
     let share = |verdict: Verdict| found.iter().flatten().filter(|v| **v == verdict).count();
     if arguments.csv {
         writeln!(out, "{x_name},{y_name},verdict")?;

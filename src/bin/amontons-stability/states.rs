@@ -1,10 +1,11 @@
 //! `amontons-stability states`.
 
 use crate::arguments::{Format, States};
-use crate::{Failure, configured, friction, linearised, progress, state};
+use crate::{Failure, configured, friction, linearised, state};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
 use amontons::model::{Equilibrium, LumpedModel};
+use amontons::progress::Progress;
 use amontons::scene::Scene;
 use amontons::stability::candidates::{resting_state, uniform_sliding};
 use amontons::stability::{Departure, MAX_CONTACTS, Spectrum, StateClasses, departure, modes};
@@ -94,9 +95,9 @@ fn spectra(
         return Ok(vec![(states, spectrum, 1)]);
     }
     let classes = StateClasses::of(model)?;
-    let bar = progress(classes.representatives.len());
-    let spectra = classes.spectra(model, mu, &|done| bar.set_position(done as u64))?;
-    bar.finish_and_clear();
+    let bar = Progress::new("the contact states", classes.representatives.len() as u64);
+    let spectra = classes.spectra(model, mu, &|done| bar.set(done as u64))?;
+    bar.finish();
     eprintln!("{} states, {} solved", classes.states.len(), spectra.len());
     let found = classes.states.iter().map(|(states, class)| {
         let (states, class) = (states.clone(), *class);

@@ -3,8 +3,8 @@
 use crate::interrupt::{self, Interrupted};
 use amontons::Error;
 use amontons::check::{self, Glibc, Options, Rule, Run};
+use amontons::progress::Progress;
 use clap::Args;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::error;
 use std::fmt::{self, Write as _};
 use std::io::{Write, stdout};
@@ -89,18 +89,16 @@ pub fn run(arguments: &Check) -> Result<(), Box<dyn error::Error>> {
         Some(Run { program: std::env::current_exe()?, timeout })
     };
     let options = Options { glibc: arguments.glibc, run };
-    let style = ProgressStyle::with_template("{spinner} {msg}").expect("the template is fixed");
-    let shown = ProgressBar::new_spinner().with_style(style);
+    let shown = Progress::new("the check", 0);
     // Until something has to be cleared away, Ctrl-C ends the program at once.
     let listen = Once::new();
     let watch = &mut |stage: &str| {
         listen.call_once(interrupt::listen);
-        shown.set_message(stage.to_owned());
-        shown.tick();
+        shown.say(stage);
         interrupt::stopped()
     };
     let report = check::check(file, &options, watch);
-    shown.finish_and_clear();
+    shown.finish();
     let report = report.map_err(Failed::Unreadable)?.ok_or(Interrupted)?;
     write!(stdout().lock(), "{report}")?;
     match report.count() {

@@ -1,8 +1,8 @@
 //! Ctrl-C, and how far a long command is.
 
 use amontons::accuracy::Study;
+use amontons::progress::Progress;
 use amontons::scene::Scene;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::fmt;
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -36,28 +36,16 @@ pub fn stopped() -> ControlFlow<()> {
     if STOP.load(Ordering::Relaxed) { Break(()) } else { Continue(()) }
 }
 
-/// A bar on standard error, shown only to a person.
-pub fn bar() -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {msg}")
-        .expect("the template is fixed");
-    ProgressBar::new(1000).with_style(style).with_message("the reference")
-}
-
-/// Sets a bar to this part of it.
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub fn show(bar: &ProgressBar, part: f64) {
-    bar.set_position((1e3 * part) as u64);
+/// How far a command is that begins with a reference.
+pub fn reference() -> Progress {
+    Progress::in_parts("the reference")
 }
 
 /// The study of a scene, under the first part of a bar.
 ///
 /// # Errors
 /// What is wrong with the scene; [`Interrupted`].
-pub fn study(
-    scene: &Scene,
-    dof: Option<usize>,
-    bar: &ProgressBar,
-) -> Result<Study, Box<dyn Error>> {
+pub fn study(scene: &Scene, dof: Option<usize>, bar: &Progress) -> Result<Study, Box<dyn Error>> {
     let (mut runs, mut last) = (0.0, 0.0);
     let watch = &mut |passed: f64| {
         // How many runs the reference takes is not known before.
@@ -65,12 +53,8 @@ pub fn study(
             runs += 1.0;
         }
         last = passed;
-        show(bar, REFERENCE_SHARE * (1.0 - 0.5_f64.powf(runs + passed)));
+        bar.set_part(REFERENCE_SHARE * (1.0 - 0.5_f64.powf(runs + passed)));
         stopped()
     };
-    let study = Study::new(scene, dof, watch);
-    if !matches!(study, Ok(Some(_))) {
-        bar.finish_and_clear();
-    }
-    study?.ok_or_else(|| Interrupted.into())
+    Study::new(scene, dof, watch)?.ok_or_else(|| Interrupted.into())
 }

@@ -3,12 +3,12 @@
 use crate::arguments::Simulate;
 use crate::{scenes, sweep};
 use amontons::output::Pending;
+use amontons::progress::Progress;
 use amontons::scene::{self, Experiment, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{
     Inputs, Simulation, Variable, assign, broken_assumptions, is_close, variables,
 };
-use indicatif::{ProgressBar, ProgressStyle};
 use std::error::Error;
 use std::io::{BufWriter, ErrorKind, Write, stdout};
 
@@ -133,7 +133,7 @@ fn write_run(
     }
     writeln!(out)?;
 
-    let progress = progress_bar(experiment.stop_time);
+    let progress = Progress::in_parts("the run");
     let mut time = run.simulation.time();
     write_row(&mut run.simulation, time, &outputs, out)?;
     for (intervals, (target, _)) in experiment.row_times().enumerate() {
@@ -142,10 +142,10 @@ fn write_run(
             write_row(&mut run.simulation, time, &outputs, out)?;
         }
         if intervals.is_multiple_of(64) {
-            progress.set_position(ticks(time));
+            progress.set_part(time / experiment.stop_time);
         }
     }
-    progress.finish_and_clear();
+    progress.finish();
     out.flush()?;
     Ok(())
 }
@@ -167,18 +167,6 @@ fn write_row(
     }
     writeln!(out)?;
     Ok(())
-}
-
-/// A bar up to `stop`, a time in s or a part of the work, on standard error; shown only to a person.
-pub fn progress_bar(stop: f64) -> ProgressBar {
-    let style = ProgressStyle::with_template("{bar:40} {percent:>3} %  {eta} left")
-        .expect("the template is fixed");
-    ProgressBar::new(ticks(stop)).with_style(style)
-}
-
-#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-pub fn ticks(time: f64) -> u64 {
-    (1e3 * time).ceil() as u64
 }
 
 pub fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {

@@ -2,10 +2,11 @@
 
 use crate::arguments::Simulate;
 use crate::interrupt::{self, Interrupted};
-use crate::simulate::{is_broken_pipe, progress_bar, ticks};
+use crate::simulate::is_broken_pipe;
 use amontons::accuracy::dof_named;
 use amontons::integrator::select;
 use amontons::output::Pending;
+use amontons::progress::Progress;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::sweep::{Summary, View, sweep};
 use std::error::Error;
@@ -38,13 +39,12 @@ pub fn run(
     let view = View { dofs, window };
     let mut file = arguments.output.as_deref().map(Pending::create).transpose()?;
     interrupt::listen();
-    // Its length is a part of the work, from 0 to 1.
-    let bar = progress_bar(1.0);
+    let progress = Progress::in_parts("the runs");
     let outcomes = sweep(scene, name, values, &view, &|passed| {
-        bar.set_position(ticks(passed));
+        progress.set_part(passed);
         interrupt::stopped()
     });
-    bar.finish_and_clear();
+    progress.finish();
     let outcomes = outcomes?;
     let is_complete = outcomes.iter().all(Option::is_some);
     if let Some(Err(error)) = outcomes[0].as_ref().filter(|_| outcomes.iter().all(has_failed)) {

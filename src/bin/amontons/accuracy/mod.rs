@@ -4,12 +4,12 @@ mod chart;
 mod output;
 
 use crate::arguments::{Accuracy, Format};
-use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, show, stopped};
+use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, stopped};
 use amontons::accuracy::{Row, Rung, Study, assign, dof_named, short};
 use amontons::picture;
+use amontons::progress::Progress;
 use amontons::scene::{self, Method};
 use amontons::simulation::Simulation;
-use indicatif::ProgressBar;
 use std::error::Error;
 use std::io::{ErrorKind, stdout};
 use std::ops::ControlFlow::{self, Break, Continue};
@@ -50,12 +50,12 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     scene.experiment.stop_time = arguments.stop_time.unwrap_or(scene.experiment.stop_time);
     let dof = arguments.of.as_deref().map(|name| dof_named(&scene, name)).transpose()?;
     interrupt::listen();
-    let bar = interrupt::bar();
+    let bar = interrupt::reference();
     let study = interrupt::study(&scene, dof, &bar)?;
     let mut report =
         Report { arguments, study, rows: Vec::new(), notes: Vec::new(), complete: false };
     report.complete = report.climb(&bar).is_continue();
-    bar.finish_and_clear();
+    bar.finish();
     report.explain();
     match report.print(&mut stdout().lock()) {
         // Whoever reads has read enough.
@@ -75,7 +75,7 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
 
 impl Report<'_> {
     /// All rows of the ladder, or those up to the interruption.
-    fn climb(&mut self, bar: &ProgressBar) -> ControlFlow<()> {
+    fn climb(&mut self, bar: &Progress) -> ControlFlow<()> {
         let ladder = self.study.ladder();
         let cost = |rung: &Rung| match rung.method {
             Method::ForwardIncrement => rung.steps as f64,
@@ -86,10 +86,10 @@ impl Report<'_> {
         for rung in &ladder {
             let part = (1.0 - REFERENCE_SHARE) * cost(rung) / whole;
             let start = REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done / whole;
-            bar.set_message(format!("{}, step {} s", rung.method, short(rung.step)));
+            bar.say(&format!("{}, step {} s", rung.method, short(rung.step)));
             // One run for the errors, three for the time.
             let row = self.study.row(*rung, &mut |passed| {
-                show(bar, start + 0.25 * part * passed);
+                bar.set_part(start + 0.25 * part * passed);
                 stopped()
             });
             match row {
@@ -98,7 +98,7 @@ impl Report<'_> {
                     let before = self.rows.last().map(|timed: &Timed| timed.row);
                     let order = before.and_then(|before| self.study.order(&before, &row));
                     let seconds = seconds(&self.study, rung, |passed| {
-                        show(bar, start + part * (0.25 + 0.75 * passed));
+                        bar.set_part(start + part * (0.25 + 0.75 * passed));
                     });
                     self.rows.push(Timed { row, order, seconds });
                 }

@@ -1,6 +1,6 @@
 //! What is measured for an FMU: the method and step that keep a tolerance, and the table in its documentation.
 
-use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, show, stopped};
+use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, stopped};
 use amontons::accuracy::{Choice, Compared, Row, Rung, Study, short};
 use amontons::documentation::accuracy_page;
 use amontons::scene::Scene;
@@ -27,9 +27,9 @@ pub fn measure(
         return Ok(Measured { choice: None, page: None });
     }
     interrupt::listen();
-    let bar = interrupt::bar();
+    let bar = interrupt::reference();
     let study = interrupt::study(scene, None, &bar)?;
-    bar.set_message("methods and steps");
+    bar.say("methods and steps");
     let (mut runs, mut last) = (0.0, 0.0);
     let watch = &mut |passed: f64| {
         // How many runs it takes is not known before.
@@ -38,7 +38,7 @@ pub fn measure(
         }
         last = passed;
         let part = 1.0 - 0.8_f64.powf(runs + passed);
-        show(&bar, REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * part);
+        bar.set_part(REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * part);
         stopped()
     };
     let mut measured = || -> Result<Measured, Box<dyn Error>> {
@@ -50,7 +50,7 @@ pub fn measure(
         Ok(Measured { choice, page })
     };
     let measured = measured();
-    bar.finish_and_clear();
+    bar.finish();
     measured
 }
 

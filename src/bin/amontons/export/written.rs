@@ -1,8 +1,9 @@
 //! What an export writes beside the FMU, and what it puts into the FMU for people.
 
-use crate::interrupt::{self, Interrupted, show, stopped};
+use crate::interrupt::{self, Interrupted, stopped};
 use amontons::documentation::{CrossCheck, ReferenceRun, cross_check, reference_run};
 use amontons::output::Pending;
+use amontons::progress::Progress;
 use amontons::scene::Scene;
 use std::error::Error;
 use std::io::Write;
@@ -27,17 +28,16 @@ pub fn check(scene: &Scene) -> Result<CrossCheck, Box<dyn Error>> {
 type Watched<'a> = &'a mut dyn FnMut(f64) -> std::ops::ControlFlow<()>;
 
 fn watched<T>(
-    what: &'static str,
+    what: &str,
     work: impl FnOnce(Watched<'_>) -> Result<Option<T>, amontons::Error>,
 ) -> Result<T, Box<dyn Error>> {
     interrupt::listen();
-    let bar = interrupt::bar();
-    bar.set_message(what);
+    let bar = Progress::in_parts(what);
     let done = work(&mut |passed| {
-        show(&bar, passed);
+        bar.set_part(passed);
         stopped()
     });
-    bar.finish_and_clear();
+    bar.finish();
     done?.ok_or_else(|| Interrupted.into())
 }
 

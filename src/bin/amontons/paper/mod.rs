@@ -8,8 +8,8 @@ mod limit_cycles;
 mod perturbations;
 
 use crate::interrupt::{self, Interrupted};
-use crate::simulate::progress_bar;
 use amontons::Error;
+use amontons::progress::Progress;
 use amontons::report::{Cell, Page, Section, Table, write};
 use amontons::scene::{Scene, named};
 use amontons::simulation::assign;
@@ -48,15 +48,15 @@ pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
         let _ = fs::remove_file(partial);
     }
     interrupt::listen();
-    let bar = progress_bar(1.0);
+    let bar = Progress::in_parts("the paper");
     let all: f64 = SECTIONS.iter().map(|(_, share, _)| share).sum();
     let (mut done, mut sections, mut times) = (0.0, Vec::new(), Vec::new());
     for (heading, share, work) in SECTIONS {
-        let progress = |part: f64| interrupt::show(&bar, (done + share * part) / all);
+        let progress = |part: f64| bar.set_part((done + share * part) / all);
         let start = Instant::now();
         let section = work(Watch { go_on: &interrupt::stopped, progress: &progress });
-        let Some(section) = section.inspect_err(|_| bar.finish_and_clear())? else {
-            bar.finish_and_clear();
+        let Some(section) = section? else {
+            bar.finish();
             eprintln!("note: interrupted, so there is no page");
             return Err(Box::new(Interrupted));
         };
@@ -64,7 +64,7 @@ pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
         times.push((heading, start.elapsed().as_secs_f64()));
         sections.push(Section { heading: heading.to_owned(), ..section });
     }
-    bar.finish_and_clear();
+    bar.finish();
     sections.push(time(&times));
     let page = Page {
         title: "A lumped model with frictional contact: the paper and what came out".to_owned(),

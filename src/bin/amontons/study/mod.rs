@@ -10,8 +10,8 @@ pub mod perturbation;
 pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
-use crate::simulate::progress_bar;
 use amontons::integrator::select;
+use amontons::progress::Progress;
 use amontons::scene::{self, Method, Scene, Selection, Source};
 use amontons::simulation::assign;
 use amontons::study::{Look, Watch, Wish, pace};
@@ -101,10 +101,10 @@ fn heading(scene: &Scene, look: &Look) -> String {
 fn watched<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
-    let bar = progress_bar(1.0);
-    let progress = |part: f64| interrupt::show(&bar, part);
+    let bar = Progress::in_parts("the study");
+    let progress = |part: f64| bar.set_part(part);
     let result = work(Watch { go_on: &interrupt::stopped, progress: &progress });
-    bar.finish_and_clear();
+    bar.finish();
     result
 }
 
