@@ -7,9 +7,7 @@ use amontons::Error;
 use amontons::report::{Claim, Content, Figure, Section, Table};
 use amontons::scene::{Method, Scene};
 use amontons::stability::candidates::{Bistability, bistability};
-use amontons::study::{
-    Continuation, Fold, Journal, Look, Plan, Point, Push, Watch, continuation,
-};
+use amontons::study::{Continuation, Fold, Journal, Look, Plan, Point, Push, Watch, continuation};
 
 /// µ of both figures: 1.5 to 2.5 in steps of 0.01.
 const FRICTION: [i32; 2] = [150, 250];
@@ -44,8 +42,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
             content: Content::Chart(chart(&scene, &look, &found, Some(&known))),
         });
         let branches = Branches::of(&found, &known);
-        let claims =
-            if name == "set2" { subcritical(&branches) } else { two_branches(&branches) };
+        let claims = if name == "set2" { subcritical(&branches) } else { two_branches(&branches) };
         section.claims.extend(claims);
         section.text.push(ranges(name, &found));
         let Some(table) = both_integrators(name, &scene, &look, &found, watch)? else {
@@ -123,7 +120,9 @@ fn subcritical(found: &Branches) -> Vec<Claim> {
         claim(
             "At µ = 1.5 the equilibrium of Set 2 in steady sliding is stable.",
             format!("{}; a mode of uniform sliding begins to grow at {onset:.5}", told(first)),
-            first.is_some_and(|(friction, [rests, _])| friction == 1.5 && friction < *onset && rests),
+            first.is_some_and(|(friction, [rests, _])| {
+                friction == 1.5 && friction < *onset && rests
+            }),
             None,
         ),
         claim(
@@ -261,7 +260,10 @@ mod tests {
         assert_eq!(held(&subcritical(&exchanged))[..2], [false; 2]);
         let away = followed(&[([1.97, 2.07], true)], ends);
         assert_eq!(held(&subcritical(&away))[2..], [true, false, false]);
-        assert_eq!(held(&subcritical(&followed(&[([1.93, 2.0626], false)], ends)))[2..], [false; 3]);
+        assert_eq!(
+            held(&subcritical(&followed(&[([1.93, 2.0626], false)], ends)))[2..],
+            [false; 3]
+        );
         let no_onset = Branches { onset: f64::NAN, ..as_printed };
         assert_eq!(held(&subcritical(&no_onset)), [false, false, true, true, false]);
         let failed = Branches { ends: [None, None], ..no_onset };
@@ -270,9 +272,8 @@ mod tests {
 
     #[test]
     fn each_claim_on_fig_7_can_fail() {
-        let of = |ranges: &[([f64; 2], bool)]| {
-            held(&two_branches(&followed(ranges, [CYCLE, CYCLE])))
-        };
+        let of =
+            |ranges: &[([f64; 2], bool)]| held(&two_branches(&followed(ranges, [CYCLE, CYCLE])));
         assert_eq!(of(&[([1.99, 2.03], false)]), [true; 3]);
         assert_eq!(of(&[([1.8, 1.9], false)]), [true, false, true]);
         assert_eq!(of(&[([1.8, 1.9], false), ([1.99, 2.03], false)]), [true, true, false]);

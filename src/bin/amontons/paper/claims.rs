@@ -63,7 +63,10 @@ mod tests {
         ] {
             assert!(is_about(least, printed) && is_about(most, printed), "{printed}");
             let step = 0.01 * (most - least);
-            assert!(!is_about(least - step, printed) && !is_about(most + step, printed), "{printed}");
+            assert!(
+                !is_about(least - step, printed) && !is_about(most + step, printed),
+                "{printed}"
+            );
         }
         assert!(!is_about(f64::NAN, "168"));
     }

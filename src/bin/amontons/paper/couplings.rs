@@ -181,7 +181,8 @@ mod tests {
 
     #[test]
     fn claims_on_couplings_fail_where_the_sets_are_exchanged_or_nothing_couples() {
-        let [set1, set2] = ["set1", "set2"].map(|name| uniform(&scene(name, &[]).unwrap().0).unwrap());
+        let [set1, set2] =
+            ["set1", "set2"].map(|name| uniform(&scene(name, &[]).unwrap().0).unwrap());
         let held = |claims: Vec<Claim>| -> Vec<bool> {
             claims.iter().map(|claim| claim.verdict.holds()).collect()
         };

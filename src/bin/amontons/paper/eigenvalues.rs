@@ -130,7 +130,11 @@ fn one_stuck([set1, set2]: &[Eigenvalues; 2]) -> Vec<Claim> {
     vec![
         claim(
             "At µ = 1.96 uniform sliding of Set 1 has one instability, at about 219 Hz.",
-            format!("modes that grow: {} (holds if it is one, within {} Hz)", told(&sliding), half_digit("219")),
+            format!(
+                "modes that grow: {} (holds if it is one, within {} Hz)",
+                told(&sliding),
+                half_digit("219")
+            ),
             are_about(&sliding, &["219"]),
             None,
         ),
@@ -272,10 +276,17 @@ mod tests {
         assert_eq!(held(&[set2, set1]), [false, false, true, false]);
         // The mode at 217 Hz in one of the two states, half a hertz and a little away.
         let mut moved = real();
-        moved[0].stuck[1].iter_mut().filter(|value| value[0] > 0.0 && value[1] > 200.0).for_each(|value| value[1] += 0.1);
+        moved[0].stuck[1]
+            .iter_mut()
+            .filter(|value| value[0] > 0.0 && value[1] > 200.0)
+            .for_each(|value| value[1] += 0.1);
         assert_eq!(held(&moved), [true, false, true, true]);
         let mut grows = real();
-        grows[0].sliding.iter_mut().filter(|value| (value[1] - 172.4).abs() < 0.1).for_each(|value| value[0] = 0.1);
+        grows[0]
+            .sliding
+            .iter_mut()
+            .filter(|value| (value[1] - 172.4).abs() < 0.1)
+            .for_each(|value| value[0] = 0.1);
         assert_eq!(held(&grows)[..3], [false, true, false]);
     }
 

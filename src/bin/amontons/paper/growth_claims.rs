@@ -1,7 +1,9 @@
 //! The claims on Fig. 4, each judged from the motion itself.
 
 use super::claims::{claim, half_digit, is_about, unknown};
-use super::measures::{Growth, Turns, first_plateau, growth, half_ranges, spread, strongest, turns};
+use super::measures::{
+    Growth, Turns, first_plateau, growth, half_ranges, spread, strongest, turns,
+};
 use super::motion::{INTERVAL, Motion};
 use amontons::Error;
 use amontons::contact::ContactState::{self, Slide, Stick};
@@ -142,9 +144,7 @@ fn measure(motion: &Motion, model: &LumpedModel, friction: f64) -> Result<Measur
 
 /// The eigenvalue of the lower pair that decays least, or grows most.
 fn lower_mode(spectrum: &Spectrum) -> Option<Complex<f64>> {
-    let inside = |value: &&Complex<f64>| {
-        (PAIRS[0][0]..=PAIRS[0][1]).contains(&(value.im / TAU))
-    };
+    let inside = |value: &&Complex<f64>| (PAIRS[0][0]..=PAIRS[0][1]).contains(&(value.im / TAU));
     spectrum.oscillating.iter().filter(inside).max_by(|a, b| a.re.total_cmp(&b.re)).copied()
 }
 
@@ -264,12 +264,15 @@ fn of_the_second_growth(measured: &Measured) -> Vec<Claim> {
         )
     });
     let orbits = measured.orbits.each_ref();
-    let [first, last, pushed] = orbits.map(|ranges| ranges.iter().sum::<f64>() / ranges.len() as f64);
+    let [first, last, pushed] =
+        orbits.map(|ranges| ranges.iter().sum::<f64>() / ranges.len() as f64);
     let returns = (pushed / last - 1.0).abs();
     vec![
         claim(
             "The first orbit is not stable: a second exponential growth follows.",
-            format!("{told} (holds if it grows tenfold and the logarithm is straight to {STRAIGHT})"),
+            format!(
+                "{told} (holds if it grows tenfold and the logarithm is straight to {STRAIGHT})"
+            ),
             second.is_some_and(|second| {
                 second.amplitude[1] >= 10.0 * second.amplitude[0] && second.bend <= STRAIGHT
             }),
@@ -307,7 +310,10 @@ fn of_the_second_growth(measured: &Measured) -> Vec<Claim> {
 }
 
 /// Whether the second growth comes from the states with one contact stuck.
-fn origin(second: Option<&Growth>, shares: &[([ContactState; 2], f64, Option<Complex<f64>>)]) -> Claim {
+fn origin(
+    second: Option<&Growth>,
+    shares: &[([ContactState; 2], f64, Option<Complex<f64>>)],
+) -> Claim {
     let mean = |wanted: &dyn Fn(usize) -> bool| {
         let stuck = |states: &[ContactState; 2]| states.iter().filter(|s| **s == Stick).count();
         let parts = shares.iter().filter(|(states, ..)| wanted(stuck(states)));

@@ -161,8 +161,7 @@ fn regime(
         .filter(|state| cycle.is_some_and(|cycle| cycle.takes(**state)))
         .map(ToString::to_string)
         .collect();
-    let [with_slider, away] =
-        orbit.map_or([f64::NAN; 2], |orbit| [orbit.with_slider, orbit.away]);
+    let [with_slider, away] = orbit.map_or([f64::NAN; 2], |orbit| [orbit.with_slider, orbit.away]);
     let expected = [true, false, sticks, detaches];
     claim(
         paper,
@@ -182,7 +181,8 @@ fn regime(
 
 /// The three ranges of the velocity, at each of its values.
 fn ranges(cycles: &[Cycle], [detaches, slips]: [f64; 2]) -> Vec<Claim> {
-    let within = |from: f64, to: f64| cycles.iter().filter(move |c| from < c.velocity && c.velocity < to);
+    let within =
+        |from: f64, to: f64| cycles.iter().filter(move |c| from < c.velocity && c.velocity < to);
     let all = |from: f64, to: f64, [sticks, leaves]: [bool; 2]| {
         let is_so = |cycle: &Cycle| {
             cycle.takes(ContactState::Slide)
@@ -205,7 +205,9 @@ fn ranges(cycles: &[Cycle], [detaches, slips]: [f64; 2]) -> Vec<Claim> {
         ),
         claim(
             "For 0.1 < v < 0.2 m/s they stick, slip and detach.",
-            format!("contacts detach from {detaches:.5} m/s on and stick up to {slips:.5} m/s ({holds})"),
+            format!(
+                "contacts detach from {detaches:.5} m/s on and stick up to {slips:.5} m/s ({holds})"
+            ),
             all(first, second, [true, true]),
             None,
         ),
@@ -220,7 +222,8 @@ fn ranges(cycles: &[Cycle], [detaches, slips]: [f64; 2]) -> Vec<Claim> {
 
 /// The three slopes of Fig. 3(a).
 fn slopes(cycles: &[Cycle]) -> Vec<Claim> {
-    let points: Vec<[f64; 2]> = cycles.iter().map(|cycle| [cycle.velocity, cycle.amplitude]).collect();
+    let points: Vec<[f64; 2]> =
+        cycles.iter().map(|cycle| [cycle.velocity, cycle.amplitude]).collect();
     let fit = three_pieces(&points);
     let largest = points.iter().map(|point| point[1]).fold(0.0, f64::max);
     let [worst, of_two] =
@@ -301,7 +304,11 @@ mod tests {
     #[test]
     fn claims_on_ranges_hold_as_printed_and_fail_by_one_value() {
         assert_eq!(held(&ranges(&as_printed(), [0.1, 0.2])), [true; 3]);
-        for (place, state, expected) in [(7, 3, [false, true, true]), (14, 2, [true, false, true]), (29, 2, [true, true, false])] {
+        for (place, state, expected) in [
+            (7, 3, [false, true, true]),
+            (14, 2, [true, false, true]),
+            (29, 2, [true, true, false]),
+        ] {
             let mut cycles = as_printed();
             cycles[place].taken[state] ^= true;
             assert_eq!(held(&ranges(&cycles, [0.1, 0.2])), expected);
@@ -313,7 +320,10 @@ mod tests {
     fn claims_on_slopes_hold_as_printed_and_fail_for_other_curves() {
         assert_eq!(held(&slopes(&as_printed())), [true; 3]);
         let curve = |amplitude: &dyn Fn(f64) -> f64| -> Vec<Cycle> {
-            as_printed().into_iter().map(|c| Cycle { amplitude: amplitude(c.velocity), ..c }).collect()
+            as_printed()
+                .into_iter()
+                .map(|c| Cycle { amplitude: amplitude(c.velocity), ..c })
+                .collect()
         };
         // Two pieces, an even bend, and bends two steps too late.
         assert!(!held(&slopes(&curve(&|v| 4e-3 * v.min(0.15))))[0]);

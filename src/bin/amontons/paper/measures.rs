@@ -144,7 +144,8 @@ pub fn growth(history: &[f64], interval: f64, frequency: f64, window: f64) -> Op
 /// The frequency (Hz) of the strongest line of a history between two frequencies; `None` where there is no line.
 pub fn strongest(history: &[f64], interval: f64, between: [f64; 2]) -> Option<f64> {
     let found = lines(history, interval, 1e-4).lines;
-    let mut inside = found.iter().filter(|line| between[0] <= line.frequency && line.frequency <= between[1]);
+    let mut inside =
+        found.iter().filter(|line| between[0] <= line.frequency && line.frequency <= between[1]);
     inside.next().map(|line| line.frequency)
 }
 

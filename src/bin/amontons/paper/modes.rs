@@ -71,12 +71,9 @@ fn frequencies(modes: &[Mode]) -> Claim {
 fn in_phase(mode: &Mode) -> Option<bool> {
     let shape = shape(mode);
     // x1 and x2 of each module.
-    let worst = |sign: f64| (0..2).map(|i| (shape[i] - sign * shape[4 + i]).abs()).fold(0.0, f64::max);
-    if worst(1.0) <= SAME {
-        Some(true)
-    } else {
-        (worst(-1.0) <= SAME).then_some(false)
-    }
+    let worst =
+        |sign: f64| (0..2).map(|i| (shape[i] - sign * shape[4 + i]).abs()).fold(0.0, f64::max);
+    if worst(1.0) <= SAME { Some(true) } else { (worst(-1.0) <= SAME).then_some(false) }
 }
 
 fn phases(modes: &[Mode]) -> Claim {
@@ -86,26 +83,26 @@ fn phases(modes: &[Mode]) -> Claim {
         Some(false) => "out of phase",
         None => "neither",
     };
-    let told: Vec<String> =
-        phases.iter().zip(1..).map(|(phase, number)| format!("{number}: {}", word(phase))).collect();
+    let told: Vec<String> = phases
+        .iter()
+        .zip(1..)
+        .map(|(phase, number)| format!("{number}: {}", word(phase)))
+        .collect();
     claim(
         "The upper masses of the two modules move in phase in modes 3 and 4, out of phase in modes 5 and 6.",
         format!(
             "{} (holds if displacements are the same, or opposite, to {SAME} of the mode's largest)",
             told.join(", ")
         ),
-        phases.len() == 6
-            && phases[2..4] == [Some(true); 2]
-            && phases[4..] == [Some(false); 2],
+        phases.len() == 6 && phases[2..4] == [Some(true); 2] && phases[4..] == [Some(false); 2],
         None,
     )
 }
 
 /// The square of the cosine of the angle between two shapes.
 fn assurance(a: &Mode, b: &Mode) -> f64 {
-    let product = |a: &Mode, b: &Mode| -> f64 {
-        shape(a).iter().zip(shape(b)).map(|(a, b)| a * b).sum()
-    };
+    let product =
+        |a: &Mode, b: &Mode| -> f64 { shape(a).iter().zip(shape(b)).map(|(a, b)| a * b).sum() };
     product(a, b).powi(2) / (product(a, a) * product(b, b))
 }
 

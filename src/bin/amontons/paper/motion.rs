@@ -57,7 +57,8 @@ impl Motion {
 
     /// Pushes the motion a little.
     pub fn push(&mut self) {
-        let fastest = self.simulation.velocity().iter().fold(0.0, |most, v| f64::max(most, v.abs()));
+        let fastest =
+            self.simulation.velocity().iter().fold(0.0, |most, v| f64::max(most, v.abs()));
         self.simulation.push(0, PUSH * fastest);
     }
 

@@ -134,7 +134,12 @@ struct Seen {
 }
 
 /// Looks at the run from one of the perturbations; `None` where the watch ended it.
-fn seen(scene: &Scene, direction: &str, velocity: f64, watch: Watch<'_>) -> Result<Option<Seen>, Error> {
+fn seen(
+    scene: &Scene,
+    direction: &str,
+    velocity: f64,
+    watch: Watch<'_>,
+) -> Result<Option<Seen>, Error> {
     let mut scene = scene.clone();
     assign(&mut scene, direction, velocity)?;
     let mut motion = Motion::new(&scene)?;
