@@ -77,10 +77,10 @@ fn what_is_not_known_neither_holds_nor_differs_and_says_what_would_decide_it() {
     let decided_by = "the colours of the <printed> picture".to_owned();
     page.sections[1].claims[0].verdict = Verdict::Unknown { decided_by };
     let html = html(&page).unwrap();
-    assert!(html.contains("<strong>3 of 6</strong> claims hold. Of 1 it is not known."));
+    assert!(html.contains("<strong>3 of 6</strong> claims hold. One is unknown."));
     assert_eq!(html.matches("Decided by: the colours of the &lt;printed&gt; picture").count(), 2);
     assert_eq!(html.matches("? </span>unknown</span>").count(), 1);
-    assert!(!sample().contains("it is not known."));
+    assert!(!sample().contains("is unknown."));
 }
 
 #[test]

@@ -14,7 +14,8 @@ pub(super) fn summary(page: &Page) -> String {
     let is_unknown = |claim: &Claim| matches!(claim.verdict, Verdict::Unknown { .. });
     let unknown = match all().filter(|(claim, _)| is_unknown(claim)).count() {
         0 => String::new(),
-        unknown => format!(" Of {unknown} it is not known."),
+        1 => " One is unknown.".to_owned(),
+        unknown => format!(" {unknown} are unknown."),
     };
     let mut html =
         String::from("<section aria-labelledby=\"summary\">\n<h2 id=\"summary\">Summary</h2>\n");
@@ -84,6 +85,6 @@ fn not_holding<'a>(all: impl Iterator<Item = (&'a Claim, usize)>) -> String {
     }
     match items.is_empty() {
         true => items,
-        false => format!("<h3>What differs or is not known</h3>\n<ul>\n{items}</ul>\n"),
+        false => format!("<h3>What differs or is unknown</h3>\n<ul>\n{items}</ul>\n"),
     }
 }
