@@ -16,10 +16,10 @@ const DIFFERING: [&str; 6] = [
     "For 0 < v < 0.1 m/s",
     "The second band lies at about 180 Hz",
     "about 170 and 215 Hz appear together",
-    "one such transition",
+    "one transition between two unstable branches",
 ];
 /// What nothing computed can decide.
-const UNKNOWN: [&str; 1] = ["This band begins at 0.6 s"];
+const UNKNOWN: [&str; 1] = ["The band at about 220 Hz begins at 0.6 s"];
 /// Claims of the paper that have been judged too loosely once, or not at all.
 const HOLDING: [&str; 12] = [
     "mode shapes of Set 2 are very similar",

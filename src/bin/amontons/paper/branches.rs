@@ -188,7 +188,7 @@ fn two_branches(found: &Branches) -> Vec<Claim> {
             None,
         ),
         claim(
-            "The text speaks of one such transition.",
+            "Set 1 has one transition between two unstable branches.",
             format!(
                 "{} were found; which of them the figure shows the text does not say",
                 cycles.len()

@@ -182,7 +182,7 @@ fn of_the_first_growth(measured: &Measured) -> Vec<Claim> {
             None,
         ),
         claim(
-            "It reaches a first orbit at about 1 s.",
+            "The small perturbation of Set 1 reaches a first orbit at about 1 s.",
             format!(
                 "{}, after a push of 1e-7 m/s, which is that of set1; one ten times as large brings it {earlier:.3} s \
                  earlier (holds from 0.5 to 1.5 s; the orbit is reached where amplitudes, period by period, stay within \
@@ -196,7 +196,7 @@ fn of_the_first_growth(measured: &Measured) -> Vec<Claim> {
             Some("the time depends on how small the push is, which the paper does not print"),
         ),
         claim(
-            "On this orbit the two modules stick in turn.",
+            "On the first orbit the two modules stick in turn.",
             format!(
                 "from {:.2} to {} s contacts stick {} times, {} times the same contact twice in a row, and both together in \
                  {} rows, {INTERVAL} s apart; {} changes of state lie between rows (holds if the last three are 0)",
@@ -239,7 +239,7 @@ fn of_the_band(measured: &Measured) -> Vec<Claim> {
             None,
         ),
         unknown(
-            "This band begins at 0.6 s.",
+            "The band at about 220 Hz begins at 0.6 s.",
             format!(
                 "it grows from the beginning; at {BAND} s it is {:.0} dB below that of the first orbit",
                 -20.0 * measured.level.log10()

@@ -104,12 +104,12 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
             (&cycles, &orbits),
         ),
         regime(
-            "At v = 0.15 m/s they stick, slip and detach.",
+            "At v = 0.15 m/s the masses stick, slip and detach.",
             (SHOWN[1], [true, true]),
             (&cycles, &orbits),
         ),
         regime(
-            "At v = 0.25 m/s they slip and detach, and do not stick.",
+            "At v = 0.25 m/s the masses slip and detach, and do not stick.",
             (SHOWN[2], [false, true]),
             (&cycles, &orbits),
         ),
@@ -206,7 +206,7 @@ fn ranges(cycles: &[Cycle], [detaches, slips]: [f64; 2]) -> Vec<Claim> {
             ),
         ),
         claim(
-            "For 0.1 < v < 0.2 m/s they stick, slip and detach.",
+            "For 0.1 < v < 0.2 m/s the masses stick, slip and detach.",
             format!(
                 "contacts detach from {detaches:.5} m/s on and stick up to {slips:.5} m/s ({holds})"
             ),
@@ -214,7 +214,7 @@ fn ranges(cycles: &[Cycle], [detaches, slips]: [f64; 2]) -> Vec<Claim> {
             None,
         ),
         claim(
-            "For v > 0.2 m/s they slip and detach, and do not stick.",
+            "For v > 0.2 m/s the masses slip and detach, and do not stick.",
             format!("contacts stick up to {slips:.5} m/s ({holds})"),
             all(second, f64::INFINITY, [false, true]),
             None,

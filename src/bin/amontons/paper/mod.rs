@@ -36,11 +36,11 @@ type Work = fn(Watch<'_>) -> Result<Option<Section>, Error>;
 
 /// The sections, and how long each takes, roughly, in seconds.
 const SECTIONS: [(&str, f64, Work); 5] = [
-    ("Eigenvalues (Fig. 2, Tables 1 to 3)", 1.0, eigenvalues::section),
-    ("Limit cycles over the slider's velocity (Fig. 3)", 4.0, limit_cycles::section),
-    ("Growth of a small perturbation (Fig. 4)", 1.0, growth::section),
-    ("Small and large perturbations (Fig. 5)", 2.0, perturbations::section),
-    ("Branches over the friction coefficient (Figs. 6 and 7)", 20.0, branches::section),
+    ("Eigenvalues (Fig. 2, Tables 1 to 3)", 0.1, eigenvalues::section),
+    ("Limit cycles over the slider's velocity (Fig. 3)", 2.0, limit_cycles::section),
+    ("Growth of a small perturbation (Fig. 4)", 0.3, growth::section),
+    ("Small and large perturbations (Fig. 5)", 1.5, perturbations::section),
+    ("Branches over the friction coefficient (Figs. 6 and 7)", 30.0, branches::section),
 ];
 
 pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {

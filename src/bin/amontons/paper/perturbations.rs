@@ -186,7 +186,7 @@ fn claims([small, large]: &[Seen; 2], [rests, cycles]: [bool; 2], thresholds: &s
             None,
         ),
         claim(
-            "After a large one that makes a contact stick it reaches a stable orbit (Fig. 5b).",
+            "A large perturbation of Set 2 that makes a contact stick leads to a stable orbit (Fig. 5b).",
             format!(
                 "from {} m/s a contact {} within {PIECE} s; half ranges are {:.3e} m in the end, with a spread of {:.1e} over the \
                  last second, and differ by {:.1e} {AFTER_PUSH} s after a push of 1 % of the largest velocity (holds if it sticks, \
