@@ -75,11 +75,11 @@ struct Measured {
 /// What is wrong with the scene, or a run that fails.
 pub fn claims(scene: &Scene, watch: Watch<'_>) -> Result<Option<Vec<Claim>>, Error> {
     let mut motion = Motion::new(scene)?;
-    if !motion.record(END, watch)? {
-        return Ok(None);
-    }
-    motion.push();
-    if !motion.record(END + AFTER_PUSH, watch)? {
+    let is_recorded = motion.record(END, watch)? && {
+        motion.push();
+        motion.record(END + AFTER_PUSH, watch)?
+    };
+    if !is_recorded {
         return Ok(None);
     }
     let measured = measure(&motion, &LumpedModel::from(scene), scene.friction_coefficient)?;
@@ -151,7 +151,7 @@ fn lower_mode(spectrum: &Spectrum) -> Option<Complex<f64>> {
 }
 
 fn of_the_first_growth(measured: &Measured) -> Vec<Claim> {
-    let Measured { sliding, first, first_change, reached, .. } = measured;
+    let Measured { sliding, first, first_change, reached, turns, .. } = measured;
     let ratio = first.zip(*sliding).map(|(first, value)| first.rate / value.re - 1.0);
     let of_mode = sliding.map_or("no mode of uniform sliding grows".to_owned(), |value| {
         format!(
@@ -202,15 +202,15 @@ fn of_the_first_growth(measured: &Measured) -> Vec<Claim> {
                  {} rows, {INTERVAL} s apart; {} changes of state lie between rows (holds if the last three are 0)",
                 reached.unwrap_or(SECOND[0]),
                 SECOND[1],
-                measured.turns.count,
-                measured.turns.repeated,
-                measured.turns.together,
+                turns.count,
+                turns.repeated,
+                turns.together,
                 measured.hidden
             ),
             reached.is_some()
-                && measured.turns.count >= 10
-                && measured.turns.repeated == 0
-                && measured.turns.together == 0
+                && turns.count >= 10
+                && turns.repeated == 0
+                && turns.together == 0
                 && measured.hidden == 0,
             None,
         ),
@@ -311,7 +311,6 @@ fn of_the_second_growth(measured: &Measured) -> Vec<Claim> {
     ]
 }
 
-/// Judges whether the second growth comes from the states with one contact stuck.
 fn origin(second: Option<&Growth>, shares: &[Share]) -> Claim {
     let mean = |wanted: &dyn Fn(usize) -> bool| {
         let stuck = |states: &[ContactState; 2]| states.iter().filter(|s| **s == Stick).count();
