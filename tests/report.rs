@@ -72,6 +72,18 @@ fn a_difference_has_its_reason_or_says_that_none_is_known() {
 }
 
 #[test]
+fn what_is_not_known_neither_holds_nor_differs_and_says_what_would_decide_it() {
+    let mut page = page();
+    let decided_by = "the colours of the <printed> picture".to_owned();
+    page.sections[1].claims[0].verdict = Verdict::Unknown { decided_by };
+    let html = html(&page).unwrap();
+    assert!(html.contains("<strong>3 of 6</strong> claims hold. One is unknown."));
+    assert_eq!(html.matches("Decided by: the colours of the &lt;printed&gt; picture").count(), 2);
+    assert_eq!(html.matches("? </span>unknown</span>").count(), 1);
+    assert!(!sample().contains("is unknown."));
+}
+
+#[test]
 fn links_lead_to_what_there_is_and_no_two_places_have_one_name() {
     let html = sample();
     let names = between(&html, " id=\"", "\"");

@@ -127,11 +127,21 @@ pub(super) fn verdict(verdict: &Verdict) -> &'static str {
         Verdict::Differs { .. } => {
             "<span class=\"differs\"><span aria-hidden=\"true\">≠ </span>differs</span>"
         }
+        Verdict::Unknown { .. } => {
+            "<span class=\"unknown\"><span aria-hidden=\"true\">? </span>unknown</span>"
+        }
     }
 }
 
-pub(super) fn reason(reason: Option<&str>) -> String {
-    format!("Reason: {}", text(reason.unwrap_or("not known")))
+/// Why a claim does not hold, or what would decide it, as HTML; `None` of one that holds.
+pub(super) fn reason(verdict: &Verdict) -> Option<String> {
+    match verdict {
+        Verdict::Holds => None,
+        Verdict::Differs { reason } => {
+            Some(format!("Reason: {}", text(reason.as_deref().unwrap_or("not known"))))
+        }
+        Verdict::Unknown { decided_by } => Some(format!("Decided by: {}", text(decided_by))),
+    }
 }
 
 /// The roles are named because a narrow screen shows rows as blocks, and some browsers then forget them.
@@ -162,8 +172,8 @@ fn claim_table(html: &mut String, heading: &str, claims: &[Claim], before: usize
                 verdict(&claim.verdict),
             ),
         );
-        if let Verdict::Differs { reason: why } = &claim.verdict {
-            add(html, format_args!("<br>{}", reason(why.as_deref())));
+        if let Some(why) = reason(&claim.verdict) {
+            add(html, format_args!("<br>{why}"));
         }
         html.push_str("</td></tr>\n");
     }

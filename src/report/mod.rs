@@ -58,7 +58,7 @@ pub struct Claim {
     pub paper: String,
     /// What came out.
     pub found: String,
-    /// Do they agree?
+    /// How they compare.
     pub verdict: Verdict,
 }
 
@@ -71,6 +71,11 @@ pub enum Verdict {
     Differs {
         /// Why; none is shown as “not known”.
         reason: Option<String>,
+    },
+    /// That is not known.
+    Unknown {
+        /// What would decide it.
+        decided_by: String,
     },
 }
 

@@ -11,12 +11,18 @@ pub(super) fn summary(page: &Page) -> String {
         return String::new();
     }
     let holding = held(all().map(|(claim, _)| claim));
+    let is_unknown = |claim: &Claim| matches!(claim.verdict, Verdict::Unknown { .. });
+    let unknown = match all().filter(|(claim, _)| is_unknown(claim)).count() {
+        0 => String::new(),
+        1 => " One is unknown.".to_owned(),
+        unknown => format!(" {unknown} are unknown."),
+    };
     let mut html =
         String::from("<section aria-labelledby=\"summary\">\n<h2 id=\"summary\">Summary</h2>\n");
     add(
         &mut html,
         format_args!(
-            "<p class=\"count\"><strong>{holding} of {count}</strong> {} hold.</p>\n<ul class=\"verdicts\">\n",
+            "<p class=\"count\"><strong>{holding} of {count}</strong> {} hold.{unknown}</p>\n<ul class=\"verdicts\">\n",
             if count == 1 { "claim" } else { "claims" },
         ),
     );
@@ -42,7 +48,7 @@ pub(super) fn summary(page: &Page) -> String {
         before += claims.len();
     }
     html += "</ul>\n";
-    html += &differing(all());
+    html += &not_holding(all());
     html + "</section>\n"
 }
 
@@ -54,6 +60,7 @@ fn link(claim: &Claim, number: usize) -> String {
     let (class, symbol, word) = match claim.verdict {
         Verdict::Holds => ("holds", "✓", "holds"),
         Verdict::Differs { .. } => ("differs", "≠", "differs"),
+        Verdict::Unknown { .. } => ("unknown", "?", "is not decided"),
     };
     let paper = text(&claim.paper);
     format!(
@@ -62,22 +69,22 @@ fn link(claim: &Claim, number: usize) -> String {
     )
 }
 
-fn differing<'a>(all: impl Iterator<Item = (&'a Claim, usize)>) -> String {
+fn not_holding<'a>(all: impl Iterator<Item = (&'a Claim, usize)>) -> String {
     let mut items = String::new();
     for (claim, number) in all {
-        if let Verdict::Differs { reason: why } = &claim.verdict {
+        if let Some(why) = reason(&claim.verdict) {
             add(
                 &mut items,
                 format_args!(
                     "<li><a href=\"#claim-{number}\">Claim {number}</a>: {} <span class=\"why\">{}</span></li>\n",
                     text(&claim.paper),
-                    reason(why.as_deref()),
+                    why,
                 ),
             );
         }
     }
     match items.is_empty() {
         true => items,
-        false => format!("<h3>What differs</h3>\n<ul>\n{items}</ul>\n"),
+        false => format!("<h3>What differs or is unknown</h3>\n<ul>\n{items}</ul>\n"),
     }
 }

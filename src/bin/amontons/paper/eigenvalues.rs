@@ -1,28 +1,22 @@
 //! Section 1: parameters, loci, and the eigenvalues of all contact states.
 
-use super::claims::{claim, is_about};
-use super::scene;
+use super::claims::{claim, half_digit, is_about};
+use super::{couplings, modes, scene};
 use amontons::Error;
 use amontons::contact::parse_states;
 use amontons::model::LumpedModel;
-use amontons::picture::{Chart, Mark, Panel, Series};
 use amontons::report::{Cell, Claim, Content, Figure, Line, Section, Table};
 use amontons::scene::Scene;
-use amontons::stability::candidates::uniform_sliding;
-use amontons::stability::locus::{Locus, Root, locus};
-use amontons::stability::{Mode, Spectrum, StateClasses, modes};
+use amontons::stability::{Spectrum, StateClasses};
 use amontons::study::Watch;
 use amontons::sweep::range::decimal;
-use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
 /// What the paper prints, rounded to two digits; of 192 values seven are rounded the other way.
-const ROUNDING: f64 = 0.006;
+pub const ROUNDING: f64 = 0.006;
 /// µ of Tables 2 and 3.
-const FRICTION: f64 = 1.96;
-/// Fig. 2(c), Hz.
-const FREQUENCIES: [f64; 6] = [34.00, 65.99, 163.90, 186.56, 215.24, 225.79];
+pub const FRICTION: f64 = 1.96;
 
 /// A table as the paper prints it: states, and (growth rate, frequency), both divided by 2π, Hz.
 #[derive(serde::Deserialize)]
@@ -38,27 +32,26 @@ const PRINTED: [(&str, &str, &str); 2] = [
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     let mut section = Section {
         text: vec![
-            "Eigenvalues λ of the linear motion within one contact state; Re λ above zero means growth. The paper \
-             prints Re λ/2π and Im λ/2π, both in Hz."
+            "Eigenvalues λ of the linear motion within one contact state: Re λ is the growth rate, Im λ/2π the frequency. \
+             The paper prints Re λ/2π in Hz in place of the growth rate in 1/s, which is 2π times as large."
                 .to_owned(),
         ],
         ..Section::default()
     };
-    section.claims.push(frequencies()?);
-    let (shapes, phases) = mode_shapes()?;
-    section.claims.push(phases);
-    section.tables.push(shapes);
+    let modes = modes::found()?;
+    section.claims.extend(modes.claims);
+    section.tables.push(modes.shapes);
     let mut loci = Vec::new();
     for name in ["set1", "set2"] {
-        loci.push(uniform(&scene(name, &[])?.0)?);
+        loci.push(couplings::uniform(&scene(name, &[])?.0)?);
         (watch.progress)(0.4 * loci.len() as f64);
     }
-    section.claims.extend(couplings(&loci[0], &loci[1]));
+    section.claims.extend(couplings::claims(&loci[0], &loci[1]));
     for ((name, letter), locus) in [("set1", 'a'), ("set2", 'b')].into_iter().zip(&loci) {
         section.figures.push(Figure {
             caption: format!("Fig. 2({letter}): eigenvalues of {name} in uniform sliding over µ"),
             command: Some(format!("amontons-stability locus {name} --friction 0:3.5:0.005")),
-            content: Content::Chart(chart(name, locus)),
+            content: Content::Chart(couplings::chart(name, locus)),
         });
     }
     for (name, table, printed) in PRINTED {
@@ -68,8 +61,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         section.tables.push(found);
     }
     section.claims.push(second_stiffness()?);
-    section.claims.push(moved_modes()?);
-    section.claims.push(stuck()?);
+    section.claims.extend(one_stuck(&[eigenvalues_of("set1")?, eigenvalues_of("set2")?]));
     section.tables.insert(0, parameters()?);
     Ok(Some(section))
 }
@@ -102,220 +94,79 @@ fn parameters() -> Result<Table, Error> {
     })
 }
 
-/// Fig. 2(c).
-fn frequencies() -> Result<Claim, Error> {
-    let (scene, _) = scene("set1", &[("damping.beta", 0.0)])?;
-    let model = LumpedModel::from(&scene);
-    let spectrum = Spectrum::of(&model, &uniform_sliding(&model, scene.slider.velocity)?, 0.0)?;
-    let found: Vec<f64> = spectrum.oscillating.iter().map(|value| value.im / TAU).collect();
-    let pairs = found.iter().zip(FREQUENCIES);
-    let holds = found.len() == FREQUENCIES.len()
-        && pairs.clone().all(|(found, paper)| (found - paper).abs() <= ROUNDING);
-    let found: Vec<String> = found.iter().map(|hz| format!("{hz:.2}")).collect();
-    Ok(claim(
-        "Fig. 2(c): without friction the six modes of Set 1 have 34.00, 65.99, 163.90, 186.56, 215.24 and 225.79 Hz.",
-        format!("{} Hz (holds if none is off by more than {ROUNDING} Hz)", found.join(", ")),
-        holds,
-        None,
-    ))
+/// The eigenvalues (Re, Im)/2π, Hz, that the claims on contact states speak of.
+struct Eigenvalues {
+    sliding: Vec<[f64; 2]>,
+    stuck: [Vec<[f64; 2]>; 2],
 }
 
-/// The real modes without friction and damping.
-fn real_modes(name: &str) -> Result<(Scene, Vec<Mode>), Error> {
-    let (scene, _) = scene(name, &[("damping.beta", 0.0)])?;
-    let model = LumpedModel::from(&scene);
-    let states = uniform_sliding(&model, scene.slider.velocity)?;
-    let modes = modes(&model, &states, 0.0)?.all().cloned().collect();
-    Ok((scene, modes))
+fn eigenvalues_of(name: &str) -> Result<Eigenvalues, Error> {
+    let model = LumpedModel::from(&scene(name, &[])?.0);
+    let of = |state| eigenvalues(&model, state);
+    Ok(Eigenvalues { sliding: of("Sl-Sl")?, stuck: [of("Sl-St")?, of("St-Sl")?] })
 }
 
-/// Fig. 2(c): displacements of each mode, the largest 1.
-fn mode_shapes() -> Result<(Table, Claim), Error> {
-    let (scene, modes) = real_modes("set1")?;
-    // The largest is 1, so that nothing is left of a common phase.
-    let shape = |mode: &Mode| -> Vec<f64> { mode.shape.iter().map(|part| part.re).collect() };
-    let shapes: Vec<Vec<f64>> = modes.iter().map(shape).collect();
-    let rows = scene.dof_names().into_iter().enumerate().map(|(dof, name)| {
-        let parts =
-            shapes.iter().map(|shape| format!("{:+.3}", shape[dof]).replace('-', "−").into());
-        std::iter::once(name.into()).chain(parts).collect()
-    });
-    let head = modes
-        .iter()
-        .enumerate()
-        .map(|(mode, found)| format!("mode {} ({:.2} Hz)", mode + 1, found.frequency_hz()));
-    let table = Table {
-        caption: "Fig. 2(c): mode shapes of Set 1 without friction, the largest displacement 1; contacts stay closed"
-            .to_owned(),
-        head: std::iter::once(String::new()).chain(head).collect(),
-        rows: rows.collect(),
+/// The claims on states with one contact stuck, and on sliding beside them.
+fn one_stuck([set1, set2]: &[Eigenvalues; 2]) -> Vec<Claim> {
+    let growing = |values: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        values.iter().filter(|value| value[0] > 0.0).copied().collect()
     };
-    // Of the upper masses: x1 and x2 of each module.
-    let in_phase = |shape: &Vec<f64>| shape[0] * shape[4] + shape[1] * shape[5] > 0.0;
-    let phases: Vec<bool> = shapes.iter().map(in_phase).collect();
-    let told: Vec<String> = phases
-        .iter()
-        .enumerate()
-        .map(|(mode, is_in)| {
-            format!("{}: {}", mode + 1, if *is_in { "in phase" } else { "out of phase" })
-        })
-        .collect();
-    let claim = claim(
-        "The upper masses of the two modules move in phase in modes 3 and 4, out of phase in modes 5 and 6.",
-        told.join(", "),
-        phases.len() == 6 && phases[2] && phases[3] && !phases[4] && !phases[5],
-        None,
-    );
-    Ok((table, claim))
-}
-
-/// What the lower k2 does.
-fn moved_modes() -> Result<Claim, Error> {
-    let hz = |modes: &[Mode]| modes.iter().map(Mode::frequency_hz).collect::<Vec<f64>>();
-    let (set1, set2) = (hz(&real_modes("set1")?.1), hz(&real_modes("set2")?.1));
-    let change: Vec<f64> = set1.iter().zip(&set2).map(|(a, b)| b - a).collect();
-    let told: Vec<String> =
-        change.iter().map(|change| format!("{change:+.2}").replace('-', "−")).collect();
-    Ok(claim(
-        "The lower k2 of Set 2 moves modes 5 and 6 and leaves modes 3 and 4.",
-        format!(
-            "modes 1 to 6 move by {} Hz (holds if 3 and 4 by less than {ROUNDING} Hz, 5 and 6 by more than 1 Hz)",
-            told.join(", ")
-        ),
-        change.len() == 6
-            && change[2..4].iter().all(|change| change.abs() < ROUNDING)
-            && change[4..].iter().all(|change| change.abs() > 1.0),
-        None,
-    ))
-}
-
-/// Set 2 with one contact stuck.
-fn stuck() -> Result<Claim, Error> {
-    let model = LumpedModel::from(&scene("set2", &[])?.0);
-    let growing: Vec<String> = eigenvalues(&model, "Sl-St")?
-        .iter()
-        .filter(|value| value[0] > 0.0)
-        .map(|value| format!("{:+.2} ± {:.2} i Hz", value[0], value[1]))
-        .collect();
-    Ok(claim(
-        "Set 2 at µ = 1.96 becomes unstable if one of the two masses sticks.",
-        format!("eigenvalues of Sl-St that grow: {}", growing.join(", ")),
-        !growing.is_empty(),
-        None,
-    ))
-}
-
-fn uniform(scene: &Scene) -> Result<Locus, Error> {
-    let model = LumpedModel::from(scene);
-    let states = uniform_sliding(&model, scene.slider.velocity)?;
-    let values: Vec<f64> = (0..=700).map(|i| 0.005 * f64::from(i)).collect();
-    locus(&|mu| Ok((Cow::Borrowed(&model), mu)), &states, &values, &|_, _| {})
-}
-
-/// Where two modes (from 1) merge: µ and Hz.
-fn merging(locus: &Locus, modes: [usize; 2]) -> Option<[f64; 2]> {
-    let is_it = |event: &&amontons::stability::locus::Coalescence| {
-        event.merge && event.modes.map(|mode| mode + 1) == modes
+    let told = |values: &[[f64; 2]]| {
+        let all: Vec<String> = values
+            .iter()
+            .map(|[re, im]| format!("{im:.2} Hz with a growth rate of {:+.2} 1/s", TAU * re))
+            .collect();
+        if all.is_empty() { "none".to_owned() } else { all.join(", ") }
     };
-    locus.coalescences.iter().find(is_it).map(|event| [event.value, event.frequency_hz])
-}
-
-/// Does a mode grow at this µ?
-fn grows(locus: &Locus, friction: f64) -> Vec<usize> {
-    let place = locus.values.partition_point(|value| *value < friction - 1e-9);
-    let modes = 0..locus.branches.len();
-    modes.filter(|mode| locus.branches[*mode][place].lambda.re > 0.0).map(|mode| mode + 1).collect()
-}
-
-/// Numbers of modes in words.
-fn listed(modes: &[usize]) -> String {
-    let modes: Vec<String> = modes.iter().map(ToString::to_string).collect();
-    if modes.is_empty() { "none".to_owned() } else { modes.join(", ") }
-}
-
-fn couplings(set1: &Locus, set2: &Locus) -> Vec<Claim> {
-    let pairs = [[3, 4], [5, 6]].map(|modes| [merging(set1, modes), merging(set2, modes)]);
-    let told = |merge: &Option<[f64; 2]>| {
-        merge.map_or("nowhere".to_owned(), |[mu, hz]| format!("µ = {mu:.4} ({hz:.1} Hz)"))
+    let are_about = |values: &[[f64; 2]], printed: &[&str]| {
+        values.len() == printed.len()
+            && values.iter().zip(printed).all(|(value, printed)| is_about(value[1], printed))
     };
-    let [[low1, low2], [high1, high2]] = &pairs;
-    let both = |a: &Option<[f64; 2]>, b: &Option<[f64; 2]>, hz: f64| {
-        a.iter().chain(b).filter(|merge| is_about(merge[1], hz)).count() == 2
-    };
-    let mu = |merge: &Option<[f64; 2]>| merge.map_or(f64::NAN, |merge| merge[0]);
+    let sliding = growing(&set1.sliding);
+    let stuck = set1.stuck.each_ref().map(|values| growing(values));
+    let lower: Vec<[f64; 2]> =
+        set1.sliding.iter().filter(|value| is_about(value[1], "170")).copied().collect();
+    let other = set2.stuck.each_ref().map(|values| growing(values));
     vec![
         claim(
-            "In both sets modes 3 and 4 merge, and modes 5 and 6, at about 170 and 215 Hz.",
+            "At µ = 1.96 uniform sliding of Set 1 has one instability, at about 219 Hz.",
             format!(
-                "Set 1: modes 3 and 4 at {}, 5 and 6 at {}; Set 2: at {} and {}",
-                told(low1),
-                told(high1),
-                told(low2),
-                told(high2)
+                "modes that grow: {} (holds if it is one, within {} Hz)",
+                told(&sliding),
+                half_digit("219")
             ),
-            both(low1, low2, 170.0) && both(high1, high2, 215.0),
+            are_about(&sliding, &["219"]),
             None,
         ),
         claim(
-            "In Set 1 modes 5 and 6 merge at a lower µ than modes 3 and 4, in Set 2 at a higher one.",
+            "With one contact stuck Set 1 has two unstable modes, at about 168 and 217 Hz.",
             format!(
-                "Set 1: {:.4} against {:.4}; Set 2: {:.4} against {:.4}",
-                mu(high1),
-                mu(low1),
-                mu(high2),
-                mu(low2)
+                "modes that grow: {} in Sl-St; {} in St-Sl (holds if they are two, each within {} Hz)",
+                told(&stuck[0]),
+                told(&stuck[1]),
+                half_digit("168")
             ),
-            mu(high1) < mu(low1) && mu(high2) > mu(low2),
+            stuck.iter().all(|values| are_about(values, &["168", "217"])),
             None,
         ),
         claim(
-            "At µ = 1.5 uniform sliding of Set 1 is unstable, by mode 6.",
-            format!("modes that grow: {}", listed(&grows(set1, 1.5))),
-            grows(set1, 1.5) == [6],
+            "The mode of Set 1 at about 170 Hz is stable in uniform sliding.",
+            format!(
+                "modes within {} Hz: {} (holds if there are some and none grows)",
+                half_digit("170"),
+                told(&lower)
+            ),
+            !lower.is_empty() && lower.iter().all(|value| value[0] < 0.0),
             None,
         ),
         claim(
-            "At µ = 1.96 uniform sliding of Set 1 is unstable, that of Set 2 is stable.",
-            format!(
-                "modes that grow: {} in Set 1, {} in Set 2",
-                listed(&grows(set1, FRICTION)),
-                listed(&grows(set2, FRICTION))
-            ),
-            !grows(set1, FRICTION).is_empty() && grows(set2, FRICTION).is_empty(),
+            "Set 2 at µ = 1.96 becomes unstable if one of the two masses sticks.",
+            format!("modes that grow: {} in Sl-St; {} in St-Sl", told(&other[0]), told(&other[1])),
+            other.iter().all(|values| !values.is_empty())
+                && set2.sliding.iter().all(|value| value[0] < 0.0),
             None,
         ),
     ]
-}
-
-fn chart(name: &str, locus: &Locus) -> Chart {
-    let curves = |part: fn(&Root) -> f64| {
-        let curve = |(mode, branch): (usize, &Vec<Root>)| Series {
-            label: Some(format!("mode {}", mode + 1)),
-            points: locus.values.iter().zip(branch).map(|(&mu, root)| [mu, part(root)]).collect(),
-            colour: mode,
-            ..Series::default()
-        };
-        locus.branches.iter().enumerate().map(curve).collect()
-    };
-    let mark = |x: f64| Mark { x, label: Some(format!("{x:.4}")) };
-    let panel = |y_label: &str, series, marks, zero_line| Panel {
-        y_label: y_label.to_owned(),
-        series,
-        marks,
-        zero_line,
-        ..Panel::default()
-    };
-    let crossings = locus.crossings.iter().map(|crossing| mark(crossing.value)).collect();
-    let merging = locus.coalescences.iter().map(|merging| mark(merging.value)).collect();
-    Chart {
-        title: format!("{name}: eigenvalues in uniform sliding"),
-        x_label: "Friction coefficient µ [–]".to_owned(),
-        panels: vec![
-            panel("Re λ / 2π [Hz]", curves(|root| root.lambda.re / TAU), crossings, true),
-            panel("Im λ / 2π [Hz]", curves(|root| root.lambda.im / TAU), merging, false),
-        ],
-        logarithmic: false,
-    }
 }
 
 /// The eigenvalues of a state, (Re, Im)/2π, Hz.
@@ -359,7 +210,7 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
         let difference =
             known.map_or("–".to_owned(), |known| format!("{:.4}", worst(&found, known)));
         let line = |[re, im]: &[f64; 2]| Line {
-            text: format!("{re:+.2} ± {im:.2} i").replace('-', "−"),
+            text: format!("{:+.2} ({re:+.2}), {im:.2}", TAU * re).replace('-', "−"),
             emphasised: *re > 0.0,
         };
         let lines = found.iter().map(line).collect();
@@ -371,7 +222,8 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
         most <= ROUNDING,
         None,
     );
-    let head = ["state", "states alike", "λ/2π [Hz]", "worst difference [Hz]"].map(str::to_owned);
+    let value = "growth rate [1/s] (Re λ/2π [Hz], as printed), frequency [Hz]";
+    let head = ["state", "states alike", value, "worst difference [Hz]"].map(str::to_owned);
     let caption = format!(
         "{table}, computed: eigenvalues of {name} at µ = 1.96; those that grow stand out. Exchanging the modules \
          makes states alike."
@@ -406,4 +258,45 @@ fn second_stiffness() -> Result<Claim, Error> {
             "the paper's own Table 3 belongs to 53.617 kN/m, so that is what set2 has; 53 is probably rounded",
         ),
     ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn claims_on_stuck_contacts_fail_where_a_mode_is_missing_moved_or_one_too_many() {
+        let real = || [eigenvalues_of("set1").unwrap(), eigenvalues_of("set2").unwrap()];
+        let held = |sets: &[Eigenvalues; 2]| -> Vec<bool> {
+            one_stuck(sets).iter().map(|claim| claim.verdict.holds()).collect()
+        };
+        assert_eq!(held(&real()), [true; 4]);
+        let [set1, set2] = real();
+        // Its lower pair is stable in sliding in either set.
+        assert_eq!(held(&[set2, set1]), [false, false, true, false]);
+        // The mode at 217 Hz in one of the two states, half a hertz and a little away.
+        let mut moved = real();
+        moved[0].stuck[1]
+            .iter_mut()
+            .filter(|value| value[0] > 0.0 && value[1] > 200.0)
+            .for_each(|value| value[1] += 0.1);
+        assert_eq!(held(&moved), [true, false, true, true]);
+        let mut grows = real();
+        grows[0]
+            .sliding
+            .iter_mut()
+            .filter(|value| (value[1] - 172.4).abs() < 0.1)
+            .for_each(|value| value[0] = 0.1);
+        assert_eq!(held(&grows)[..3], [false, true, false]);
+    }
+
+    #[test]
+    fn a_table_with_one_wrong_digit_does_not_hold() {
+        for (name, table, text) in PRINTED {
+            let mut printed: Printed = serde_json::from_str(text).unwrap();
+            assert!(compared(name, table, &printed).unwrap().0.verdict.holds());
+            printed.states.get_mut("Sl-St").unwrap()[3][0] += 0.02;
+            assert!(!compared(name, table, &printed).unwrap().0.verdict.holds(), "{table}");
+        }
+    }
 }

@@ -2,9 +2,14 @@
 
 mod branches;
 mod claims;
+mod couplings;
 mod eigenvalues;
 mod growth;
+mod growth_claims;
 mod limit_cycles;
+mod measures;
+mod modes;
+mod motion;
 mod perturbations;
 
 use crate::interrupt::{self, Interrupted};
@@ -31,11 +36,11 @@ type Work = fn(Watch<'_>) -> Result<Option<Section>, Error>;
 
 /// The sections, and how long each takes, roughly, in seconds.
 const SECTIONS: [(&str, f64, Work); 5] = [
-    ("Eigenvalues (Fig. 2, Tables 1 to 3)", 1.0, eigenvalues::section),
-    ("Limit cycles over the slider's velocity (Fig. 3)", 4.0, limit_cycles::section),
-    ("Growth of a small perturbation (Fig. 4)", 1.0, growth::section),
-    ("Small and large perturbations (Fig. 5)", 2.0, perturbations::section),
-    ("Branches over the friction coefficient (Figs. 6 and 7)", 20.0, branches::section),
+    ("Eigenvalues (Fig. 2, Tables 1 to 3)", 0.1, eigenvalues::section),
+    ("Limit cycles over the slider's velocity (Fig. 3)", 2.0, limit_cycles::section),
+    ("Growth of a small perturbation (Fig. 4)", 0.3, growth::section),
+    ("Small and large perturbations (Fig. 5)", 1.5, perturbations::section),
+    ("Branches over the friction coefficient (Figs. 6 and 7)", 30.0, branches::section),
 ];
 
 pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
@@ -48,11 +53,12 @@ pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
         let _ = fs::remove_file(partial);
     }
     interrupt::listen();
-    let bar = Progress::in_parts("the paper");
+    let bar = Progress::in_parts(SECTIONS[0].0);
     let all: f64 = SECTIONS.iter().map(|(_, share, _)| share).sum();
     let (mut done, mut sections, mut times) = (0.0, Vec::new(), Vec::new());
     for (heading, share, work) in SECTIONS {
         let progress = |part: f64| bar.set_part((done + share * part) / all);
+        bar.say(heading);
         let start = Instant::now();
         let section = work(Watch { go_on: &interrupt::stopped, progress: &progress });
         let Some(section) = section? else {
@@ -85,7 +91,9 @@ const LEAD: [&str; 2] = [
      each of its figures and tables is computed anew from the built-in scenes set1 and set2, and each of its claims \
      stands beside what came out.",
     "Verdicts are computed: a claim holds when the numbers found meet the condition that is stated with them. Nothing \
-     is adjusted to make one hold; what the paper calls “about” is taken as within a tenth, everywhere. Motions are exact between events; where the paper's own scheme is used, it says so.",
+     is adjusted to make one hold. What the paper calls “about” is taken as within half of the last digit that it \
+     prints, and zeros that end a whole number are no digits: about 168 Hz is 167.5 to 168.5 Hz, about 170 Hz is 165 to \
+     175 Hz. Motions are exact between events; where the paper's own scheme is used, the page says so.",
 ];
 
 /// A built-in scene with other values, moved as studies move it, and how it is looked at.

@@ -1,13 +1,17 @@
 //! Section 4: Fig. 5.
 
 use super::claims::claim;
+use super::measures::{half_ranges, spread};
+use super::motion::Motion;
 use super::scene;
 use crate::study::perturbation::{endings, histories, thinned};
 use amontons::Error;
+use amontons::contact::ContactState;
 use amontons::picture::{Chart, Panel, Series};
 use amontons::report::{Claim, Content, Figure, Section};
 use amontons::scene::Scene;
-use amontons::study::perturbation::{Direction, Perturbations, perturbation};
+use amontons::simulation::assign;
+use amontons::study::perturbation::{Direction, Run, Threshold, perturbation};
 use amontons::study::{Journal, Look, Watch, history};
 
 /// Initial velocities of the upper mass of module 1, vertical, m/s.
@@ -16,6 +20,12 @@ const LAST: f64 = 0.3;
 const COUNT: u32 = 31;
 /// Of what is shown, s.
 const DURATION: f64 = 2.0;
+/// How long a run is looked at for its claim, and how long after a push, s.
+const LONG: f64 = 4.0;
+const AFTER_PUSH: f64 = 2.0;
+/// Half ranges are taken over pieces of so many s; those of a stable orbit differ by no more than a part of their mean.
+const PIECE: f64 = 0.1;
+const STEADY: f64 = 0.01;
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     let (scene, look) = scene("set2", &[])?;
@@ -27,7 +37,19 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     };
     let found = perturbation(&scene, &direction, &look, &Journal::forgotten(), watch)?;
     let Some(found) = found else { return Ok(None) };
-    let mut section = Section { claims: claims(&found), ..Section::default() };
+    let ending = |run: Option<&Run>| run.and_then(|run| run.ending.clone());
+    let rests = ending(found.runs.first()).is_some_and(|ending| ending.rests());
+    let cycles = ending(found.runs.last()).is_some_and(|ending| ending.kind.is_cycle());
+    let middle = |threshold: &Threshold| 0.5 * (threshold.between[0] + threshold.between[1]);
+    let thresholds: Vec<String> =
+        found.thresholds.iter().map(|threshold| format!("{:.6}", middle(threshold))).collect();
+    let mut runs = Vec::new();
+    for velocity in [FIRST, LAST] {
+        let Some(run) = seen(&scene, &direction.name, velocity, watch)? else { return Ok(None) };
+        runs.push(run);
+    }
+    let claims = claims(&[runs[0], runs[1]], [rests, cycles], &thresholds.join(", "));
+    let mut section = Section { claims, ..Section::default() };
     let is_over = || (watch.go_on)().is_break();
     let Some(small_and_large) = histories_of(&scene, &direction, &look, &is_over)? else {
         return Ok(None);
@@ -94,41 +116,112 @@ fn histories_of(
     }))
 }
 
-fn claims(found: &Perturbations) -> Vec<Claim> {
-    let settled = |run: Option<&amontons::study::perturbation::Run>| {
-        run.and_then(|run| Some((run.amplitude, run.ending.clone()?)))
-    };
-    let (small, large) = (settled(found.runs.first()), settled(found.runs.last()));
-    let thresholds: Vec<String> = found
-        .thresholds
-        .iter()
-        .map(|threshold| format!("{:.6}", 0.5 * (threshold.between[0] + threshold.between[1])))
-        .collect();
-    let told = |run: &Option<(f64, amontons::study::Ending)>| {
-        run.as_ref().map_or("the run failed".to_owned(), |(initial, ending)| {
-            format!(
-                "an initial velocity of {initial} m/s ends in: {}, ±{:.3e} m",
-                ending.kind.name(),
-                ending.amplitude
-            )
-        })
-    };
+/// What is seen of a run from one of the perturbations.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Seen {
+    /// Of the upper mass of module 1, m/s.
+    velocity: f64,
+    /// s until a contact first changes its state; `None` where none does.
+    changes: Option<f64>,
+    /// `true` where a contact sticks within the first [`PIECE`] s.
+    sticks: bool,
+    /// Half ranges of the first and of the last piece of [`PIECE`] s, m.
+    amplitudes: [f64; 2],
+    /// By which part half ranges differ from their mean over the last second.
+    spread: f64,
+    /// By which part the half range is another one a while after a push.
+    after_push: f64,
+}
+
+/// Looks at the run from one of the perturbations; `None` where the watch ended it.
+fn seen(
+    scene: &Scene,
+    direction: &str,
+    velocity: f64,
+    watch: Watch<'_>,
+) -> Result<Option<Seen>, Error> {
+    let mut scene = scene.clone();
+    assign(&mut scene, direction, velocity)?;
+    let mut motion = Motion::new(&scene)?;
+    // The first part of the work is done.
+    let quiet = Watch { progress: &|_| {}, ..watch };
+    if !motion.record(LONG, quiet)? {
+        return Ok(None);
+    }
+    motion.push();
+    if !motion.record(LONG + AFTER_PUSH, quiet)? {
+        return Ok(None);
+    }
+    let ranges = half_ranges(&motion.history, Motion::row(PIECE));
+    let pieces = |time: f64| (time / PIECE).round() as usize;
+    let before = &ranges[pieces(LONG - 1.0)..pieces(LONG)];
+    let last = ranges[pieces(LONG + AFTER_PUSH) - 1];
+    let sticks = |states: &[ContactState; 2]| states.contains(&ContactState::Stick);
+    Ok(Some(Seen {
+        velocity,
+        changes: motion.first_change().filter(|time| *time < LONG),
+        sticks: motion.states_between(0.0, PIECE).iter().any(sticks),
+        amplitudes: [ranges[0], ranges[pieces(LONG) - 1]],
+        spread: spread(before),
+        after_push: (last * before.len() as f64 / before.iter().sum::<f64>() - 1.0).abs(),
+    }))
+}
+
+/// `rests` and `cycles` are what the study says of the smallest and of the largest perturbation.
+fn claims([small, large]: &[Seen; 2], [rests, cycles]: [bool; 2], thresholds: &str) -> Vec<Claim> {
     vec![
         claim(
-            "At µ = 1.96 Set 2 returns to rest after a small perturbation (Fig. 5a).",
-            told(&small),
-            small.as_ref().is_some_and(|(_, ending)| ending.rests()),
+            "At µ = 1.96 Set 2 oscillates around the equilibrium after a small perturbation, and comes to rest (Fig. 5a).",
+            format!(
+                "from {} m/s {}; within {LONG} s the amplitude falls from {:.2e} to {:.2e} m (holds if no contact changes its \
+                 state, the amplitude falls tenfold, and the study of perturbations finds that the motion ends at rest)",
+                small.velocity,
+                small.changes.map_or("no contact changes its state".to_owned(), |time| format!(
+                    "a contact changes its state at {time:.3} s"
+                )),
+                small.amplitudes[0],
+                small.amplitudes[1]
+            ),
+            rests && small.changes.is_none() && small.amplitudes[1] <= 0.1 * small.amplitudes[0],
             None,
         ),
         claim(
-            "After a large one that makes a contact stick it reaches a stable orbit (Fig. 5b).",
+            "A large perturbation of Set 2 that makes a contact stick leads to a stable orbit (Fig. 5b).",
             format!(
-                "{}, with contacts that stick; thresholds: {} m/s",
-                told(&large),
-                thresholds.join(", ")
+                "from {} m/s a contact {} within {PIECE} s; half ranges are {:.3e} m in the end, with a spread of {:.1e} over the \
+                 last second, and differ by {:.1e} {AFTER_PUSH} s after a push of 1 % of the largest velocity (holds if it sticks, \
+                 both are below {STEADY}, and the study of perturbations finds a cycle); thresholds between rest and a cycle: \
+                 {thresholds} m/s",
+                large.velocity,
+                if large.sticks { "sticks" } else { "does not stick" },
+                large.amplitudes[1],
+                large.spread,
+                large.after_push
             ),
-            large.is_some_and(|(_, ending)| ending.kind.is_cycle() && ending.taken[2]),
+            cycles && large.sticks && large.spread <= STEADY && large.after_push <= STEADY,
             None,
         ),
     ]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn each_claim_on_fig_5_can_fail() {
+        let (scene, _) = scene("set2", &[]).unwrap();
+        let seen = |velocity: f64| {
+            seen(&scene, "initial.module[1].v2", velocity, Watch::IDLE).unwrap().unwrap()
+        };
+        let (small, large) = (seen(FIRST), seen(LAST));
+        let held = |runs: [Seen; 2], kinds: [bool; 2]| -> Vec<bool> {
+            claims(&runs, kinds, "").iter().map(|claim| claim.verdict.holds()).collect()
+        };
+        assert_eq!(held([small, large], [true; 2]), [true; 2]);
+        assert_eq!(held([large, small], [true; 2]), [false; 2]);
+        assert_eq!(held([small, large], [false; 2]), [false; 2]);
+        assert_eq!(held([small, Seen { after_push: 0.1, ..large }], [true; 2]), [true, false]);
+        assert_eq!(held([Seen { changes: Some(0.1), ..small }, large], [true; 2]), [false, true]);
+    }
 }
