@@ -115,8 +115,7 @@ fn chart() -> Chart {
             .map(|i| [f64::from(i), if break_at == Some(i) { f64::NAN } else { f64::from(i * i) }])
             .collect(),
         colour,
-        style: Style::Line,
-        labels: Vec::new(),
+        ..Series::default()
     };
     let mark = Mark { x: 20.0, label: Some("critical µ".into()) };
     Chart {
@@ -170,7 +169,7 @@ fn spectrogram() -> Chart {
 
 /// Two contacts over 8 s: one slips from 0 to 4 and sticks from 4 to 8, of the other nothing is known until 6.
 fn states() -> Chart {
-    let class = |name: &str, colour| Class { name: name.into(), colour };
+    let class = |name: &str, colour| Class::plain(name.into(), colour);
     let lane = |name: &str, stretches: &[(f64, f64, usize)]| Lane {
         name: name.into(),
         stretches: stretches.iter().map(|&(from, to, class)| Stretch { from, to, class }).collect(),
@@ -190,7 +189,7 @@ fn states() -> Chart {
 }
 
 fn map() -> Map {
-    let class = |name: &str, colour| Class { name: name.into(), colour };
+    let class = |name: &str, colour| Class::plain(name.into(), colour);
     Map {
         title: "Stability".into(),
         x_label: "µ [–]".into(),

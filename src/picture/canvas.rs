@@ -301,6 +301,29 @@ impl<B: DrawingBackend> Canvas<B> {
         self.fill(&[[left, top], [right, top], [right, bottom], [left, bottom]], colour)
     }
 
+    /// A rectangle (left, top, right, bottom) of stripes one below the other, the colours by turns: the first stripe
+    /// of the first colour begins at the height `origin`, and each is as high as `stripe`.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub(super) fn striped(
+        &self,
+        [left, top, right, bottom]: [f64; 4],
+        colours: &[RGBColor],
+        origin: f64,
+        stripe: f64,
+    ) -> Result<(), Failure> {
+        if let [colour] = colours {
+            return self.rectangle([left, top, right, bottom], *colour);
+        }
+        let mut place = ((top - origin) / stripe + 1e-6).floor();
+        while origin + place * stripe < bottom - 1e-6 {
+            let [upper, lower] = [place, place + 1.0].map(|edge| origin + edge * stripe);
+            let colour = colours[place.rem_euclid(colours.len() as f64) as usize];
+            self.rectangle([left, upper.max(top), right, lower.min(bottom)], colour)?;
+            place += 1.0;
+        }
+        Ok(())
+    }
+
     /// A filled circle.
     pub(super) fn dot(&self, at: Point, radius: f64, colour: RGBColor) -> Result<(), Failure> {
         let radius = self.pixels(radius);

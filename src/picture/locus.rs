@@ -1,6 +1,6 @@
 //! Root loci as charts: real and imaginary parts of λ/2π over a parameter.
 
-use super::{Chart, Mark, Panel, Series, Style, significant};
+use super::{Chart, Mark, Panel, Series, significant};
 use crate::stability::locus::{Locus, Root};
 use std::f64::consts::TAU;
 
@@ -40,8 +40,7 @@ fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Seri
                 label: Some(label),
                 points: points.map(|(&x, root)| [x, part(root)]).collect(),
                 colour,
-                style: Style::Line,
-                labels: Vec::new(),
+                ..Series::default()
             });
         }
     }

@@ -136,7 +136,7 @@ fn transient() -> Chart {
         }
         stretches
     };
-    let class = |name: &str, colour| Class { name: name.into(), colour };
+    let class = |name: &str, colour| Class::plain(name.into(), colour);
     Chart {
         title: TRANSIENT.into(),
         x_label: "Time [s]".into(),
@@ -258,7 +258,7 @@ fn basin() -> Map {
         }
     };
     let rows = grid(80, [-1.0, 1.0]).map(|v| grid(120, [-1.5, 1.5]).map(|x| class(x, v)).collect());
-    let named = |name: &str, colour| Class { name: name.into(), colour };
+    let named = |name: &str, colour| Class::plain(name.into(), colour);
     Map {
         title: "Where perturbations lead".into(),
         x_label: "Initial displacement x1 [mm]".into(),
