@@ -14,7 +14,7 @@ const HEIGHT: f64 = 480.0;
 /// Height of a class's stripes, px.
 const STRIPE: f64 = 5.0;
 
-/// Classes over a plane.
+/// Classes over a plane. Labels with units are treated as those of a [`Chart`](super::Chart).
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Map {
     /// What is to be seen.
@@ -42,7 +42,7 @@ impl Map {
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         self.whole().map_err(|failure| canvas::cannot_draw(path, &failure))?;
         let legend = Legend::new(self.classes.iter().map(Class::entry));
-        canvas::write(&Layout { map: self, legend }, path)
+        canvas::write(&Layout { map: &self.in_prefixed_units(), legend }, path)
     }
 
     /// Refuses what [`write`](Self::write) could not draw.

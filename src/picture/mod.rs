@@ -20,6 +20,7 @@ mod moving;
 mod number;
 mod palette;
 mod structure;
+mod units;
 
 pub(crate) use chart::shown;
 pub(crate) use colours::{COLOURS, scale};
@@ -32,4 +33,4 @@ pub use map::Map;
 pub use mode_shapes::{ModeShape, ModeShapes};
 pub use number::{prefixed, significant};
 pub use palette::PALETTE;
-pub use structure::{Link, LinkKind, MassMark, SliderMark, Structure};
+pub use structure::{ForceMark, Link, LinkKind, MassMark, SliderMark, Structure};

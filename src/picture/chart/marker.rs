@@ -58,7 +58,8 @@ impl Marker {
                 canvas.line(&[place([-1.0, from]), place([1.0, to])], colour, 1.8, &[])
             }),
             Self::Square | Self::Triangle | Self::Diamond => {
-                let corners: Vec<Point> = self.corners().iter().map(|&corner| place(corner)).collect();
+                let corners: Vec<Point> =
+                    self.corners().iter().map(|&corner| place(corner)).collect();
                 canvas.fill(&corners, colour)
             }
         }

@@ -21,7 +21,8 @@ use layout::Layout;
 use serde::Serialize;
 use std::path::Path;
 
-/// Panels over one x axis.
+/// Panels over one x axis. A label that ends with an SI unit in brackets, as "Time [s]", has its values in that unit;
+/// the picture may show them with a prefix, as ms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
     /// What is to be seen.
@@ -101,7 +102,8 @@ impl Chart {
     /// Another ending, nothing finite to draw in a panel, a raster or lanes of the wrong shape, or a file that
     /// cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let layout = Layout::of(self).map_err(|failure| canvas::cannot_draw(path, &failure))?;
+        let shown = self.in_prefixed_units();
+        let layout = Layout::of(&shown).map_err(|failure| canvas::cannot_draw(path, &failure))?;
         canvas::write(&layout, path)
     }
 
@@ -110,7 +112,8 @@ impl Chart {
     /// # Errors
     /// As [`write`](Self::write), but for files.
     pub fn svg(&self) -> Result<String, Error> {
-        let layout = Layout::of(self)
+        let shown = self.in_prefixed_units();
+        let layout = Layout::of(&shown)
             .map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
         canvas::svg_text(&layout)
     }

@@ -123,7 +123,7 @@ fn map(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) -> Map {
         .map(|(place, name)| Class::numbered(name.clone(), place))
         .collect();
     let ends = |axis: &Axis| [axis.values[0], axis.values[axis.values.len() - 1]];
-    let label = |axis: &Axis| format!("{}, {}", axis.name, unit_of(scene, &axis.name));
+    let label = |axis: &Axis| format!("{} [{}]", axis.name, unit_of(scene, &axis.name));
     Map {
         title: format!("{}: what each point ends in", scene.name),
         x_label: label(x),
