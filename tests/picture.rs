@@ -2,8 +2,8 @@
 
 use amontons::Error;
 use amontons::picture::{
-    Band, Chart, Class, Lane, Link, LinkKind, Map, Mark, MassMark, ModeShape, ModeShapes, Panel,
-    Raster, Series, SliderMark, Stretch, Structure, Style,
+    Band, Chart, Class, Lane, Link, LinkKind, Map, Mark, Marker, MassMark, ModeShape, ModeShapes,
+    Panel, Raster, Series, SliderMark, Stretch, Structure, Style,
 };
 use nalgebra::Complex;
 use quick_xml::Reader;
@@ -115,8 +115,7 @@ fn chart() -> Chart {
             .map(|i| [f64::from(i), if break_at == Some(i) { f64::NAN } else { f64::from(i * i) }])
             .collect(),
         colour,
-        style: Style::Line,
-        labels: Vec::new(),
+        ..Series::default()
     };
     let mark = Mark { x: 20.0, label: Some("critical µ".into()) };
     Chart {
@@ -170,7 +169,7 @@ fn spectrogram() -> Chart {
 
 /// Two contacts over 8 s: one slips from 0 to 4 and sticks from 4 to 8, of the other nothing is known until 6.
 fn states() -> Chart {
-    let class = |name: &str, colour| Class { name: name.into(), colour };
+    let class = |name: &str, colour| Class::plain(name.into(), colour);
     let lane = |name: &str, stretches: &[(f64, f64, usize)]| Lane {
         name: name.into(),
         stretches: stretches.iter().map(|&(from, to, class)| Stretch { from, to, class }).collect(),
@@ -190,7 +189,7 @@ fn states() -> Chart {
 }
 
 fn map() -> Map {
-    let class = |name: &str, colour| Class { name: name.into(), colour };
+    let class = |name: &str, colour| Class::plain(name.into(), colour);
     Map {
         title: "Stability".into(),
         x_label: "µ [–]".into(),
@@ -220,6 +219,7 @@ fn structure() -> Structure {
         ends,
         direction,
         kind,
+        preload: 0.0,
     };
     Structure {
         title: "Two blocks & a belt".into(),
@@ -235,6 +235,7 @@ fn structure() -> Structure {
             velocity: 0.1,
             ..SliderMark::default()
         }],
+        ..Structure::default()
     }
 }
 
@@ -746,4 +747,84 @@ fn charts_and_maps_are_written_as_data_under_the_names_of_their_fields() {
     assert_eq!(data["panels"][1]["lanes"][0]["stretches"][1]["class"], 1);
     assert_eq!(data["panels"][1]["classes"][1]["name"], "stick");
     assert_eq!(serde_json::to_value(map()).unwrap()["cells"][0][2], 1);
+}
+
+/// Two points, a place where nothing is known, a point between two such places, and two points more.
+fn marked(marker: Option<Marker>) -> Chart {
+    let points = [0.0, 1.0, f64::NAN, 3.0, f64::NAN, 5.0, 6.0]
+        .iter()
+        .zip(0..)
+        .map(|(y, x)| [f64::from(x), *y]);
+    let label = Some("found".to_owned());
+    let series = vec![Series { points: points.collect(), label, marker, ..Series::default() }];
+    Chart {
+        title: "Gaps".into(),
+        x_label: "x".into(),
+        panels: vec![Panel { y_label: "y".into(), series, ..Panel::default() }],
+        ..Chart::default()
+    }
+}
+
+#[test]
+fn a_gap_stays_open_and_a_point_within_it_is_seen() {
+    let elements = drawn(|path| marked(None).write(path));
+    let blue = |name: &str, key: &str| -> Vec<&Element> {
+        elements.iter().filter(|e| e.name == name && e.get(key) == BLUE).collect()
+    };
+    // Two lines of two points, and the legend's.
+    assert_eq!(
+        blue("polyline", "stroke").iter().map(|line| line.points()).collect::<Vec<_>>(),
+        [2; 3]
+    );
+    assert_eq!(blue("circle", "fill").len(), 1, "the point alone");
+    let picture = written(&marked(None));
+    let coloured =
+        |x: u32| (100..picture.1 / 2 - 70).any(|y| pixel(&picture, x, y) == [0x00, 0x72, 0xB2]);
+    // Six units of x are 792 px from 84 on.
+    let found =
+        [0.5, 1.5, 2.5, 3.0, 3.5, 4.5, 5.5].map(|x: f64| coloured((84.0 + 132.0 * x) as u32));
+    assert_eq!(found, [true, false, false, true, false, false, true]);
+}
+
+#[test]
+fn each_point_has_the_marker_of_its_series_and_so_has_the_legend() {
+    let count = |marker: Marker, style: Style, name: &str| {
+        let mut chart = marked(Some(marker));
+        chart.panels[0].series[0].style = style;
+        let elements = drawn(|path| chart.write(path));
+        elements
+            .iter()
+            .filter(|e| e.name == name && [e.get("fill"), e.get("stroke")].contains(&BLUE))
+            .count()
+    };
+    // Five points and the legend's.
+    assert_eq!(count(Marker::Disc, Style::Dots, "circle"), 6);
+    assert_eq!(count(Marker::Ring, Style::Dots, "circle"), 6);
+    for marker in [Marker::Square, Marker::Triangle, Marker::Diamond] {
+        assert_eq!(count(marker, Style::Dots, "polygon"), 6, "{marker:?}");
+        assert_eq!(count(marker, Style::Line, "polygon"), 6, "{marker:?}");
+    }
+    assert_eq!(count(Marker::Cross, Style::Dots, "polyline"), 12);
+    // Two lines and the legend's more.
+    assert_eq!(count(Marker::Cross, Style::Line, "polyline"), 15);
+    let forms = Marker::ALL.map(|marker| {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("picture.svg");
+        marked(Some(marker)).write(&path).unwrap();
+        fs::read_to_string(path).unwrap()
+    });
+    for (place, form) in forms.iter().enumerate() {
+        assert!(!forms[..place].contains(form), "{:?} looks like another", Marker::ALL[place]);
+    }
+}
+
+#[test]
+fn the_shortest_stretch_shows_all_colours_of_its_class() {
+    let mut chart = states();
+    chart.panels[0].lanes[0].stretches[1] = Stretch { from: 4.0, to: 4.02, class: 2 };
+    chart.panels[0].classes.push(Class { stripes: vec![0], ..Class::plain("both".into(), 1) });
+    let picture = written(&chart);
+    let middle = picture.1 / 2 - 99;
+    let at = |y: u32| pixel(&picture, 84 + 99 * 4, y);
+    assert_eq!([at(middle - 5), at(middle + 5)], [[0xD5, 0x5E, 0x00], [0x00, 0x72, 0xB2]]);
 }

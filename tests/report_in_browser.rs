@@ -306,3 +306,24 @@ fn without_its_script_a_page_says_where_the_data_are() {
         1.0
     );
 }
+
+#[test]
+fn gaps_stay_open_and_points_have_their_markers() {
+    let mut browser = shown(DESKTOP).browser;
+    let figure = figure(sample_report::MARKED);
+    let path = |browser: &mut Browser, class: &str| {
+        browser.text(&format!("{figure}.querySelector('.plot .{class}').getAttribute('d')"))
+    };
+    let curve = path(&mut browser, "curve");
+    // Two lines and a point alone; nothing is drawn from one to the next.
+    assert_eq!([curve.matches('M').count(), curve.matches('L').count()], [3, 2], "{curve}");
+    let markers = path(&mut browser, "marker.triangle");
+    assert_eq!(markers.matches('M').count(), 5, "{markers}");
+    let legend = |what: &str| format!("{figure}.querySelectorAll('.legend {what}').length");
+    assert_eq!(browser.number(&legend(".marker.triangle")), 1.0);
+    // One state has one colour, two by turns have two.
+    assert_eq!(browser.number(&legend(".area")), 3.0);
+    let areas = format!("{figure}.querySelectorAll('.plot .area').length");
+    assert!(browser.number(&areas) >= 3.0);
+    assert_eq!(browser.complaints, Vec::<String>::new());
+}

@@ -15,12 +15,12 @@ use plotters::style::text_anchor::{HPos, Pos, VPos};
 use plotters::style::{
     Color, FontStyle, IntoFont, IntoTextStyle, RGBColor, ShapeStyle, TextStyle, WHITE,
 };
-use quick_xml::escape::escape;
+use quick_xml::escape::{escape, unescape};
 use std::cell::RefCell;
 use std::path::Path;
 use std::sync::Once;
 
-/// Every picture is this wide, px.
+/// Every picture is this wide, px, unless its texts need more.
 pub(super) const WIDTH: f64 = 900.0;
 /// A font of every system; in bitmaps it is the one that this program carries.
 const FONT: &str = "sans-serif";
@@ -49,6 +49,11 @@ pub(super) trait Drawing {
 
     /// What there is to see, for those who cannot.
     fn description(&self) -> String;
+
+    /// px.
+    fn width(&self) -> f64 {
+        WIDTH
+    }
 
     /// px.
     fn height(&self) -> f64;
@@ -87,8 +92,9 @@ pub(super) fn cannot_draw(path: &Path, Failure(reason): &Failure) -> Error {
 /// The start of an SVG file up to what is drawn; `height` in px, the view box as given.
 pub(super) fn svg_head(drawing: &impl Drawing, view_box: &str) -> String {
     format!(
-        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{WIDTH}\" height=\"{}\" \
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" role=\"img\" width=\"{}\" height=\"{}\" \
          viewBox=\"{view_box}\">\n<title>{}</title>\n<desc>{}</desc>\n",
+        drawing.width(),
         drawing.height(),
         escape(drawing.title()),
         escape(drawing.description())
@@ -104,7 +110,32 @@ fn svg(drawing: &impl Drawing) -> Result<String, Failure> {
     // The first element is the white ground.
     let (ground, body) = body.split_once('\n').unwrap_or((body, ""));
     let head = svg_head(drawing, &format!("0 0 {} {}", size.0, size.1));
-    Ok(head + ground + "\n" + &images + body)
+    Ok(head + ground + "\n" + &images + &with_lengths(body))
+}
+
+/// An SVG's elements, each text with its length in the font that this program carries: the reader's own font, which is
+/// wider or narrower, is made to fit.
+fn with_lengths(body: &str) -> String {
+    let mut parts = body.split("<text ");
+    let mut found = parts.next().unwrap_or_default().to_owned();
+    for part in parts {
+        found += "<text ";
+        found += &text_length(part).map_or_else(String::new, |length| {
+            format!("textLength=\"{length}\" lengthAdjust=\"spacingAndGlyphs\" ")
+        });
+        found += part;
+    }
+    found
+}
+
+/// The length, in the SVG's units, of the text element of which the attributes begin here.
+fn text_length(element: &str) -> Option<f64> {
+    let (attributes, rest) = element.split_once('>')?;
+    let size: f64 = attributes.split_once("font-size=\"")?.1.split_once('"')?.0.parse().ok()?;
+    let text = unescape(rest.split_once("</text>")?.0.trim()).ok()?;
+    // The drawing library writes its own size so.
+    let length = text_width(&text, 1.24 * size);
+    (length > 0.0).then(|| length.round())
 }
 
 fn png(drawing: &impl Drawing) -> Result<Vec<u8>, Failure> {
@@ -161,7 +192,7 @@ fn reduce(pixels: &[u8], row: usize) -> Vec<u8> {
 }
 
 fn size(drawing: &impl Drawing, unit: u32) -> (u32, u32) {
-    (whole(WIDTH) * unit, whole(drawing.height()) * unit)
+    (whole(drawing.width()) * unit, whole(drawing.height()) * unit)
 }
 
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -299,6 +330,29 @@ impl<B: DrawingBackend> Canvas<B> {
         colour: RGBColor,
     ) -> Result<(), Failure> {
         self.fill(&[[left, top], [right, top], [right, bottom], [left, bottom]], colour)
+    }
+
+    /// A rectangle (left, top, right, bottom) of stripes one below the other, the colours by turns: the first stripe
+    /// of the first colour begins at the height `origin`, and each is as high as `stripe`.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub(super) fn striped(
+        &self,
+        [left, top, right, bottom]: [f64; 4],
+        colours: &[RGBColor],
+        origin: f64,
+        stripe: f64,
+    ) -> Result<(), Failure> {
+        if let [colour] = colours {
+            return self.rectangle([left, top, right, bottom], *colour);
+        }
+        let mut place = ((top - origin) / stripe + 1e-6).floor();
+        while origin + place * stripe < bottom - 1e-6 {
+            let [upper, lower] = [place, place + 1.0].map(|edge| origin + edge * stripe);
+            let colour = colours[place.rem_euclid(colours.len() as f64) as usize];
+            self.rectangle([left, upper.max(top), right, lower.min(bottom)], colour)?;
+            place += 1.0;
+        }
+        Ok(())
     }
 
     /// A filled circle.

@@ -2,6 +2,7 @@
 
 use super::axes::{LEFT, MEDIUM, RIGHT};
 use super::canvas::{Align, Canvas, Failure, text_width};
+use super::chart::Marker;
 use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 
@@ -9,15 +10,18 @@ const ROW: f64 = 22.0;
 /// Length of a sample, px.
 const SAMPLE: f64 = 32.0;
 
+/// Half of the height of a sample of an area, px.
+const PATCH: f64 = 7.0;
 /// Radius of points that are not joined, px.
 pub(super) const DOT: f64 = 2.5;
 
 /// What stands for an entry.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Sample {
-    Line { colour: RGBColor, dashes: Vec<f64> },
-    Patch(RGBColor),
-    Dot(RGBColor),
+    /// A stroke, unless the points are not joined, with the marker of its points.
+    Curve { colour: RGBColor, dashes: Option<Vec<f64>>, marker: Option<Marker> },
+    /// Stripes, one below the other.
+    Patch(Vec<RGBColor>),
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -62,14 +66,22 @@ impl Legend {
         for (Entry { label, sample }, x, y) in &self.entries {
             let (from, to, middle) = (*x, x + SAMPLE, top + y + 0.5 * ROW);
             match sample {
-                Sample::Line { colour, dashes } => {
-                    canvas.line(&[[from, middle], [to, middle]], *colour, 2.0, dashes)?;
+                Sample::Curve { colour, dashes, marker } => {
+                    if let Some(dashes) = dashes {
+                        canvas.line(&[[from, middle], [to, middle]], *colour, 2.0, dashes)?;
+                    }
+                    let at = [0.5 * (from + to), middle];
+                    match marker {
+                        Some(marker) => marker.paint(canvas, at, *colour)?,
+                        None if dashes.is_none() => canvas.dot(at, DOT, *colour)?,
+                        None => {}
+                    }
                 }
-                Sample::Patch(colour) => {
-                    canvas.rectangle([from, middle - 7.0, to, middle + 7.0], *colour)?;
-                }
-                Sample::Dot(colour) => {
-                    canvas.dot([0.5 * (from + to), middle], DOT, *colour)?;
+                Sample::Patch(colours) => {
+                    let corners = [from, middle - PATCH, to, middle + PATCH];
+                    #[allow(clippy::cast_precision_loss)]
+                    let stripe = 2.0 * PATCH / colours.len() as f64;
+                    canvas.striped(corners, colours, corners[1], stripe)?;
                 }
             }
             canvas.text(label, [to + 8.0, middle], MEDIUM, Align::Left)?;

@@ -1,6 +1,7 @@
-//! Root loci as charts: real and imaginary parts of λ/2π over a parameter.
+//! Root loci as charts: growth rates Re λ and frequencies Im λ/2π over a parameter.
 
-use super::{Chart, Mark, Panel, Series, Style, significant};
+use super::units::unit_of;
+use super::{Chart, Mark, Panel, Series, prefixed, significant};
 use crate::stability::locus::{Locus, Root};
 use std::f64::consts::TAU;
 
@@ -15,13 +16,13 @@ pub fn locus_chart(title: String, x_label: String, loci: &[(Option<String>, &Loc
         zero_line,
         ..Panel::default()
     };
-    let [critical, merging] = marks(loci);
+    let [critical, merging] = marks(loci, &x_label);
     Chart {
         title,
         x_label,
         panels: vec![
-            panel("Re λ / 2π [Hz]", |root| root.lambda.re / TAU, critical, true),
-            panel("Im λ / 2π [Hz]", |root| root.lambda.im / TAU, merging, false),
+            panel("Growth rate [1/s]", |root| root.lambda.re, critical, true),
+            panel("Frequency [Hz]", |root| root.lambda.im / TAU, merging, false),
         ],
         ..Chart::default()
     }
@@ -40,8 +41,7 @@ fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Seri
                 label: Some(label),
                 points: points.map(|(&x, root)| [x, part(root)]).collect(),
                 colour,
-                style: Style::Line,
-                labels: Vec::new(),
+                ..Series::default()
             });
         }
     }
@@ -49,16 +49,26 @@ fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Seri
 }
 
 /// Where modes begin to grow, and where they merge; not for a family, which has too many.
-fn marks(loci: &[(Option<String>, &Locus)]) -> [Vec<Mark>; 2] {
+fn marks(loci: &[(Option<String>, &Locus)], x_label: &str) -> [Vec<Mark>; 2] {
     let [(_, locus)] = loci else { return [Vec::new(), Vec::new()] };
     let mark = |x: f64, label: String| Mark { x, label: Some(label) };
-    let critical = locus.crossings.iter().map(|c| mark(c.value, significant(c.value, 5)));
+    // The axis may have a prefix, so a value has its own unit.
+    let value = |value: f64| match unit_of(x_label) {
+        Some((_, unit)) if unit != "–" => prefixed(rounded(value), unit),
+        _ => significant(value, 5),
+    };
+    let critical = locus.crossings.iter().map(|c| mark(c.value, value(c.value)));
     let merging = locus.coalescences.iter().map(|c| {
         let [a, b] = c.modes.map(|mode| mode + 1);
-        mark(c.value, format!("{a}–{b}: {}", significant(c.value, 5)))
+        mark(c.value, format!("{a}–{b}: {}", value(c.value)))
     });
     // Double modes begin to grow at one place, which is marked once.
     let mut critical: Vec<Mark> = critical.collect();
     critical.dedup_by(|a, b| a.label == b.label);
     [critical, merging.collect()]
+}
+
+/// To five significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
 }

@@ -2,8 +2,8 @@
 
 use super::axes::{Frame, LARGE, LEFT, X_AXIS};
 use super::canvas::{self, Align, Canvas, Drawing, Failure};
-use super::legend::{Entry, Legend, Sample};
-use super::palette::colour;
+use super::class::Class;
+use super::legend::Legend;
 use crate::Error;
 use plotters::backend::DrawingBackend;
 use serde::Serialize;
@@ -11,8 +11,10 @@ use std::path::Path;
 
 const TITLE: f64 = 38.0;
 const HEIGHT: f64 = 480.0;
+/// Height of a class's stripes, px.
+const STRIPE: f64 = 5.0;
 
-/// Classes over a plane.
+/// Classes over a plane. Labels with units are treated as those of a [`Chart`](super::Chart).
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Map {
     /// What is to be seen.
@@ -31,15 +33,6 @@ pub struct Map {
     pub classes: Vec<Class>,
 }
 
-/// What a cell of a map can be.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Class {
-    /// For the legend.
-    pub name: String,
-    /// Place in the [palette](super::PALETTE).
-    pub colour: usize,
-}
-
 impl Map {
     /// Writes the map as the path's ending asks, `.svg` or `.png`.
     ///
@@ -48,11 +41,8 @@ impl Map {
     /// ascend, or a file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         self.whole().map_err(|failure| canvas::cannot_draw(path, &failure))?;
-        let entries = self.classes.iter().map(|class| Entry {
-            label: class.name.clone(),
-            sample: Sample::Patch(colour(class.colour)),
-        });
-        canvas::write(&Layout { map: self, legend: Legend::new(entries) }, path)
+        let legend = Legend::new(self.classes.iter().map(Class::entry));
+        canvas::write(&Layout { map: &self.in_prefixed_units(), legend }, path)
     }
 
     /// Refuses what [`write`](Self::write) could not draw.
@@ -142,7 +132,8 @@ impl Drawing for Layout<'_> {
                 // For the same reason up to the end of the row; the next run covers it.
                 let left = part(start, classes.len(), LEFT, super::axes::RIGHT);
                 let corners = [left, up, super::axes::RIGHT, down];
-                canvas.rectangle(corners, colour(self.map.classes[run[0]].colour))?;
+                let colours = self.map.classes[run[0]].colours();
+                canvas.striped(corners, &colours, frame.top, STRIPE)?;
                 start += run.len();
             }
         }

@@ -8,6 +8,7 @@ mod axes;
 mod beside;
 mod canvas;
 mod chart;
+mod class;
 mod colours;
 mod file;
 mod image;
@@ -19,15 +20,17 @@ mod moving;
 mod number;
 mod palette;
 mod structure;
+mod units;
 
 pub(crate) use chart::shown;
 pub(crate) use colours::{COLOURS, scale};
 
-pub use chart::{Band, Chart, Lane, Mark, Panel, Raster, Series, Stretch, Style};
+pub use chart::{Band, Chart, Lane, Mark, Marker, Panel, Raster, Series, Stretch, Style};
+pub use class::Class;
 pub use file::check_name;
 pub use locus::locus_chart;
-pub use map::{Class, Map};
+pub use map::Map;
 pub use mode_shapes::{ModeShape, ModeShapes};
 pub use number::{prefixed, significant};
 pub use palette::PALETTE;
-pub use structure::{Link, LinkKind, MassMark, SliderMark, Structure};
+pub use structure::{ForceMark, Link, LinkKind, MassMark, SliderMark, Structure};

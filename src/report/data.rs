@@ -4,7 +4,7 @@ use super::Content;
 use super::thin::{is_ascending, kept, rounded};
 use crate::Error;
 use crate::picture::{
-    Band, COLOURS, Chart, Class, Lane, Map, Panel, Raster, Series, Style, scale, shown,
+    Band, COLOURS, Chart, Class, Lane, Map, Marker, Panel, Raster, Series, Style, scale, shown,
 };
 use serde::Serialize;
 
@@ -44,6 +44,7 @@ struct DrawnSeries<'a> {
     label: Option<&'a str>,
     colour: usize,
     style: Style,
+    marker: Option<Marker>,
     /// Does x never go back?
     ascending: bool,
     /// Are points left out, so that what is between two of them is not known?
@@ -144,6 +145,7 @@ fn of_series(series: &Series, logarithmic: bool) -> DrawnSeries<'_> {
         label: series.label.as_deref(),
         colour: series.colour,
         style: series.style,
+        marker: series.marker,
         thinned: places.len() < series.points.len(),
         ascending: descending || is_ascending(&series.points),
         x: values(0),

@@ -5,6 +5,7 @@ use super::listing::listings;
 use super::markup::{add, plain_table, text};
 use super::{Content, Figure};
 use crate::Error;
+use std::borrow::Cow;
 
 /// # Errors
 /// Those of [`drawn`].
@@ -14,7 +15,8 @@ pub(super) fn figure(figure: &Figure, number: usize) -> Result<String, Error> {
         Content::Chart(chart) => &chart.title,
         Content::Map(map) => &map.title,
     };
-    let data = drawn(&figure.content)?;
+    let shown = figure.content.in_prefixed_units();
+    let data = drawn(&shown)?;
     let mut html = format!("<figure id=\"{id}\" aria-labelledby=\"{id}-title\">\n");
     add(&mut html, format_args!("<h3 id=\"{id}-title\">{}</h3>\n", text(title)));
     html += "<noscript><p class=\"hint\">This figure needs JavaScript. Its data are in the table below.</p></noscript>\n\
@@ -56,4 +58,19 @@ pub(super) fn figure(figure: &Figure, number: usize) -> Result<String, Error> {
 /// it may be written by its number.
 fn embedded(json: &str) -> String {
     json.replace('<', "\\u003c")
+}
+
+impl Content {
+    /// As it is drawn: in units with prefixes where those make numbers short.
+    fn in_prefixed_units(&self) -> Cow<'_, Self> {
+        let (chart, map) = match self {
+            Self::Chart(chart) => (Some(chart.in_prefixed_units()), None),
+            Self::Map(map) => (None, Some(map.in_prefixed_units())),
+        };
+        match (chart, map) {
+            (Some(Cow::Owned(chart)), _) => Cow::Owned(Self::Chart(chart)),
+            (_, Some(Cow::Owned(map))) => Cow::Owned(Self::Map(map)),
+            _ => Cow::Borrowed(self),
+        }
+    }
 }

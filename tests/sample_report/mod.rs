@@ -1,7 +1,8 @@
 //! A report with every kind of figure, from closed forms.
 
+use amontons::contact::ContactState;
 use amontons::picture::{
-    Band, Chart, Class, Lane, Map, Mark, Panel, Raster, Series, Stretch, Style,
+    Band, Chart, Class, Lane, Map, Mark, Marker, Panel, Raster, Series, Stretch, Style,
 };
 use amontons::report::{Cell, Claim, Content, Figure, Line, Page, Section, Table, Verdict};
 use std::f64::consts::TAU;
@@ -46,6 +47,40 @@ fn squares() -> Chart {
             ],
             ..Panel::default()
         }],
+        ..Chart::default()
+    }
+}
+
+pub const MARKED: &str = "Values that were found, with gaps";
+
+/// A curve with a gap and a point alone, all marked, over lanes of which one class is striped.
+pub fn marked() -> Chart {
+    let points = [0.0, 1.0, f64::NAN, 3.0, f64::NAN, 5.0, 6.0];
+    let points = points.iter().zip(0..).map(|(y, x)| [f64::from(x), *y]);
+    let series = vec![Series { marker: Some(Marker::Triangle), ..curve("found", 1, points) }];
+    let lane = Lane {
+        name: "contact".into(),
+        stretches: vec![
+            Stretch { from: 0.0, to: 4.0, class: 0 },
+            Stretch { from: 4.0, to: 6.0, class: 1 },
+        ],
+    };
+    let states = [
+        Class::of_states(&[ContactState::Slide]),
+        Class::of_states(&[ContactState::Slide, ContactState::Stick]),
+    ];
+    Chart {
+        title: MARKED.into(),
+        x_label: "Number".into(),
+        panels: vec![
+            Panel { y_label: "Value".into(), series, ..Panel::default() },
+            Panel {
+                y_label: "States".into(),
+                lanes: vec![lane],
+                classes: states.into(),
+                ..Panel::default()
+            },
+        ],
         ..Chart::default()
     }
 }
@@ -136,7 +171,7 @@ fn transient() -> Chart {
         }
         stretches
     };
-    let class = |name: &str, colour| Class { name: name.into(), colour };
+    let class = |name: &str, colour| Class::plain(name.into(), colour);
     Chart {
         title: TRANSIENT.into(),
         x_label: "Time [s]".into(),
@@ -258,7 +293,7 @@ fn basin() -> Map {
         }
     };
     let rows = grid(80, [-1.0, 1.0]).map(|v| grid(120, [-1.5, 1.5]).map(|x| class(x, v)).collect());
-    let named = |name: &str, colour| Class { name: name.into(), colour };
+    let named = |name: &str, colour| Class::plain(name.into(), colour);
     Map {
         title: "Where perturbations lead".into(),
         x_label: "Initial displacement x1 [mm]".into(),
@@ -335,6 +370,7 @@ pub fn page() -> Page {
                 vec![
                     figure("The velocity grows twice; the spectrogram shows the second frequency from then on.", Content::Chart(transient())),
                     figure("Limit cycles for three velocities of the slider.", Content::Chart(limit_cycles())),
+                    figure("What was not found is left open.", Content::Chart(marked())),
                 ],
             ),
             Section {

@@ -89,7 +89,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         cells: found.iter().map(|row| row.iter().map(place).collect()).collect(),
         classes: classes
             .iter()
-            .map(|&(verdict, colour)| Class { name: verdict.to_string(), colour })
+            .map(|&(verdict, colour)| Class::plain(verdict.to_string(), colour))
             .collect(),
     };
     Ok(picture.write(path)?)

@@ -25,7 +25,7 @@ pub struct Band {
 
 impl Band {
     pub(super) fn entry(&self) -> Option<Entry> {
-        let sample = Sample::Patch(tint(self.colour));
+        let sample = Sample::Patch(vec![tint(self.colour)]);
         self.label.clone().map(|label| Entry { label, sample })
     }
 

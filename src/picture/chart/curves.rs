@@ -22,10 +22,8 @@ impl Series {
 
     pub(super) fn entry(&self) -> Option<Entry> {
         let (colour, _, dashes) = self.pen();
-        let sample = match self.style {
-            Style::Line | Style::Dashed => Sample::Line { colour, dashes: dashes.to_vec() },
-            Style::Dots => Sample::Dot(colour),
-        };
+        let dashes = (self.style != Style::Dots).then(|| dashes.to_vec());
+        let sample = Sample::Curve { colour, dashes, marker: self.marker };
         self.label.clone().map(|label| Entry { label, sample })
     }
 
@@ -77,13 +75,19 @@ fn paint_strokes<B: DrawingBackend>(
     series: &Series,
     (colour, width, dashes): (RGBColor, f64, &[f64]),
 ) -> Result<(), Failure> {
-    if series.style == Style::Dots {
-        return dots(chart.shown(series).map(|point| frame.at(point)))
-            .try_for_each(|place| canvas.dot(place, 0.5 * width, colour));
+    let mut marks = dots(chart.shown(series).map(|point| frame.at(point)));
+    match (series.style, series.marker) {
+        (Style::Dots, None) => {
+            return marks.try_for_each(|place| canvas.dot(place, 0.5 * width, colour));
+        }
+        (Style::Dots, Some(marker)) => {
+            return marks.try_for_each(|place| marker.paint(canvas, place, colour));
+        }
+        (Style::Line | Style::Dashed, _) => {}
     }
     let broken = |[x, y]: &Point| !(x.is_finite() && y.is_finite());
     let points: Vec<Point> = chart.scaled_points(series).collect();
-    if !series.labels.is_empty() {
+    if series.marker.is_none() && !series.labels.is_empty() {
         for point in chart.shown(series) {
             canvas.dot(frame.at(point), 0.5 * width + 2.6, colour)?;
         }
@@ -96,7 +100,11 @@ fn paint_strokes<B: DrawingBackend>(
             _ => canvas.line(&places, colour, width, dashes)?,
         }
     }
-    Ok(())
+    // Over the line, which is not to be seen within a ring.
+    match series.marker {
+        Some(marker) => marks.try_for_each(|place| marker.paint(canvas, place, colour)),
+        None => Ok(()),
+    }
 }
 
 /// Places, px, without those that the eye cannot tell from an earlier one: there may be very many.

@@ -3,8 +3,9 @@
 use super::{Chart, Panel};
 use crate::picture::axes::{Frame, LEFT, MEDIUM, RIGHT, SMALL};
 use crate::picture::canvas::{Align, Canvas, Failure, text_width};
-use crate::picture::legend::{Entry, Sample};
-use crate::picture::palette::{INK, colour};
+use crate::picture::class::Class;
+use crate::picture::legend::Entry;
+use crate::picture::palette::INK;
 use plotters::backend::DrawingBackend;
 use serde::Serialize;
 
@@ -80,10 +81,7 @@ pub(super) fn check(panel: &Panel) -> Result<(), Failure> {
 }
 
 pub(super) fn entries(panel: &Panel) -> impl Iterator<Item = Entry> {
-    panel.classes.iter().map(|class| Entry {
-        label: class.name.clone(),
-        sample: Sample::Patch(colour(class.colour)),
-    })
+    panel.classes.iter().map(Class::entry)
 }
 
 /// What there is to see, for those who cannot.
@@ -139,7 +137,11 @@ pub(super) fn paint<B: DrawingBackend>(
             let under = if classes.get(end).copied().flatten().is_some() { 0.5 } else { 0.0 };
             let [left, right] = [left as f64, end as f64 + under].map(|x| frame.left + x);
             let corners = [left, top + gap, right, top + height - gap];
-            canvas.rectangle(corners, colour(panel.classes[class].colour))?;
+            let colours = panel.classes[class].colours();
+            // One stripe for each colour, so that the narrowest stretch has them all.
+            #[allow(clippy::cast_precision_loss)]
+            let stripe = (corners[3] - corners[1]) / colours.len() as f64;
+            canvas.striped(corners, &colours, corners[1], stripe)?;
         }
     }
     // The frame has no y axis of its own.

@@ -139,7 +139,7 @@ impl Chart {
     }
 
     /// The values that the x axis of all panels shows.
-    fn x_range(&self) -> Result<[f64; 2], Failure> {
+    pub(in crate::picture) fn x_range(&self) -> Result<[f64; 2], Failure> {
         let of = |panel: &Panel| -> Vec<f64> {
             let series = panel.series.iter().flat_map(|series| self.shown(series));
             let bands = panel.bands.iter().flat_map(|band| [band.from, band.to]);
@@ -158,7 +158,7 @@ impl Chart {
     }
 
     /// The values that a panel's y axis shows. The cells of a raster end at the frame.
-    fn y_range(&self, panel: &Panel) -> Result<[f64; 2], Failure> {
+    pub(in crate::picture) fn y_range(&self, panel: &Panel) -> Result<[f64; 2], Failure> {
         if !panel.lanes.is_empty() {
             return Ok([0.0, 1.0]);
         }

@@ -4,22 +4,25 @@ mod band;
 mod curves;
 mod lanes;
 mod layout;
+mod marker;
 mod marks;
 mod raster;
 
 pub use band::Band;
 pub(crate) use lanes::shown;
 pub use lanes::{Lane, Stretch};
+pub use marker::Marker;
 pub use raster::Raster;
 
 use super::canvas;
-use super::map::Class;
+use super::class::Class;
 use crate::Error;
 use layout::Layout;
 use serde::Serialize;
 use std::path::Path;
 
-/// Panels over one x axis.
+/// Panels over one x axis. A label that ends with an SI unit in brackets, as "Time [s]", has its values in that unit;
+/// the picture may show them with a prefix, as ms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
     /// What is to be seen.
@@ -56,15 +59,17 @@ pub struct Panel {
 /// A curve.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Series {
-    /// For the legend, which equal labels in the same colour and style share.
+    /// For the legend, which equal labels in the same colour, style and marker share.
     pub label: Option<String>,
-    /// (x, y); one that is not finite breaks the curve.
+    /// (x, y); one that is not finite breaks the curve, which leaves a gap. A point between two gaps is a dot.
     pub points: Vec<[f64; 2]>,
     /// Place in the [palette](crate::picture::PALETTE); beyond its end the colours come again, dashed.
     pub colour: usize,
     /// How it is drawn.
     pub style: Style,
-    /// One for each point, which is then a dot; written beside it where there is room. Or none at all.
+    /// The form at each point: `None` leaves the points of a line unmarked, and makes those of dots small discs.
+    pub marker: Option<Marker>,
+    /// One for each point, which is then a dot where there is no marker; written beside it where there is room. Or none at all.
     pub labels: Vec<String>,
 }
 
@@ -77,7 +82,7 @@ pub enum Style {
     Line,
     /// With short dashes.
     Dashed,
-    /// As points that are not joined; of those at one place of the picture one is drawn.
+    /// As points that are not joined, each with the series' marker; of those at one place of the picture one is drawn.
     Dots,
 }
 
@@ -97,7 +102,8 @@ impl Chart {
     /// Another ending, nothing finite to draw in a panel, a raster or lanes of the wrong shape, or a file that
     /// cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let layout = Layout::of(self).map_err(|failure| canvas::cannot_draw(path, &failure))?;
+        let shown = self.in_prefixed_units();
+        let layout = Layout::of(&shown).map_err(|failure| canvas::cannot_draw(path, &failure))?;
         canvas::write(&layout, path)
     }
 
@@ -106,7 +112,8 @@ impl Chart {
     /// # Errors
     /// As [`write`](Self::write), but for files.
     pub fn svg(&self) -> Result<String, Error> {
-        let layout = Layout::of(self)
+        let shown = self.in_prefixed_units();
+        let layout = Layout::of(&shown)
             .map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
         canvas::svg_text(&layout)
     }

@@ -20,7 +20,7 @@ impl Plot<'_> {
                 let back = scaled(forth, -1.0);
                 let start = self.leave(a, forth, bundle);
                 let end = self.leave(b, back, bundle);
-                self.links(bundle, start, end);
+                self.links(bundle, a, start, end);
             }
             Course::Ground(mass, way) => {
                 let way = flip(way);
@@ -29,7 +29,7 @@ impl Plot<'_> {
                 let end = along(self.middles[mass], way, away);
                 let half = 0.5 * self.spread(bundle, way) + 16.0;
                 symbols::ground(end, way, half, &mut self.shapes);
-                self.links(bundle, start, end);
+                self.links(bundle, mass, start, end);
             }
             Course::Named(pair, ways) => {
                 for (place, (mass, way)) in pair.into_iter().zip(ways).enumerate() {
@@ -42,7 +42,7 @@ impl Plot<'_> {
                         symbols::bar(end, way, half, &mut self.shapes);
                     }
                     symbols::arrow(end, tip, INK, &mut self.shapes);
-                    self.links(bundle, start, end);
+                    self.links(bundle, mass, start, end);
                     let other = &self.structure.masses[pair[1 - place]].name;
                     self.requests.push(Request {
                         texts: vec![vec![format!("to {other}")], vec!["to".into(), other.clone()]],
@@ -100,8 +100,9 @@ impl Plot<'_> {
         written(&link.name, &link.label, self.style.values)
     }
 
+    /// Side by side, from the mass at their start.
     #[allow(clippy::cast_precision_loss)]
-    fn links(&mut self, bundle: &Bundle, start: Point, end: Point) {
+    fn links(&mut self, bundle: &Bundle, mass: usize, start: Point, end: Point) {
         let forth = unit(sub(end, start));
         // Upwards, or to the right: there a single link has its name.
         let side = across(forth);
@@ -129,6 +130,13 @@ impl Plot<'_> {
                 LinkKind::Damper => symbols::dashpot([from, to], amplitude, &mut self.shapes),
             }
             let acts = way(-link.direction);
+            if link.preload != 0.0 {
+                // The first end feels it along the direction, the second one against it.
+                let first = link.ends[0] == Some(mass);
+                let along_link = dot(acts, forth) >= -1e-9;
+                let pulls = (link.preload > 0.0) == (first == along_link);
+                symbols::preload([from, to], pulls, &mut self.shapes);
+            }
             let turned = dot(acts, across(forth)).abs() > 0.05;
             let middle = scaled(add(from, to), 0.5);
             // Of many, all have theirs on the same side.

@@ -9,7 +9,7 @@ pub(super) fn mass(name: &str, label: &str) -> MassMark {
 
 pub(super) fn spring(name: &str, label: &str, ends: [Option<usize>; 2], direction: f64) -> Link {
     let (name, label) = (name.into(), label.into());
-    Link { name, label, ends, direction, kind: LinkKind::Spring }
+    Link { name, label, ends, direction, kind: LinkKind::Spring, preload: 0.0 }
 }
 
 pub(super) fn damper(name: &str, label: &str, ends: [Option<usize>; 2], direction: f64) -> Link {
@@ -68,6 +68,7 @@ pub(super) fn chain(count: usize) -> Structure {
         masses: masses.collect(),
         links: [spring("k0", "20 kN/m", [None, Some(0)], 0.0)].into_iter().chain(links).collect(),
         sliders: (0..count).map(|at| slider(&format!("c{}", at + 1), at, None, 0.0, 0.1)).collect(),
+        ..Structure::default()
     }
 }
 
@@ -81,6 +82,7 @@ pub(super) fn belt() -> Structure {
             spring("k2", "22 kN/m", [Some(0), None], FRAC_PI_2),
         ],
         sliders: vec![slider("c1", 0, None, 0.0, 0.1)],
+        ..Structure::default()
     }
 }
 
@@ -97,6 +99,7 @@ pub(super) fn disc() -> Structure {
             spring("kv", "700 kN/m", [Some(0), None], FRAC_PI_2),
         ],
         sliders: vec![slider("upper", 1, Some(0), 0.0, -0.5), slider("lower", 2, Some(0), PI, 0.5)],
+        ..Structure::default()
     }
 }
 
@@ -110,6 +113,7 @@ pub(super) fn corner() -> Structure {
             spring("k3", "10 kN/m", [Some(0), None], 0.25 * PI),
         ],
         sliders: vec![slider("floor", 0, None, 0.0, 0.1), slider("wall", 0, None, -FRAC_PI_2, 0.0)],
+        ..Structure::default()
     }
 }
 
@@ -122,6 +126,7 @@ pub(super) fn oblique() -> Structure {
             spring("k2", "12 kN/m", [Some(0), None], 5.0 * FRAC_PI_6),
         ],
         sliders: vec![slider("c", 0, None, 0.0, -1.5)],
+        ..Structure::default()
     }
 }
 
@@ -151,6 +156,7 @@ pub(super) fn mixed() -> Structure {
             spring("stop", "3 kN/m", [Some(4), None], PI),
         ],
         sliders: vec![],
+        ..Structure::default()
     }
 }
 

@@ -62,6 +62,16 @@ impl Legend {
         entry(locked, "guide: no motion towards it", &|shapes| {
             symbols::guide([middle[0], -9.0], [0.0, 1.0], 14.0, shapes);
         });
+        let pushed = !structure.forces.is_empty();
+        entry(pushed, "force", &|shapes| {
+            symbols::arrow(from, to, symbols::force_colour(), shapes);
+        });
+        let preloaded = structure.links.iter().any(|link| link.preload != 0.0);
+        entry(preloaded, "preload, as its end pushes or pulls", &|shapes| {
+            symbols::spring([from, to], 5.0, shapes);
+            symbols::preload([from, to], true, shapes);
+        });
+        entry(structure.signals, "~ with a signal added over time", &|_| {});
         entry(used.acts, "acts in this direction, wherever it is drawn", &|shapes| {
             symbols::acts(middle, [1.0, 0.0], 9.0, shapes);
         });

@@ -2,6 +2,7 @@
 
 mod bundle;
 mod course;
+mod force;
 mod icon;
 mod labels;
 mod legend;
@@ -31,6 +32,23 @@ pub struct Structure {
     pub links: Vec<Link>,
     /// What the masses rub on.
     pub sliders: Vec<SliderMark>,
+    /// What pushes the masses.
+    pub forces: Vec<ForceMark>,
+    /// Do signals drive something? Their mark "~" is in the labels of what they drive.
+    pub signals: bool,
+}
+
+/// A force on a mass: an arrow.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ForceMark {
+    /// Short, as "F".
+    pub name: String,
+    /// Its value, as "2 kN"; may be empty.
+    pub label: String,
+    /// The place in the masses of the one that it pushes.
+    pub mass: usize,
+    /// The way in which it pushes, rad from the horizontal, anticlockwise.
+    pub angle: f64,
 }
 
 /// A mass: a square.
@@ -60,6 +78,9 @@ pub struct Link {
     pub direction: f64,
     /// Which symbol it has.
     pub kind: LinkKind,
+    /// How far the second end is moved along the direction beforehand, m: above zero it pulls the first end along
+    /// `direction`. Only its sign is shown, and zero is no preload.
+    pub preload: f64,
 }
 
 /// What a link is.
@@ -153,10 +174,16 @@ impl Structure {
         for (place, link) in self.links.iter().enumerate() {
             let what = named("link", &link.name, place);
             finite(&what, "the direction", link.direction)?;
+            finite(&what, "the preload", link.preload)?;
             link.ends.into_iter().flatten().try_for_each(|mass| there(&what, mass))?;
             if link.ends[0] == link.ends[1] {
                 return Err(Failure(format!("{what} must have two different ends")));
             }
+        }
+        for (place, force) in self.forces.iter().enumerate() {
+            let what = named("force", &force.name, place);
+            finite(&what, "the angle", force.angle)?;
+            there(&what, force.mass)?;
         }
         for (place, slider) in self.sliders.iter().enumerate() {
             let what = named("slider", &slider.name, place);

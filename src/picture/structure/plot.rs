@@ -60,6 +60,9 @@ impl<'a> Plot<'a> {
             extend(add(place, [0.25, 0.25]));
             extend(sub(place, [0.25, 0.25]));
         }
+        for force in &structure.forces {
+            extend(along(places[force.mass], way(force.angle), -0.6));
+        }
         let mut upright = true;
         let mut along_axes = |way: Point| upright &= way[0].abs() < 1e-6 || way[1].abs() < 1e-6;
         for Bundle { course, .. } in bundles {
@@ -113,6 +116,9 @@ impl<'a> Plot<'a> {
         for mass in 0..self.middles.len() {
             symbols::mass(self.middles[mass], self.axes(mass), self.half, &mut self.shapes);
             self.guides(mass);
+        }
+        for force in &self.structure.forces {
+            self.force(force);
         }
         let mut labels = Labels::new(self.style.size, &self.shapes);
         let mut outside = Vec::new();

@@ -10,11 +10,13 @@ use super::plot::{Plot, Style};
 use super::symbols::{self, Shape};
 use super::text::{description, rows, values};
 use crate::picture::axes::{LARGE, SMALL};
-use crate::picture::canvas::{Align, Canvas, Drawing, Failure, Point, WIDTH};
+use crate::picture::canvas::{Align, Canvas, Drawing, Failure, Point, WIDTH, text_width};
 use crate::picture::palette::GREY;
 use plotters::backend::DrawingBackend;
 
 const MARGIN: f64 = 20.0;
+/// Free at least at the left and the right of all that there is, px.
+const EDGE: f64 = 8.0;
 const TITLE_ROW: f64 = 28.0;
 const TEXT_ROW: f64 = 22.0;
 
@@ -34,10 +36,12 @@ pub(super) struct Sheet<'a> {
     legend: Legend,
     title: Vec<String>,
     list: Vec<String>,
-    /// What is drawn is moved down by it.
-    down: f64,
+    /// What is drawn is moved to the right and down by it.
+    by: Point,
     /// Lower end of what is drawn.
     bottom: f64,
+    /// Of the picture, with all its texts.
+    width: f64,
 }
 
 impl<'a> Sheet<'a> {
@@ -71,29 +75,38 @@ impl<'a> Sheet<'a> {
             legend: Legend::of(structure, used),
             title,
             list,
-            down: 0.0,
+            by: [0.0; 2],
             bottom: 0.0,
+            width: WIDTH,
         };
         sheet.fit();
         sheet
     }
 
-    /// Finds what is highest and lowest.
+    /// Finds how far what is drawn reaches, and gives the picture room for it and for all texts.
     #[allow(clippy::cast_precision_loss)]
     fn fit(&mut self) {
-        let (mut top, mut bottom) = (f64::INFINITY, f64::NEG_INFINITY);
-        let mut reach = |y: f64, half: f64| {
-            top = top.min(y - half);
-            bottom = bottom.max(y + half);
+        let mut reach = [[EDGE, WIDTH - EDGE], [f64::INFINITY, f64::NEG_INFINITY]];
+        let mut extend = |[x, y]: Point, half: Point| {
+            for ([from, to], (at, half)) in reach.iter_mut().zip([(x, half[0]), (y, half[1])]) {
+                (*from, *to) = (from.min(at - half), to.max(at + half));
+            }
         };
         for shape in &self.shapes {
             let (points, half) = shape.extent();
-            points.iter().for_each(|point| reach(point[1], half));
+            points.iter().for_each(|point| extend(*point, [half; 2]));
         }
-        self.labels.iter().for_each(|label| reach(label.area.middle[1], label.area.half[1]));
+        self.labels.iter().for_each(|label| extend(label.area.middle, label.area.half));
+        let [[left, right], [top, bottom]] = reach;
         let head = 14.0 + TITLE_ROW * self.title.len() as f64 + 14.0;
-        self.down = head - top;
-        self.bottom = (bottom + self.down + 18.0).ceil();
+        self.by = [EDGE - left, head - top];
+        self.bottom = (bottom + self.by[1] + 18.0).ceil();
+        let titles = self.title.iter().map(|row| text_width(row, LARGE));
+        let rows = self.list.iter().map(|row| text_width(row, SMALL));
+        let words = self.legend.words.iter().map(|(words, at)| at[0] + text_width(words, SMALL));
+        let texts = titles.chain(rows).map(|width| MARGIN + width).chain(words);
+        let widest = texts.map(|right| right + EDGE).fold(right + self.by[0] + EDGE, f64::max);
+        self.width = widest.max(WIDTH).ceil();
     }
 }
 
@@ -104,6 +117,10 @@ impl Drawing for Sheet<'_> {
 
     fn description(&self) -> String {
         description(self.structure)
+    }
+
+    fn width(&self) -> f64 {
+        self.width
     }
 
     #[allow(clippy::cast_precision_loss)]
@@ -117,14 +134,14 @@ impl Drawing for Sheet<'_> {
             canvas.text(row, [MARGIN, y], LARGE, Align::Left)?;
             y += TITLE_ROW;
         }
-        let moved = |point: Point| add(point, [0.0, self.down]);
+        let moved = |point: Point| add(point, self.by);
         for label in &self.labels {
             if let Some(leader) = label.leader {
                 canvas.line(&leader.map(moved), GREY, 1.0, &[])?;
             }
         }
         for shape in &self.shapes {
-            shape.moved([0.0, self.down]).paint(canvas)?;
+            shape.moved(self.by).paint(canvas)?;
         }
         for label in &self.labels {
             let (arrow, middles) = label.parts(self.size);

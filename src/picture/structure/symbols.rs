@@ -27,6 +27,11 @@ pub(super) fn slider_colour() -> RGBColor {
     colour(1)
 }
 
+/// Of forces and preloads.
+pub(super) fn force_colour() -> RGBColor {
+    colour(3)
+}
+
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Shape {
     Line(Vec<Point>, RGBColor, f64),
@@ -95,6 +100,17 @@ pub(super) fn spring([from, to]: [Point; 2], amplitude: f64, shapes: &mut Vec<Sh
     }
     points.extend([along(from, forth, size - lead), to]);
     shapes.push(line(&points, spring_colour()));
+}
+
+/// How long the straight part of a spring's or a dashpot's ends is at least, px.
+const LEAD: f64 = 14.0;
+
+/// A head on the first end of a link, which pulls there along the link, or pushes against it.
+pub(super) fn preload([from, to]: [Point; 2], pulls: bool, shapes: &mut Vec<Shape>) {
+    let forth = unit(sub(to, from));
+    let (tip, foot) = (along(from, forth, LEAD), along(from, forth, 1.0));
+    let (tip, back) = if pulls { (tip, scaled(forth, -1.0)) } else { (foot, forth) };
+    shapes.push(head(tip, back, LEAD - 1.0, force_colour()));
 }
 
 /// A piston in its cylinder.

@@ -5,7 +5,7 @@ use super::examples::{all, chain, corner, disc, mass, oblique, ring, slider, spr
 use super::place::places;
 use super::plane::{apart, length, sub};
 use super::sheet::Sheet;
-use super::symbols::{Shape, slider_colour, spring_colour};
+use super::symbols::{Shape, force_colour, slider_colour, spring_colour};
 use super::text::values;
 use super::*;
 use crate::picture::canvas::{Drawing, Point, WIDTH};
@@ -205,4 +205,142 @@ fn words_say_what_is_joined() {
     assert!(text.contains("mass pad a 0.2 kg, locked along its first axis"), "{text}");
     assert!(text.contains("spring ka 1 MN/m from pad a to ground at 90°"), "{text}");
     assert!(text.contains("contact lower") && text.contains("of pad b on disc at 180°"), "{text}");
+}
+
+/// Left, top, right and bottom of all that is written and drawn in a file, px, and the size of its picture.
+fn boxes_of(svg: &str) -> (Vec<(String, [f64; 4])>, Point) {
+    let value = |element: &str, key: &str| -> f64 {
+        let found = element.split_once(&format!(" {key}=\"")).map(|(_, rest)| rest);
+        found
+            .and_then(|rest| rest.split_once('"'))
+            .map_or(f64::NAN, |(text, _)| text.parse().unwrap())
+    };
+    let (_, view) = svg.split_once("viewBox=\"0 0 ").unwrap();
+    let mut view =
+        view.split_once('"').unwrap().0.split(' ').map(|text| text.parse::<f64>().unwrap());
+    let size = [view.next().unwrap(), view.next().unwrap()];
+    let mut found = Vec::new();
+    for part in svg.split("<text ").skip(1) {
+        let element = format!(" {part}");
+        let (x, y) = (value(&element, "x"), value(&element, "y"));
+        // The font's letters reach less than one of its sizes above and below the middle.
+        let (wide, high) = (value(&element, "textLength"), value(&element, "font-size"));
+        let left = match () {
+            () if part.contains("text-anchor=\"middle\"") => x - 0.5 * wide,
+            () if part.contains("text-anchor=\"end\"") => x - wide,
+            () => x,
+        };
+        let text = part.split_once('>').unwrap().1.split_once('<').unwrap().0.trim().to_owned();
+        found.push((text, [left, y - 0.7 * high, left + wide, y + 0.7 * high]));
+    }
+    (found, size)
+}
+
+fn assert_within(name: &str, structure: &Structure) {
+    let (boxes, [wide, high]) = boxes_of(&structure.svg().unwrap());
+    assert!(!boxes.is_empty(), "{name}");
+    for (text, [left, top, right, bottom]) in boxes {
+        let inside = left >= 0.0 && top >= 0.0 && right <= wide && bottom <= high;
+        assert!(
+            inside,
+            "{name}: {text:?} at {left} … {right} of {wide}, {top} … {bottom} of {high}"
+        );
+    }
+}
+
+#[test]
+fn all_text_of_all_scenes_is_within_the_picture() {
+    for builtin in crate::scene::BUILTIN {
+        assert_within(builtin.name, &Structure::from(&builtin.scene()));
+    }
+    let effects = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenes/effects");
+    for entry in std::fs::read_dir(effects).unwrap() {
+        let path = entry.unwrap().path();
+        let (scene, _) = crate::scene::read(&path).unwrap();
+        assert_within(&path.display().to_string(), &Structure::from(&scene));
+    }
+}
+
+#[test]
+fn all_text_is_within_the_picture_however_long_names_are() {
+    for modules in 1..=12 {
+        let mut ring = ring(modules);
+        assert_within(&format!("{modules} modules"), &ring);
+        let long = |name: &str| format!("{name}{}", "x".repeat(60 - name.len()));
+        ring.title = long("title");
+        for (place, mass) in ring.masses.iter_mut().enumerate() {
+            mass.name = long(&format!("mass{place}"));
+        }
+        for (place, link) in ring.links.iter_mut().enumerate() {
+            link.name = long(&format!("link{place}"));
+        }
+        for (place, slider) in ring.sliders.iter_mut().enumerate() {
+            slider.name = long(&format!("contact{place}"));
+        }
+        ring.forces = (0..ring.masses.len())
+            .map(|mass| ForceMark {
+                name: long(&format!("force{mass}")),
+                label: "2 kN ~ sine".into(),
+                mass,
+                angle: FRAC_PI_4,
+            })
+            .collect();
+        assert_within(&format!("{modules} modules with long names"), &ring);
+    }
+}
+
+#[test]
+fn forces_and_preloads_are_arrows_that_point_as_they_push() {
+    // Tip against foot of each head in the colour of forces, px with y downwards.
+    let heads = |structure: &Structure| -> Vec<Point> {
+        let shapes = Sheet::of(structure).shapes;
+        let heads = shapes.iter().filter_map(|shape| match shape {
+            Shape::Area(corners, colour) if *colour == force_colour() => {
+                let foot = [0, 1].map(|axis| 0.5 * (corners[1][axis] + corners[2][axis]));
+                Some(sub(corners[0], foot))
+            }
+            _ => None,
+        });
+        heads.collect()
+    };
+    let force = |angle| ForceMark { name: "F".into(), mass: 0, angle, ..ForceMark::default() };
+    let with = |angle: f64| Structure {
+        masses: vec![mass("m", "")],
+        forces: vec![force(angle)],
+        ..Structure::default()
+    };
+    assert!(heads(&with(0.0))[0][0] > 5.0 && heads(&with(PI))[0][0] < -5.0);
+    assert!(heads(&with(FRAC_PI_2))[0][1] < -5.0, "upwards");
+    // A spring upwards to ground whose end is moved up pulls its mass up, whichever end is named first.
+    for (ends, preload, up) in [
+        ([Some(0), None], 1e-3, true),
+        ([Some(0), None], -1e-3, false),
+        ([None, Some(0)], 1e-3, false),
+        ([None, Some(0)], -1e-3, true),
+    ] {
+        let structure = Structure {
+            masses: vec![mass("m", "")],
+            links: vec![Link { preload, ..spring("k", "", ends, FRAC_PI_2) }],
+            ..Structure::default()
+        };
+        let found = heads(&structure);
+        assert_eq!(found.len(), 1);
+        assert_eq!(found[0][1] < -5.0, up, "{ends:?} {preload}: {found:?}");
+    }
+}
+
+#[test]
+fn scenes_show_their_loads_preloads_and_signals() {
+    let disc = Structure::from(&crate::scene::builtin("disc_brake").unwrap().scene());
+    let found: Vec<(usize, &str, f64)> =
+        disc.forces.iter().map(|force| (force.mass, &*force.label, force.angle)).collect();
+    assert_eq!(found, [(0, "2 kN", -FRAC_PI_2), (1, "2 kN", FRAC_PI_2)]);
+    let ring = Structure::from(&crate::scene::builtin("set1").unwrap().scene());
+    let pushed: Vec<&Link> = ring.links.iter().filter(|link| link.preload != 0.0).collect();
+    assert_eq!(pushed.len(), ring.sliders.len(), "each module has its own");
+    assert!(pushed.iter().all(|link| link.preload < 0.0 && link.label.contains("preload")));
+    let driven = Structure::from(&crate::scene::builtin("den_hartog").unwrap().scene());
+    assert!(driven.signals);
+    let force = driven.forces.iter().find(|force| force.name == "mass.block.fx").unwrap();
+    assert_eq!((&*force.label, force.angle), ("~ sine", 0.0));
 }

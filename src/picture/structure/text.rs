@@ -46,7 +46,8 @@ pub(super) fn values(structure: &Structure) -> Vec<String> {
     let links = structure.links.iter().map(|link| (1, &*link.name, &*link.label));
     let sliders = structure.sliders.iter().map(|slider| (2, &*slider.name, &*slider.label));
     let mut groups: Vec<(i32, Vec<&str>, &str)> = Vec::new();
-    for (kind, name, label) in masses.chain(links).chain(sliders) {
+    let forces = structure.forces.iter().map(|force| (3, &*force.name, &*force.label));
+    for (kind, name, label) in masses.chain(links).chain(sliders).chain(forces) {
         if name.is_empty() || label.is_empty() {
             continue;
         }
@@ -101,7 +102,7 @@ pub(super) fn description(structure: &Structure) -> String {
         };
         parts.push(format!("mass {}{locked}", full(&mass.name, &mass.label)));
     }
-    for Link { name: own, label, ends, direction, kind } in &structure.links {
+    for Link { name: own, label, ends, direction, kind, .. } in &structure.links {
         let kind = match kind {
             LinkKind::Spring => "spring",
             LinkKind::Damper => "damper",
@@ -115,6 +116,11 @@ pub(super) fn description(structure: &Structure) -> String {
         let degrees = slider.angle.to_degrees().round() + 0.0;
         let what = full(&slider.name, &slider.label);
         parts.push(format!("contact {what} of {} on {on} at {degrees}°", name(slider.mass)));
+    }
+    for force in &structure.forces {
+        let degrees = force.angle.to_degrees().round() + 0.0;
+        let what = full(&force.name, &force.label);
+        parts.push(format!("force {what} on {} towards {degrees}°", name(force.mass)));
     }
     parts.join("; ") + "."
 }

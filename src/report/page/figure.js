@@ -12,6 +12,21 @@ function hair(...ends) {
   return [line(...ends, "crosshair-edge"), line(...ends, "crosshair")];
 }
 
+/** What stands for an entry of a legend: 28 × 14 px. */
+function sampleOf(colours, kind, marker) {
+  const high = 12 / colours.length;
+  const drawn = colours.map((colour, i) => {
+    if (kind === "band" || kind === "area") return rectangle(3, 1 + i * high, 25, 1 + (i + 1) * high, kind);
+    return shape("path", { d: kind === "dots" ? "M14 7h0" : "M1 7H27", class: kind });
+  });
+  if (marker) {
+    if (kind === "dots") drawn.pop();
+    drawn.push(shape("path", { d: `M14 7${MARKERS[marker](MARKER)}`, class: `marker ${marker}` }));
+  }
+  drawn.forEach((sample, i) => sample.classList.add(...colourOf(colours[i] ?? colours[0]).split(" ")));
+  return drawn;
+}
+
 class ChartFigure {
   constructor(figure) {
     this.data = readValues(figure.querySelector('script[type="application/json"]').textContent);
@@ -67,34 +82,31 @@ class ChartFigure {
   legend() {
     const entries = new Map();
     for (const panel of this.data.panels) {
-      for (const { key, label: text, colour, style, labels } of panel.series) {
+      for (const { key, label: text, colour, style, labels, marker } of panel.series) {
         if (text)
           entries.set(key, {
             text,
-            colour,
+            colours: [colour],
+            marker,
             kind: style === "line" && !labels.length ? "curve" : style === "dashed" ? "curve dashed" : "dots",
           });
       }
       for (const band of panel.bands) {
-        if (band.label) entries.set(bandKey(band), { text: band.label, colour: band.colour, kind: "band" });
+        if (band.label) entries.set(bandKey(band), { text: band.label, colours: [band.colour], kind: "band" });
       }
       for (const one of panel.classes)
-        entries.set(classKey(one), { text: one.name, colour: one.colour, kind: "area" });
+        entries.set(classKey(one), { text: one.name, colours: coloursOf(one), kind: "area" });
     }
     const buttons = [...entries].map(([key, entry]) => this.switchOf(key, entry));
     return element("div", { class: "legend", role: "group", "aria-label": "Show or hide" }, ...buttons);
   }
 
-  switchOf(key, { text, colour, kind }) {
-    const area = kind === "band" || kind === "area";
-    const sample = area
-      ? rectangle(3, 1, 25, 13, kind)
-      : shape("path", { d: kind === "dots" ? "M14 7h0" : "M1 7H27", class: kind });
-    sample.classList.add(...colourOf(colour).split(" "));
+  switchOf(key, { text, colours, kind, marker }) {
+    const samples = sampleOf(colours, kind, marker);
     const button = element(
       "button",
       { type: "button", "aria-pressed": "true" },
-      shape("svg", { width: 28, height: 14, "aria-hidden": "true" }, sample),
+      shape("svg", { width: 28, height: 14, "aria-hidden": "true" }, ...samples),
       text,
     );
     button.addEventListener("click", () => {
@@ -218,8 +230,9 @@ class ChartFigure {
     const most = Math.max(2, Math.floor((place.height - 8) / this.layout.row));
     const left = lines.length > most ? lines.length - most + 1 : 0;
     const box = element("div", { class: "values", "aria-hidden": "true" });
-    for (const { name, value, colour } of left ? lines.slice(0, most - 1) : lines) {
-      const dot = colour === undefined ? [] : [element("i", { class: colourOf(colour) })];
+    for (const { name, value, colour, stripes = [] } of left ? lines.slice(0, most - 1) : lines) {
+      const colours = colour === undefined ? [] : [colour, ...stripes];
+      const dot = colours.map((colour) => element("i", { class: colourOf(colour) }));
       box.append(element("div", {}, ...dot, value ? `${name}: ` : name, element("b", {}, value)));
     }
     if (left) box.append(element("div", {}, `and ${left} more`));

@@ -138,8 +138,13 @@ function bandKey(band) {
   return JSON.stringify(["band", band.label, band.colour]);
 }
 
-function classKey({ name, colour }) {
-  return JSON.stringify(["class", name, colour]);
+function classKey({ name, colour, stripes }) {
+  return JSON.stringify(["class", name, colour, ...stripes]);
+}
+
+/** All colours of a class: more than one are stripes, one below the other. */
+function coloursOf({ colour, stripes }) {
+  return [colour, ...stripes];
 }
 
 function paintRaster(place) {
@@ -192,12 +197,26 @@ function pictureOf(width, height, raster, level) {
   return canvas.toDataURL();
 }
 
-/** One path for each class, so that a map of many cells stays a small drawing. */
+/** One path for each colour of each class, so that a map of many cells stays a small drawing. */
 function paintAreas(panel, isHidden, partsOf) {
   return panel.classes.flatMap((one, place) => {
     if (isHidden(classKey(one))) return [];
-    return [shape("path", { d: partsOf(place), class: `area ${colourOf(one.colour)}` })];
+    return coloursOf(one).map((colour, stripe, { length }) =>
+      shape("path", { d: partsOf(place, { stripe, length }), class: `area ${colourOf(colour)}` }),
+    );
   });
+}
+
+/** The parts of a box that one of `length` stripes takes, which come again from `origin` on, each `high` px. */
+function stripesOf([left, top, right, bottom], { stripe, length }, origin, high) {
+  if (length === 1) return box(left, top, right, bottom);
+  let path = "";
+  for (let turn = Math.floor((top - origin) / high + 1e-6); origin + turn * high < bottom - 1e-6; turn++) {
+    const upper = Math.max(origin + turn * high, top);
+    const lower = Math.min(origin + (turn + 1) * high, bottom);
+    if (turn % length === stripe) path += box(left, upper, right, lower);
+  }
+  return path;
 }
 
 function box(left, top, right, bottom) {
@@ -209,17 +228,21 @@ function paintCells(place, isHidden) {
   if (!cells) return [];
   const across = cellEdges(cells.x, cells.columns).map((x) => acrossOf(place, x));
   const down = cellEdges(cells.y, cells.rows.length).map((y) => downOf(place, y));
-  return paintAreas(place.panel, isHidden, (wanted) => {
+  return paintAreas(place.panel, isHidden, (wanted, stripes) => {
     let path = "";
     cells.rows.forEach((row, r) => {
       for (let from = 0, to; from < row.length; from = to) {
         for (to = from + 1; to < row.length && row[to] === row[from]; to++);
-        if (row[from] === wanted) path += box(across[from], down[r + 1], across[to], down[r]);
+        if (row[from] !== wanted) continue;
+        path += stripesOf([across[from], down[r + 1], across[to], down[r]], stripes, place.top, STRIPE);
       }
     });
     return path;
   });
 }
+
+/** Height of the stripes of a map, px. */
+const STRIPE = 5;
 
 function laneMiddle({ top }, row) {
   return top + LANE * (row + 0.5);
@@ -237,26 +260,50 @@ function paintLanes(place, isHidden) {
   );
   const inView = stretches.filter(({ from, to }) => to >= place.view[0] && from <= place.view[1]);
   const paintOf = (events) =>
-    paintAreas(place.panel, isHidden, (wanted) => {
+    paintAreas(place.panel, isHidden, (wanted, stripes) => {
       const parts = inView.filter(({ of, isEvent }) => of === wanted && isEvent === events);
       return parts
-        .map(({ from, to, row }) => laneBox(place, row, across(from), events ? across(from) + 1 : across(to)))
+        .map(({ from, to, row }) =>
+          laneBox(place, row, across(from), events ? across(from) + 1 : across(to), stripes),
+        )
         .join("");
     });
   return [...paintOf(false), ...paintOf(true)];
 }
 
-function laneBox(place, row, left, right) {
+function laneBox(place, row, left, right, stripes) {
   const middle = laneMiddle(place, row);
-  return box(left, middle - LANE / 2 + 3, right, middle + LANE / 2 - 3);
+  const [top, bottom] = [middle - LANE / 2 + 3, middle + LANE / 2 - 3];
+  return stripesOf([left, top, right, bottom], stripes, top, (bottom - top) / stripes.length);
 }
 
 function paintCurve(place, series) {
   const dotted = series.style === "dots" ? "dots" : series.style === "dashed" ? "curve dashed" : "curve";
+  if (!series.isLine && series.marker) return paintMarkers(place, series);
   const path = series.isLine ? linePath(place, series) : dotPath(place, series);
   const curve = shape("path", { d: path, class: `${dotted} ${colourOf(series.colour)}` });
+  const markers = series.marker ? paintMarkers(place, series) : [];
   // On the colours of a raster a curve needs an edge.
-  return place.panel.raster ? [shape("path", { d: path, class: "casing" }), curve] : [curve];
+  return [...(place.panel.raster ? [shape("path", { d: path, class: "casing" })] : []), curve, ...markers];
+}
+
+/** The form of each kind of marker about a point, of half the size r. */
+const MARKERS = {
+  disc: (r) => `m${-r} 0a${r} ${r} 0 1 0 ${2 * r} 0a${r} ${r} 0 1 0 ${-2 * r} 0z`,
+  square: (r) => `m${-r} ${-r}h${2 * r}v${2 * r}h${-2 * r}z`,
+  triangle: (r) => `m0 ${-1.25 * r}l${1.25 * r} ${2.25 * r}h${-2.5 * r}z`,
+  diamond: (r) => `m0 ${-1.5 * r}l${1.5 * r} ${1.5 * r}l${-1.5 * r} ${1.5 * r}l${-1.5 * r} ${-1.5 * r}z`,
+  cross: (r) => `m${-r} ${-r}l${2 * r} ${2 * r}m0 ${-2 * r}l${-2 * r} ${2 * r}`,
+};
+MARKERS.ring = MARKERS.disc;
+
+/** Half of a marker's size, px; a multiple of what pixels are rounded to. */
+const MARKER = 4;
+
+function paintMarkers(place, series) {
+  const form = MARKERS[series.marker](MARKER);
+  const path = dotPath(place, series).replaceAll("h0", form);
+  return [shape("path", { d: path, class: `marker ${series.marker} ${colourOf(series.colour)}` })];
 }
 
 /** The places of points that may be seen; of a curve along x one more at both ends. */
@@ -297,7 +344,7 @@ function dotPath(place, series) {
 /** Points that have labels are dots on their curve. */
 function paintDots(place, isHidden) {
   return shownSeries(place, isHidden)
-    .filter((series) => series.labels.length)
+    .filter((series) => series.labels.length && !series.marker)
     .map((series) => shape("path", { d: dotPath(place, series), class: `dots ${colourOf(series.colour)}` }));
 }
 

@@ -22,8 +22,8 @@ function linesAlong(place, x, { data, isHidden, y }) {
   for (const lane of panel.lanes) {
     const stretch = lane.stretches.find(({ from, to }) => x >= from && x <= to);
     if (!stretch) continue;
-    const { name, colour } = panel.classes[stretch.of];
-    lines.push({ name: lane.name, value: name, colour });
+    const { name, colour, stripes } = panel.classes[stretch.of];
+    lines.push({ name: lane.name, value: name, colour, stripes });
   }
   for (const band of panel.bands) {
     if (band.label && x >= band.from && x <= band.to)
@@ -78,11 +78,11 @@ function linesOfCell(data, panel, column, row) {
   const { cells, classes } = panel;
   const middle = ([from, to], count, place) =>
     count === 1 ? (from + to) / 2 : from + ((to - from) * place) / (count - 1);
-  const { name, colour } = classes[cells.rows[row][column]];
+  const { name, colour, stripes } = classes[cells.rows[row][column]];
   return [
     { name: data.xLabel, value: number(middle(cells.x, cells.columns, column), 4) },
     { name: panel.yLabel, value: number(middle(cells.y, cells.rows.length, row), 4) },
-    { name, value: "", colour },
+    { name, value: "", colour, stripes },
   ];
 }
 

@@ -41,7 +41,7 @@ function prepareSeries(series, scaled) {
     if (!Number.isFinite(x)) [series.x[place], series.y[place]] = [before, NaN];
     before = series.x[place];
   });
-  series.key = JSON.stringify([series.label, series.colour, series.style]);
+  series.key = JSON.stringify([series.label, series.colour, series.style, series.marker]);
   series.isLine = series.style !== "dots";
 }
 

@@ -21,7 +21,7 @@ impl Report<'_> {
                 points: rows.clone().map(|(_, point)| *point).collect(),
                 labels: rows.map(|(rung, _)| prefixed(parsed(&short(rung.step)), "s")).collect(),
                 colour,
-                style: Style::Line,
+                ..Series::default()
             }
         };
         let times = shown.iter().map(|(_, [time, _])| *time);

@@ -5,7 +5,7 @@ use super::attractor::{self, number, unit_of, words};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared_with, watched};
 use crate::arguments::{Values, named_values};
-use amontons::picture::{Class, Map, PALETTE};
+use amontons::picture::{Class, Map};
 use amontons::scene::Scene;
 use amontons::study::basin::{Axis, Basin as Found, Cell, SHORT_WINDOWS, basin};
 use amontons::study::{Look, initial_value};
@@ -120,10 +120,10 @@ fn map(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) -> Map {
     let classes = names
         .iter()
         .enumerate()
-        .map(|(place, name)| Class { name: name.clone(), colour: place % PALETTE.len() })
+        .map(|(place, name)| Class::numbered(name.clone(), place))
         .collect();
     let ends = |axis: &Axis| [axis.values[0], axis.values[axis.values.len() - 1]];
-    let label = |axis: &Axis| format!("{}, {}", axis.name, unit_of(scene, &axis.name));
+    let label = |axis: &Axis| format!("{} [{}]", axis.name, unit_of(scene, &axis.name));
     Map {
         title: format!("{}: what each point ends in", scene.name),
         x_label: label(x),

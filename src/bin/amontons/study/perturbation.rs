@@ -5,7 +5,7 @@ use super::attractor::{self, four_digits, number, unit_of, words};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared, watched};
 use crate::arguments::{Values, values};
-use amontons::picture::{Chart, Mark, Panel, Series, Style};
+use amontons::picture::{Chart, Mark, Marker, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::study::perturbation::{Direction, Perturbations, Run, Threshold, perturbation};
 use amontons::study::{Look, history, initial_value};
@@ -130,6 +130,7 @@ pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Pertur
             points: points(Some(place)),
             colour: place,
             style: Style::Dots,
+            marker: Some(Marker::ALL[place % Marker::ALL.len()]),
             ..Series::default()
         })
         .collect();
@@ -151,9 +152,9 @@ pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Pertur
     });
     Chart {
         title: format!("{}: what perturbations end in", scene.name),
-        x_label: format!("{}, {perturbed}", direction.name),
+        x_label: format!("{} [{perturbed}]", direction.name),
         panels: vec![Panel {
-            y_label: format!("final amplitude of {}, {unit}", look.of),
+            y_label: format!("Final amplitude of {} [{unit}]", look.of),
             series,
             marks: marks.collect(),
             zero_line: true,
@@ -190,7 +191,7 @@ pub fn histories(
         let what = words(ends[place], unit);
         let start = four_digits(threshold.between[place], unit_of(scene, &direction.name));
         Panel {
-            y_label: format!("{}, {unit}", look.of),
+            y_label: format!("{} [{unit}]", look.of),
             series: vec![Series {
                 label: Some(format!("just {} {start}: {what}", ["below", "above"][place])),
                 points: curve.into_iter().filter(|[time, _]| *time <= shown).collect(),
@@ -203,7 +204,7 @@ pub fn histories(
     };
     Ok(Some(Chart {
         title: format!("{}: on both sides of a threshold of {}", scene.name, direction.name),
-        x_label: "time, s".to_owned(),
+        x_label: "Time [s]".to_owned(),
         panels: curves.into_iter().enumerate().map(panel).collect(),
         logarithmic: false,
     }))

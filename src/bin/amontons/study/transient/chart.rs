@@ -99,6 +99,7 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
         ],
         colour: 6,
         style: Style::Dashed,
+        ..Series::default()
     });
     has_shown.then(|| Panel {
         y_label: format!("log10 of amplitude in {}", found.unit),
@@ -184,6 +185,7 @@ fn states(found: &Transient) -> Option<Panel> {
     let class = |(colour, kind): (usize, &&[ContactState])| Class {
         name: kind.iter().map(|state| word(*state)).collect::<Vec<_>>().join(", "),
         colour,
+        ..Class::default()
     };
     let classes = kinds.iter().enumerate().map(|(place, kind)| class((COLOURS[place % 8], kind)));
     (!lanes.is_empty()).then(|| Panel {
