@@ -1,8 +1,9 @@
 //! Whether a motion takes the contact state of a candidate and stays: pushes along its mode, followed to what they end in.
 
 use super::Watch;
-use super::ending::{Ending, Kind, settle};
+use super::ending::{Ending, Kind};
 use super::look::{Look, Wish, pace};
+use super::settling::settle;
 use crate::Error;
 use crate::contact::ContactState;
 use crate::scene::Scene;

@@ -152,7 +152,7 @@ pub struct Map {
 pub struct Values(pub Vec<f64>);
 
 fn time(text: &str) -> Result<f64, String> {
-    let time = number(text)?;
+    let time = range::number(text)?;
     if time >= 0.0 { Ok(time) } else { Err("must not be negative".into()) }
 }
 

@@ -108,7 +108,8 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         notes.extend(possible.note(name));
         values = possible.values;
         if values.len() < 2 {
-            let only = format!("only {} of {name} is possible; a locus needs two values", values[0]);
+            let only =
+                format!("only {} of {name} is possible; a locus needs two values", values[0]);
             return Err(Failure::Usage(only));
         }
         if is_uniform {
