@@ -298,6 +298,46 @@ mod tests {
     }
 
     #[test]
+    #[allow(clippy::cast_possible_truncation)]
+    fn a_growth_of_a_few_periods_a_decade_is_found_before_a_cycle_of_any_length() {
+        for periods in [2.0, 3.0, 5.0, 12.0] {
+            // From 1e-7 to 1 at 100 Hz.
+            let rate = 100.0 * LN_10 / periods;
+            let onset = 7.0 * periods / 100.0;
+            for length in [1.5, 4.0] {
+                let value = |i: i32| {
+                    let t = 2e-4 * f64::from(i);
+                    (rate * (t - onset).min(0.0)).exp() * (TAU * 100.0 * t).cos()
+                };
+                let count = (length / 2e-4) as i32;
+                let values: Vec<f64> = (0..count).map(value).collect();
+                let found = of(&values);
+                let grows = |phase: &&Phase| phase.rate > 0.0 && phase.combination.is_none();
+                let phase = found.phases.iter().find(grows).unwrap();
+                assert!((phase.rate - rate).abs() <= phase.rate_error + 1e-2 * rate, "{phase:?}");
+                assert!(phase.rate_error < 0.3 * rate, "{phase:?} {rate}");
+                let error = phase.frequency_error;
+                assert!((phase.frequency - 100.0).abs() <= error && error < 30.0, "{phase:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_is_no_combination_of_itself() {
+        for rate in [4.0, 20.0, 60.0] {
+            let found = of(&history(2500, &[[100.0, 1e-9, rate]]));
+            assert!(!found.phases.is_empty() || rate < 5.0, "{rate}");
+            for phase in found.phases {
+                let combination = phase.combination;
+                assert!(
+                    combination.is_none_or(|it| it.factors.iter().sum::<i32>() > 1),
+                    "{combination:?}"
+                );
+            }
+        }
+    }
+
+    #[test]
     fn what_neither_grows_nor_oscillates_has_no_phases() {
         let steady = of(&history(20_000, &[[219.0, 1.0, 0.0], [180.0, 0.3, 0.0]]));
         assert_eq!(steady.phases, []);
