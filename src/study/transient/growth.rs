@@ -65,7 +65,7 @@ pub struct Growth {
     pub window: f64,
     /// Strongest first, by what part of the largest line they are somewhere. None where the run is too short for them.
     pub bands: Vec<Band>,
-    /// By beginning.
+    /// By beginning, of equal ones the fastest growth first.
     #[serde(skip)]
     pub phases: Vec<Phase>,
 }
@@ -83,7 +83,11 @@ pub(super) fn dominant(history: &[f64], interval: f64) -> Option<f64> {
 pub fn growth(history: &[f64], interval: f64, spans: &[[f64; 2]], known: Vec<Phase>) -> Growth {
     let length = history.len() as f64 * interval;
     let dominant = dominant(history, interval);
-    let Some(frequency) = dominant else { return Growth { phases: known, ..Growth::default() } };
+    let Some(frequency) = dominant else {
+        let mut found = Growth { phases: known, ..Growth::default() };
+        found.sort();
+        return found;
+    };
     let floor = ROUNDING * history.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
     let envelope = envelope(history, interval, 1.0 / frequency);
     let mut found = Growth { dominant, envelope, phases: known, ..Growth::default() };
@@ -106,11 +110,18 @@ pub fn growth(history: &[f64], interval: f64, spans: &[[f64; 2]], known: Vec<Pha
             found.add(phase, f64::INFINITY);
         }
     }
-    found.phases.sort_by(|a: &Phase, b: &Phase| a.span[0].total_cmp(&b.span[0]));
+    found.sort();
     found
 }
 
 impl Growth {
+    /// By beginning, growth before decay.
+    fn sort(&mut self) {
+        let order =
+            |a: &Phase, b: &Phase| a.span[0].total_cmp(&b.span[0]).then(b.rate.total_cmp(&a.rate));
+        self.phases.sort_by(order);
+    }
+
     /// Adds what was found through a shorter window than the others, unless they have it: at a frequency nearer than
     /// `width` (Hz), over half of its time.
     fn add(&mut self, phase: Phase, width: f64) {
