@@ -61,7 +61,8 @@ fn assert_mode(finding: &Finding, scene: &Scene, [real, imaginary]: [f64; 2]) {
 fn set_1_grows_as_its_unstable_mode_of_uniform_sliding() {
     let scene = scene("set1");
     let found = found(&scene, 1.2, None);
-    let first = near(&found, 219.38);
+    // The mode that decays beside it, 0.6 Hz below, is found too.
+    let first = growing(&found);
     assert_mode(first, &scene, [2.68, 219.38]);
     // Ten e-folds of a nearly pure mode: four digits.
     assert!(first.phase.rate_error < 1e-3 && first.phase.frequency_error < 1e-3, "{first:?}");

@@ -65,7 +65,7 @@ pub struct Growth {
     pub window: f64,
     /// Strongest first, by what part of the largest line they are somewhere. None where the run is too short for them.
     pub bands: Vec<Band>,
-    /// By beginning.
+    /// By beginning, of equal ones the fastest growth first.
     #[serde(skip)]
     pub phases: Vec<Phase>,
 }
@@ -83,7 +83,11 @@ pub(super) fn dominant(history: &[f64], interval: f64) -> Option<f64> {
 pub fn growth(history: &[f64], interval: f64, spans: &[[f64; 2]], known: Vec<Phase>) -> Growth {
     let length = history.len() as f64 * interval;
     let dominant = dominant(history, interval);
-    let Some(frequency) = dominant else { return Growth { phases: known, ..Growth::default() } };
+    let Some(frequency) = dominant else {
+        let mut found = Growth { phases: known, ..Growth::default() };
+        found.sort();
+        return found;
+    };
     let floor = ROUNDING * history.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
     let envelope = envelope(history, interval, 1.0 / frequency);
     let mut found = Growth { dominant, envelope, phases: known, ..Growth::default() };
@@ -106,11 +110,18 @@ pub fn growth(history: &[f64], interval: f64, spans: &[[f64; 2]], known: Vec<Pha
             found.add(phase, f64::INFINITY);
         }
     }
-    found.phases.sort_by(|a: &Phase, b: &Phase| a.span[0].total_cmp(&b.span[0]));
+    found.sort();
     found
 }
 
 impl Growth {
+    /// By beginning, growth before decay.
+    fn sort(&mut self) {
+        let order =
+            |a: &Phase, b: &Phase| a.span[0].total_cmp(&b.span[0]).then(b.rate.total_cmp(&a.rate));
+        self.phases.sort_by(order);
+    }
+
     /// Adds what was found through a shorter window than the others, unless they have it: at a frequency nearer than
     /// `width` (Hz), over half of its time.
     fn add(&mut self, phase: Phase, width: f64) {
@@ -295,6 +306,46 @@ mod tests {
             "{phase:?}"
         );
         assert!((phase.frequency - 5.0).abs() < phase.frequency_error, "{phase:?}");
+    }
+
+    #[test]
+    #[allow(clippy::cast_possible_truncation)]
+    fn a_growth_of_a_few_periods_a_decade_is_found_before_a_cycle_of_any_length() {
+        for periods in [2.0, 3.0, 5.0, 12.0] {
+            // From 1e-7 to 1 at 100 Hz.
+            let rate = 100.0 * LN_10 / periods;
+            let onset = 7.0 * periods / 100.0;
+            for length in [1.5, 4.0] {
+                let value = |i: i32| {
+                    let t = 2e-4 * f64::from(i);
+                    (rate * (t - onset).min(0.0)).exp() * (TAU * 100.0 * t).cos()
+                };
+                let count = (length / 2e-4) as i32;
+                let values: Vec<f64> = (0..count).map(value).collect();
+                let found = of(&values);
+                let grows = |phase: &&Phase| phase.rate > 0.0 && phase.combination.is_none();
+                let phase = found.phases.iter().find(grows).unwrap();
+                assert!((phase.rate - rate).abs() <= phase.rate_error + 1e-2 * rate, "{phase:?}");
+                assert!(phase.rate_error < 0.3 * rate, "{phase:?} {rate}");
+                let error = phase.frequency_error;
+                assert!((phase.frequency - 100.0).abs() <= error && error < 30.0, "{phase:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_line_is_no_combination_of_itself() {
+        for rate in [4.0, 20.0, 60.0] {
+            let found = of(&history(2500, &[[100.0, 1e-9, rate]]));
+            assert!(!found.phases.is_empty() || rate < 5.0, "{rate}");
+            for phase in found.phases {
+                let combination = phase.combination;
+                assert!(
+                    combination.is_none_or(|it| it.factors.iter().sum::<i32>() > 1),
+                    "{combination:?}"
+                );
+            }
+        }
     }
 
     #[test]

@@ -496,7 +496,8 @@ mod tests {
         let text = format!(
             "[[mass]]\nname = \"m\"\nmass = 1.0\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
              between = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = {omega_squared:?}\n[[damper]]\n\
-             name = \"d\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\ndamping = {:?}\n",
+             name = \"d\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\ndamping = {:?}\n\
+             [integrator]\nstep = 1e-3\n[experiment]\nstop_time = 1.0\noutput_interval = 1e-3\n",
             2.0 * RATE
         );
         let scene = parse("decaying", &text).unwrap();
