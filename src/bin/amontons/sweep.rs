@@ -8,7 +8,7 @@ use amontons::output::Pending;
 use amontons::progress::Progress;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::sweep::observed::output;
-use amontons::sweep::{ENERGIES, Summary, View, sweep};
+use amontons::sweep::{ENERGIES, Possible, Summary, View, sweep};
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 
@@ -28,6 +28,11 @@ pub fn run(
     }
     scene.experiment = experiment;
     let scene = &scene;
+    let possible = Possible::of(scene, name, values)?;
+    if let Some(note) = possible.note(name) {
+        eprintln!("note: {note}");
+    }
+    let values = &possible.values;
     if arguments.set.iter().any(|(set, _)| set == name) {
         eprintln!("note: {name} takes the values of --sweep, not that of --set");
     }

@@ -5,6 +5,7 @@ use super::folder::{Folder, quoted};
 use super::{heading, interrupted, prepared, watched};
 use amontons::contact::Joined;
 use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
+use amontons::progress::Progress;
 use amontons::scene::Scene;
 use amontons::simulation::{at_instant, require_undriven, signals_left_out};
 use amontons::stability::candidates::{Bistability, Candidate, bistability};
@@ -310,7 +311,10 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
 /// The eigenvalues of the scene as it is at t = 0 over a range of µ.
 fn eigenvalues(scene: &Scene, range: [f64; 2]) -> Result<Bistability, amontons::Error> {
     require_undriven(scene, FRICTION)?;
-    bistability(&at_instant(scene, 0.0)?, range, &|_| {})
+    let progress = Progress::new("eigenvalues of the contact states", 0);
+    let found = bistability(&at_instant(scene, 0.0)?, range, &|_| {});
+    progress.finish();
+    found
 }
 
 fn print_eigenvalues(
