@@ -4,7 +4,7 @@ use super::arguments::{Common, Looking};
 use super::folder::{Folder, quoted};
 use super::{heading, interrupted, prepared, watched};
 use amontons::contact::Joined;
-use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
+use amontons::picture::{Band, Chart, Mark, Marker, Panel, Series, Style};
 use amontons::progress::Progress;
 use amontons::scene::Scene;
 use amontons::simulation::{at_instant, require_undriven, signals_left_out};
@@ -16,6 +16,16 @@ use amontons::sweep::{FRICTION, Possible, range};
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
+
+/// The mark of each kind of motion that has a size.
+const KINDS: [(Kind, Marker); 6] = [
+    (Kind::Equilibrium, Marker::Disc),
+    (Kind::Periodic, Marker::Ring),
+    (Kind::QuasiPeriodic, Marker::Square),
+    (Kind::Irregular, Marker::Triangle),
+    (Kind::Undecided, Marker::Diamond),
+    (Kind::Unsettled, Marker::Cross),
+];
 
 #[derive(Args)]
 pub struct Arguments {
@@ -203,7 +213,8 @@ pub fn chart(
         x: crossing.value,
         label: Some(format!("{} {:.4}", turn(crossing.becomes_unstable), crossing.value)),
     });
-    let amplitude = series(|ending| if ending.rests() { 0.0 } else { ending.amplitude });
+    let mut amplitude = series(shown_amplitude);
+    amplitude.extend(kinds(found));
     let frequency = series(|ending| match ending.frequency {
         Some(frequency) if !ending.rests() => frequency,
         _ => f64::NAN,
@@ -231,6 +242,35 @@ pub fn chart(
         panels,
         logarithmic: false,
     }
+}
+
+fn shown_amplitude(ending: &Ending) -> f64 {
+    if ending.rests() { 0.0 } else { ending.amplitude }
+}
+
+/// A mark for each value of both ways, by the kind of its motion; the legend has each kind once.
+fn kinds(found: &Continuation) -> Vec<Series> {
+    let mut series: Vec<Series> = Vec::new();
+    for (colour, points) in [&found.rising, &found.falling].into_iter().enumerate() {
+        for (kind, marker) in KINDS {
+            let is_kind = |ending: &&Ending| {
+                if ending.rests() { kind == Kind::Equilibrium } else { ending.kind == kind }
+            };
+            let at = |point: &Point| {
+                let ending = point.ending.as_ref().ok().filter(is_kind)?;
+                Some([point.friction, shown_amplitude(ending)])
+            };
+            let points: Vec<[f64; 2]> = points.iter().filter_map(at).collect();
+            let is_new = series.iter().all(|series| series.marker != Some(marker));
+            if !points.is_empty() {
+                let label = is_new.then(|| kind.name().to_owned());
+                let marker = Some(marker);
+                let style = Style::Dots;
+                series.push(Series { label, points, colour, style, marker, ..Series::default() });
+            }
+        }
+    }
+    series
 }
 
 /// A value of one way over µ, with what was found at both bounds of its jumps. The curve is broken at jumps, where a
