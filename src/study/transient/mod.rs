@@ -4,6 +4,7 @@
 //! | --- | --- |
 //! | `linear` | growth and decay mode by mode while no contact changes its state |
 //! | `basis` | the modes of a contact state as a basis of its motions |
+//! | `curve` | one mode over such a stretch of time |
 //! | `growth` | growth and decay in a history, by its bands and its envelope |
 //! | `bands` | the strongest lines, each followed over time by itself |
 //! | `straight` | where a curve is straight |
@@ -13,6 +14,7 @@
 
 mod bands;
 mod basis;
+mod curve;
 mod growth;
 mod linear;
 mod open;
