@@ -227,7 +227,7 @@ fn a_brake_of_seven_degrees_of_freedom_grows_tenfold_in_eight_periods() {
         let phase = &growing(&found).phase;
         assert!((phase.rate - 316.803_209_96).abs() < 1e-4, "{phase:?}");
         assert!((phase.frequency - 1_041.594_393_46).abs() < 1e-4, "{phase:?}");
-        assert!(found.findings.iter().all(|finding| is_no_sum_of_itself(finding)));
+        assert!(found.findings.iter().all(is_no_sum_of_itself));
     }
 }
 

@@ -256,3 +256,35 @@ fn combination(phase: &Phase, all: &[Followed]) -> Option<Combination> {
     }
     None
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A line of 100 Hz of this amplitude, steady, seen in the band about `frequency` (Hz) over ten seconds.
+    fn seen_in(frequency: f64, amplitude: f64) -> Followed {
+        let turned = |i: i32| TAU * (100.0 - frequency) * 0.1 * f64::from(i);
+        Followed {
+            frequency,
+            amplitude: vec![amplitude; 100],
+            phase: (0..100).map(turned).collect(),
+            begin: 0.0,
+            hop: 0.1,
+        }
+    }
+
+    /// Of what stronger lines a line of some frequency, and how far that may be off (Hz), is the sum.
+    fn sum(frequency: [f64; 2]) -> Option<[i32; 2]> {
+        let fit = Fit::of(&[[0.0, 0.0], [9.0, 3.0]]);
+        let phase = Phase::of(Some(1), [0.0, 9.0], &fit, frequency);
+        combination(&phase, &[seen_in(100.0, 1.0), seen_in(104.0, 0.1)]).map(|found| found.factors)
+    }
+
+    #[test]
+    fn a_line_is_no_combination_of_itself_and_by_chance_nothing_is_one() {
+        // 100 = |100 − 2 · 100|.
+        assert_eq!(sum([100.01, 0.05]), None);
+        assert_eq!(sum([200.01, 0.05]).map(|[m, n]| m + n), Some(2));
+        assert_eq!(sum([303.0, 5.0]), None);
+    }
+}

@@ -334,21 +334,6 @@ mod tests {
     }
 
     #[test]
-    fn a_line_is_no_combination_of_itself() {
-        for rate in [4.0, 20.0, 60.0] {
-            let found = of(&history(2500, &[[100.0, 1e-9, rate]]));
-            assert!(!found.phases.is_empty() || rate < 5.0, "{rate}");
-            for phase in found.phases {
-                let combination = phase.combination;
-                assert!(
-                    combination.is_none_or(|it| it.factors.iter().sum::<i32>() > 1),
-                    "{combination:?}"
-                );
-            }
-        }
-    }
-
-    #[test]
     fn what_neither_grows_nor_oscillates_has_no_phases() {
         let steady = of(&history(20_000, &[[219.0, 1.0, 0.0], [180.0, 0.3, 0.0]]));
         assert_eq!(steady.phases, []);

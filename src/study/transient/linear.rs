@@ -9,15 +9,15 @@
 //! goes with the slider), and a load that has changed shifts the one at rest. The second difference in time leaves
 //! no such line, and of an exponential a multiple.
 
-use super::growth::{Phase, ROUNDING, STRAIGHT};
-use super::straight::{Fit, pieces};
+use super::basis::Basis;
+use super::curve::Curve;
+use super::growth::{Phase, ROUNDING};
+use super::straight::Fit;
 use crate::contact::ContactState;
 use crate::model::LumpedModel;
-use crate::stability::modes;
-use nalgebra::{Complex, DMatrix, DVector};
+use nalgebra::Complex;
 use std::collections::HashMap;
 use std::f64::consts::{LN_10, TAU};
-use std::ops::Range;
 
 /// The most rows that are kept of a stretch; of a longer one every other is dropped, again and again.
 const MOST_ROWS: usize = 512;
@@ -27,15 +27,9 @@ const FEWEST_POINTS: usize = 8;
 /// A mode that is nowhere this part of the largest of its time does not matter for what the motion is.
 const FAINT: f64 = 3e-2;
 /// How well rates and frequencies are known that are straight to rounding, in parts of |λ|.
-const FINEST: f64 = 1e-9;
-/// Eigenvalues this near, in parts of themselves, are those of one mode that comes more than once.
-const EQUAL: f64 = 1e-7;
-/// A second difference that leaves less than this of a mode does not show it.
-const LEAST_LEFT: f64 = 1e-2;
-/// A matrix of modes that solves no better than this is not used.
-const WORST: f64 = 1e-6;
+pub(super) const FINEST: f64 = 1e-9;
 
-/// How fast the modes go that a run's stretches have shown.
+/// The growth and decay of modes that a run has shown.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct Found {
     /// Changes by a factor of ten or more.
@@ -104,19 +98,21 @@ impl Rows {
 struct Traced {
     span: [f64; 2],
     modes: Vec<Trace>,
-    /// Do the modes that matter follow their exponentials all the time?
+    /// `true` where the modes that matter follow their exponentials all the time.
     is_explained: bool,
 }
 
-/// One mode in a stretch, of which a change may be told.
+/// The growth or decay of one mode in a stretch.
 struct Trace {
     eigenvalue: Complex<f64>,
-    /// What each degree of freedom has of the mode where it is 1 at the one that moves most.
+    /// The amplitude of each degree of freedom, in parts of the largest.
     shape: Vec<f64>,
     dof: usize,
     span: [f64; 2],
     fit: Fit,
+    /// And how far it may be off, Hz.
     frequency: [f64; 2],
+    /// `true` where the mode is a fair part of the motion at some time.
     matters: bool,
 }
 
@@ -216,108 +212,7 @@ impl Trace {
     }
 }
 
-/// The modes of one contact state as a basis of its motions.
-struct Basis {
-    /// Coordinates that the contacts leave free from degrees of freedom, m × n.
-    free: DMatrix<f64>,
-    /// By what velocities are divided, 1/s.
-    pace: f64,
-    /// Coefficients of the modes from free coordinates and their velocities, 2m × 2m.
-    inverse: DMatrix<Complex<f64>>,
-    /// One of each conjugate pair; those of one eigenvalue together.
-    modes: Vec<Members>,
-}
-
-/// The modes of one eigenvalue.
-struct Members {
-    eigenvalue: Complex<f64>,
-    /// Each its row of the inverse, and its shape.
-    members: Vec<(usize, Vec<Complex<f64>>)>,
-}
-
 impl Basis {
-    /// `None` where the modes do not span the motions, or are too nearly parallel to be told from each other.
-    fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Option<Self> {
-        let reduced = model.reduced(states, friction)?;
-        let motions = reduced.motions;
-        let free = (motions.transpose() * &motions).try_inverse()? * motions.transpose();
-        let found = modes(model, states, friction).ok()?;
-        let pace = found.all().map(|mode| mode.eigenvalue.norm()).fold(0.0, f64::max);
-        if !(pace > 0.0 && pace.is_finite()) {
-            return None;
-        }
-        let size = free.nrows();
-        let mut columns: Vec<DVector<Complex<f64>>> = Vec::new();
-        let mut all: Vec<Members> = Vec::new();
-        let is_equal = |a: Complex<f64>, b: Complex<f64>| (a - b).norm() <= EQUAL * a.norm();
-        let in_free = |shape: &[Complex<f64>]| -> Vec<Complex<f64>> {
-            (0..size)
-                .map(|row| shape.iter().zip(free.row(row).iter()).map(|(x, f)| x * *f).sum())
-                .collect()
-        };
-        let mut last_real: Option<(Complex<f64>, Vec<Complex<f64>>)> = None;
-        for mode in found.all() {
-            let (lambda, u) = (mode.eigenvalue, in_free(&mode.shape));
-            let column = |factor: [Complex<f64>; 2], u: &[Complex<f64>]| {
-                DVector::from_fn(2 * size, |row, _| factor[row / size] * u[row % size])
-            };
-            let is_real = lambda.im.abs() <= 1e-9 * lambda.norm();
-            // A motion that no spring holds, or one at the border of oscillation: the same vector twice.
-            let is_double = is_real
-                && last_real.as_ref().is_some_and(|(other, v)| {
-                    is_equal(lambda, *other)
-                        && u.iter().zip(v).all(|(a, b)| (a - b).norm() <= EQUAL)
-                });
-            if is_double {
-                columns.push(column([Complex::ZERO, Complex::ONE], &u));
-                continue;
-            }
-            if is_real {
-                last_real = Some((lambda, u.clone()));
-            }
-            let place = columns.len();
-            columns.push(column([Complex::ONE, lambda / pace], &u));
-            if !is_real {
-                columns.push(columns[place].map(|value| value.conj()));
-            }
-            let member = (place, mode.shape.clone());
-            match all.iter_mut().find(|members| is_equal(members.eigenvalue, lambda)) {
-                Some(members) => members.members.push(member),
-                None => all.push(Members { eigenvalue: lambda, members: vec![member] }),
-            }
-        }
-        if columns.len() != 2 * size {
-            return None;
-        }
-        let norms: Vec<f64> = columns.iter().map(|column| column.norm()).collect();
-        let columns: Vec<_> = columns
-            .into_iter()
-            .zip(&norms)
-            .map(|(column, norm)| column / Complex::from(*norm))
-            .collect();
-        let matrix = DMatrix::from_columns(&columns);
-        let mut inverse = matrix.clone().try_inverse()?;
-        let rest = &inverse * matrix - DMatrix::identity(2 * size, 2 * size);
-        if !rest.iter().all(|value| value.norm() < WORST) {
-            return None;
-        }
-        for (row, norm) in norms.iter().enumerate() {
-            inverse.row_mut(row).iter_mut().for_each(|value| *value /= *norm);
-        }
-        Some(Self { free, pace, inverse, modes: all })
-    }
-
-    /// The coefficients of all modes, in the order of the inverse's rows.
-    fn coefficients(&self, kept: &[f64]) -> DVector<Complex<f64>> {
-        let (displacement, velocity) = kept.split_at(kept.len() / 2);
-        let [u, v] = [displacement, velocity].map(|x| &self.free * DVector::from_column_slice(x));
-        let size = u.len();
-        let state = DVector::from_fn(2 * size, |row, _| {
-            Complex::from(if row < size { u[row] } else { v[row - size] / self.pace })
-        });
-        &self.inverse * state
-    }
-
     #[allow(clippy::cast_precision_loss)]
     fn trace(&self, rows: &Rows, interval: f64, largest: f64) -> Traced {
         let begin = rows.first as f64 * interval;
@@ -380,105 +275,8 @@ impl Basis {
     }
 }
 
-/// One mode over the kept rows of a stretch.
-struct Curve<'a> {
-    members: &'a Members,
-    /// Of the degree of freedom that moves most, complex, its modulus the amplitude, m.
-    values: Vec<Complex<f64>>,
-    dof: usize,
-    shape: Vec<f64>,
-    /// Of the second difference, in kept rows.
-    lag: usize,
-}
-
-impl Members {
-    /// `None` where no second difference shows the mode.
-    #[allow(clippy::cast_precision_loss)]
-    fn curve(&self, coefficients: &[DVector<Complex<f64>>], step: f64) -> Option<Curve<'_>> {
-        let factor = |lag: usize| {
-            let turned = self.eigenvalue * (lag as f64 * step);
-            (turned.exp() - Complex::ONE).powu(2)
-        };
-        // The first that leaves as much as there was, or else the one that leaves most.
-        let lags = 1..=(coefficients.len() / 8).max(1);
-        let lag = lags
-            .clone()
-            .find(|&lag| factor(lag).norm() >= 1.0)
-            .or_else(|| lags.max_by(|&a, &b| factor(a).norm().total_cmp(&factor(b).norm())))?;
-        let factor = factor(lag);
-        if factor.norm() < LEAST_LEFT || !factor.is_finite() {
-            return None;
-        }
-        // Both of a pair make the motion, which is real.
-        let pair = if self.eigenvalue.im > 0.0 { 2.0 } else { 1.0 };
-        let difference = |i: usize, member: usize| {
-            let [a, b, c] = [i, i + lag, i + 2 * lag].map(|i| coefficients[i][member]);
-            (a - b * 2.0 + c) * pair / factor
-        };
-        let at = |i: usize, dof: usize| -> Complex<f64> {
-            self.members.iter().map(|(place, shape)| difference(i, *place) * shape[dof]).sum()
-        };
-        let count = coefficients.len() - 2 * lag;
-        let dofs = self.members[0].1.len();
-        // Where the mode is strongest: an end.
-        let strongest = if self.eigenvalue.re > 0.0 { count - 1 } else { 0 };
-        let sizes: Vec<f64> = (0..dofs).map(|dof| at(strongest, dof).norm()).collect();
-        let largest = most(&sizes);
-        let dof = sizes.iter().position(|size| *size >= largest * (1.0 - 1e-9))?;
-        let shape =
-            sizes.iter().map(|size| if largest > 0.0 { size / largest } else { 0.0 }).collect();
-        let values = (0..count).map(|i| at(i, dof)).collect();
-        Some(Curve { members: self, values, dof, shape, lag })
-    }
-}
-
-impl Curve<'_> {
-    /// The straight pieces of the amplitude's logarithm.
-    #[allow(clippy::cast_precision_loss)]
-    fn straight(&self, range: Range<usize>, begin: f64, step: f64) -> Vec<(Range<usize>, Fit)> {
-        let point = |i: usize| [begin + i as f64 * step, libm::log(self.values[i].norm())];
-        let points: Vec<[f64; 2]> = range.clone().map(point).collect();
-        if points.len() < 2 {
-            return Vec::new();
-        }
-        let whole = Fit::of(&points);
-        if whole.apart <= STRAIGHT {
-            return vec![(range, whole)];
-        }
-        let pieces = pieces(&points, STRAIGHT).into_iter().filter(|piece| piece.len() > 1);
-        pieces
-            .map(|piece| {
-                let fit = Fit::of(&points[piece.clone()]);
-                (range.start + piece.start..range.start + piece.end, fit)
-            })
-            .collect()
-    }
-
-    /// The frequency, and how far it may be off, Hz.
-    #[allow(clippy::cast_precision_loss)]
-    fn frequency(&self, range: Range<usize>, begin: f64, step: f64) -> [f64; 2] {
-        let lambda = self.members.eigenvalue;
-        if lambda.im == 0.0 {
-            return [0.0, 0.0];
-        }
-        // What is left of the turning when the eigenvalue's is taken away has no jumps.
-        let mut phase = 0.0;
-        let points: Vec<[f64; 2]> = range
-            .map(|i| {
-                let time = i as f64 * step;
-                let left = self.values[i].arg() - (lambda.im * time).rem_euclid(TAU);
-                phase += libm::remainder(left - phase, TAU);
-                [begin + time, phase]
-            })
-            .collect();
-        let fit = Fit::of(&points);
-        let length = points[points.len() - 1][0] - points[0][0];
-        let error = fit.slope_error(length) + FINEST * lambda.norm();
-        [(lambda.im + fit.slope) / TAU, error / TAU]
-    }
-}
-
-fn most(values: &[f64]) -> f64 {
+/// The largest modulus.
+pub(super) fn most(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }
 

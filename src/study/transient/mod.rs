@@ -3,16 +3,22 @@
 //! | file | what it finds |
 //! | --- | --- |
 //! | `linear` | growth and decay mode by mode while no contact changes its state |
+//! | `basis` | the modes of a contact state as a basis of its motions |
+//! | `curve` | one mode over such a stretch of time |
 //! | `growth` | growth and decay in a history, by its bands and its envelope |
 //! | `bands` | the strongest lines, each followed over time by itself |
 //! | `straight` | where a curve is straight |
+//! | `shares` | the contact states of a span of time, and their eigenvalues |
 //! | `open` | what a run leaves open, and what would decide it |
 //! | `stretches` | which states each contact takes over time |
 
 mod bands;
+mod basis;
+mod curve;
 mod growth;
 mod linear;
 mod open;
+mod shares;
 mod straight;
 mod stretches;
 
@@ -24,24 +30,21 @@ pub use stretches::{Course, Stretch};
 use super::look::{ROWS_A_PERIOD, frequencies, output};
 use super::{Watch, unit};
 use crate::Error;
-use crate::contact::{ContactState, Joined};
+use crate::contact::ContactState;
 use crate::model::LumpedModel;
 use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Quantity;
 use crate::simulation::{Simulation, Variable, variables};
 use crate::spectral::Spectrogram;
 use crate::stability::candidates::resting_state;
-use crate::stability::{Spectrum, highest_frequency};
+use crate::stability::highest_frequency;
 use linear::{Follower, Observed};
 use serde::Serialize;
-use std::collections::HashMap;
+use shares::Shares;
 use std::f64::consts::TAU;
 
 /// The most values that are kept of a run.
 const MOST_KEPT: f64 = 2e7;
-/// Contact states of less than this part of the time are not listed, nor more than so many.
-const LEAST_SHARE: f64 = 1e-2;
-const MOST_STATES: usize = 6;
 /// A spectrogram goes up to so many times the highest natural frequency, in so many windows or fewer, each so many
 /// times as long as those of the bands.
 const ABOVE_HIGHEST: f64 = 1.5;
@@ -344,62 +347,4 @@ fn spectrogram(history: &[f64], interval: f64, window: f64, highest: Option<f64>
     let hop = ((history.len() - count) / SPECTRA + 1).max(count / 16);
     let highest = highest.map_or(f64::INFINITY, |highest| ABOVE_HIGHEST * highest);
     Spectrogram::of(history, interval, count, hop, highest)
-}
-
-/// The eigenvalues of the states that a run has taken, each found once.
-struct Shares<'a> {
-    linear: &'a Linear,
-    states: &'a [Vec<ContactState>],
-    interval: f64,
-    known: HashMap<Vec<ContactState>, Spectrum>,
-}
-
-impl<'a> Shares<'a> {
-    fn of(linear: &'a Linear, states: &'a [Vec<ContactState>], interval: f64) -> Self {
-        Self { linear, states, interval, known: HashMap::new() }
-    }
-
-    fn beside(&mut self, phase: &Phase) -> Finding {
-        let resting = self.nearest(&self.linear.resting, phase);
-        let taken = self.taken(phase.span).into_iter().map(|(states, share)| Taken {
-            eigenvalue: self.nearest(&states, phase),
-            states: Joined(&states).to_string(),
-            share,
-        });
-        Finding { taken: taken.collect(), resting, phase: phase.clone() }
-    }
-
-    /// The states over a span of time (s) with their shares, longest first.
-    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-    fn taken(&self, span: [f64; 2]) -> Vec<(Vec<ContactState>, f64)> {
-        let rows = self.states.first().map_or(0, Vec::len);
-        let [from, to] = span.map(|time| (time / self.interval).round() as usize);
-        let rows = from.min(rows)..(to + 1).min(rows);
-        let mut counts: HashMap<Vec<ContactState>, usize> = HashMap::new();
-        for row in rows.clone() {
-            *counts.entry(self.states.iter().map(|course| course[row]).collect()).or_default() += 1;
-        }
-        let mut found: Vec<_> = counts.into_iter().collect();
-        let order =
-            |states: &[ContactState]| states.iter().map(|state| *state as u8).collect::<Vec<_>>();
-        found.sort_by(|(a, first), (b, second)| {
-            second.cmp(first).then_with(|| order(a).cmp(&order(b)))
-        });
-        let share = |(states, count)| (states, count as f64 / rows.len() as f64);
-        let shares = found.into_iter().map(share);
-        shares.take_while(|(_, share)| *share >= LEAST_SHARE).take(MOST_STATES).collect()
-    }
-
-    /// The eigenvalue of these states that is nearest to what was found.
-    fn nearest(&mut self, states: &[ContactState], phase: &Phase) -> Option<Eigenvalue> {
-        let Linear { model, friction, .. } = self.linear;
-        let spectrum = self.known.entry(states.to_vec()).or_insert_with(|| {
-            // A state that contradicts itself has no eigenvalues.
-            Spectrum::of(model, states, *friction).unwrap_or_default()
-        });
-        let apart = |rate: f64, im: f64| libm::hypot(rate - phase.rate, im - TAU * phase.frequency);
-        let all = spectrum.oscillating.iter();
-        all.min_by(|a, b| apart(a.re, a.im).total_cmp(&apart(b.re, b.im)))
-            .map(|nearest| Eigenvalue { rate: nearest.re, frequency: nearest.im / TAU })
-    }
 }

@@ -14,6 +14,8 @@ const MOST_BANDS: usize = 5;
 const MOST_LANES: usize = 16;
 /// What is less than this part of the largest value is rounding, and is not drawn.
 const ROUNDING: f64 = 1e-12;
+/// A line that begins after this part of the run begins late.
+const LATE: f64 = 0.1;
 /// Less than this below the largest power is not told from nothing, dB.
 const DEEPEST: f64 = -80.0;
 
@@ -87,16 +89,7 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
     let fits = own.map(|Finding { phase, .. }| Series {
         label: Some("fitted exponential with its growth rate".to_owned()),
         points: phase.span.into_iter().zip(phase.amplitude).map(|(t, a)| [t, a.log10()]).collect(),
-        labels: vec![
-            String::new(),
-            format!(
-                "{:+.2} 1/s ({:+.2} Hz) at {:.1} Hz",
-                phase.rate,
-                phase.rate / TAU,
-                phase.frequency
-            )
-            .replace('-', "−"),
-        ],
+        labels: labels(phase, found.end),
         colour: 6,
         style: Style::Dashed,
         ..Series::default()
@@ -106,6 +99,14 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
         series: std::iter::once(whole).chain(bands).chain(fits).collect(),
         ..Panel::default()
     })
+}
+
+/// The growth rate at one end of its line: the end, or where it begins late, where less is in the way, the beginning.
+fn labels(phase: &Phase, end: f64) -> Vec<String> {
+    let Phase { rate, frequency, span, .. } = phase;
+    let label =
+        format!("{rate:+.2} 1/s ({:+.2} Hz) at {frequency:.1} Hz", rate / TAU).replace('-', "−");
+    if span[0] > LATE * end { vec![label, String::new()] } else { vec![String::new(), label] }
 }
 
 /// The strongest band, and those in which something grows or decays by itself.
