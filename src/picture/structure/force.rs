@@ -2,7 +2,7 @@
 
 use super::ForceMark;
 use super::labels::Request;
-use super::plane::{Box, across, along, scaled, way};
+use super::plane::{Box, across, along, length, scaled, sub, unit, way};
 use super::plot::Plot;
 use super::symbols::{self, Shape, force_colour};
 use super::text::written;
@@ -10,8 +10,10 @@ use crate::picture::canvas::{Point, WIDTH};
 
 /// Length of an arrow, px.
 const LENGTH: f64 = 40.0;
-/// Between an arrow and its mass, and around it, px.
+/// Between an arrow and its mass, px.
 const GAP: f64 = 3.0;
+/// Free around an arrow, px.
+const AROUND: f64 = 6.0;
 /// Free at the left and the right of a picture, px.
 const EDGE: f64 = 10.0;
 
@@ -47,16 +49,26 @@ impl Plot<'_> {
         }
         let free = found.iter().find(|arrow| {
             let inside = arrow.iter().all(|[x, _]| (EDGE..WIDTH - EDGE).contains(x));
-            inside && !self.shapes.iter().any(|shape| meets(shape, arrow))
+            inside && !self.shapes.iter().any(|shape| meets(shape, &shortened(**arrow, middle)))
         });
         *free.unwrap_or(&found[0])
+    }
+}
+
+/// An arrow without what is near its own mass.
+fn shortened([from, to]: [Point; 2], mass: Point) -> [Point; 2] {
+    let forth = unit(sub(to, from));
+    if length(sub(from, mass)) > length(sub(to, mass)) {
+        [from, along(to, forth, -2.0 * AROUND)]
+    } else {
+        [along(from, forth, 2.0 * AROUND), to]
     }
 }
 
 /// Is ink of the shape within the gap around an arrow?
 fn meets(shape: &Shape, [from, to]: &[Point; 2]) -> bool {
     let (points, ink) = shape.extent();
-    let around = 4.0 + GAP + ink;
+    let around = AROUND + ink;
     let middle = [0, 1].map(|axis| 0.5 * (from[axis] + to[axis]));
     let half = [0, 1].map(|axis| 0.5 * (from[axis] - to[axis]).abs());
     let area = Box { middle, half };

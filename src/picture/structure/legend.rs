@@ -68,8 +68,8 @@ impl Legend {
         });
         let preloaded = structure.links.iter().any(|link| link.preload != 0.0);
         entry(preloaded, "preload, as its end pushes or pulls", &|shapes| {
-            symbols::spring([from, to], 5.0, shapes);
-            symbols::preload([from, to], true, shapes);
+            shapes.push(symbols::line(&[from, to], symbols::spring_colour()));
+            symbols::preload([middle, to], true, shapes);
         });
         entry(structure.signals, "~ with a signal added over time", &|_| {});
         entry(used.acts, "acts in this direction, wherever it is drawn", &|shapes| {
