@@ -182,7 +182,7 @@ fn a_ring_is_drawn_with_what_each_spring_joins() {
         "mass m2[1] 0.7 kg",
         "spring k1 55 kN/m from m1[1] to m1[2] at 0°",
         "spring k2 60 kN/m from m1[2] to m1[1] at 90°",
-        "spring k3 22 kN/m from m1[1] to ground at 90°",
+        "spring k3 22 kN/m, preload 5 mm from m1[1] to ground at 90°",
         "spring k4 60 kN/m from m1[2] to ground at 0°",
         "spring k5 300 kN/m from m1[1] to m2[1] at 90°",
         "spring k6 250 kN/m from m1[2] to m2[2] at 0°",
@@ -192,7 +192,10 @@ fn a_ring_is_drawn_with_what_each_spring_joins() {
     }
     let path = scene_file(folder.path(), "k3 = 22e3 ", "k3 = [0.0, 22e3] ");
     let svg = drawn(folder.path(), path.to_str().unwrap());
-    assert!(svg.contains("spring k3[2] 22 kN/m from m1[2]") && !svg.contains("k3[1]"), "{svg}");
+    assert!(
+        svg.contains("spring k3[2] 22 kN/m, preload 5 mm from m1[2]") && !svg.contains("k3[1]"),
+        "{svg}"
+    );
     let path = scene_file(folder.path(), "modules = 2", "modules = 1");
     let svg = drawn(folder.path(), path.to_str().unwrap());
     assert!(svg.contains("spring k3 ") && !svg.contains("spring k1 "), "{svg}");

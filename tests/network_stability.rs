@@ -169,10 +169,12 @@ fn a_disc_brake_whose_friction_falls_is_stable_where_an_independent_program_says
     let gentle = scene("static = 0.7\nstribeck_velocity = 0.0055");
     let found = bistability(&gentle, [0.0, 0.7], &|_| {}).unwrap();
     let expected = [
+        // Another mode still grows here.
+        (0.21583257517012022, 1024.6921928754648, false),
         (0.43172053504634733, 1041.2693620642524, false),
         (0.5408676458071934, 1076.7506201940503, true),
     ];
-    assert_eq!(found.uniform.len(), 2, "{:?}", found.uniform);
+    assert_eq!(found.uniform.len(), 3, "{:?}", found.uniform);
     for (found, (value, hz, begins)) in found.uniform.iter().zip(expected) {
         assert!((found.value - value).abs() < 1e-9, "{found:?}");
         assert!((found.frequency_hz - hz).abs() < 1e-5, "{found:?}");

@@ -258,7 +258,10 @@ fn curves_of(browser: &mut Browser, expression: &str) -> String {
 fn limit_cycles_and_maps_are_read_point_by_point() {
     let mut browser = shown(DESKTOP).browser;
     for (title, words) in [
-        ("Limit cycles, µ = 1.5", ["v = 0.05 m/s", "Displacement x3 [m]: ", "Velocity ẋ3 [m/s]: "]),
+        (
+            "Limit cycles, µ = 1.5",
+            ["v = 0.05 m/s", "Displacement x3 [µm]: ", "Velocity ẋ3 [m/s]: "],
+        ),
         (
             "Where perturbations lead",
             ["Initial displacement x1 [mm]: ", "Initial velocity ẋ1 [m/s]: ", "equilibrium"],
@@ -300,7 +303,7 @@ fn without_its_script_a_page_says_where_the_data_are() {
     browser.call("Emulation.setScriptExecutionDisabled", &serde_json::json!({ "value": true }));
     browser.load(&path, DESKTOP);
     // What stands in `noscript` is made of elements only where no script runs.
-    assert_eq!(browser.number("document.querySelectorAll('figure noscript p').length"), 7.0);
+    assert_eq!(browser.number("document.querySelectorAll('figure noscript p').length"), 8.0);
     assert_eq!(
         browser.number("document.querySelectorAll('figure details table').length > 7 ? 1 : 0"),
         1.0

@@ -65,10 +65,10 @@ fn counted_frequency(friction: f64) -> f64 {
     (scene.method, scene.step) = (Method::EventDriven, 1e-6);
     let disc = scene.dof_names().iter().position(|name| name == "mass.disc.y").unwrap();
     let mut simulation = Simulation::new(scene, 0.0).unwrap();
-    simulation.advance_to(0.5).unwrap();
+    simulation.advance_to(2.0).unwrap();
     let mut values = Vec::new();
     for row in 1..=100_000 {
-        simulation.advance_to(0.5 + f64::from(row) * 1e-6).unwrap();
+        simulation.advance_to(2.0 + f64::from(row) * 1e-6).unwrap();
         values.push(simulation.displacement()[disc]);
     }
     let mean = values.iter().sum::<f64>() / values.len() as f64;
@@ -88,13 +88,14 @@ fn a_squeal_of_1_1_khz_is_not_taken_for_another_frequency_where_rows_are_a_milli
     for output_interval in [1e-3, 5e-5] {
         let mut scene = scene("disc_brake", &[]);
         scene.experiment.output_interval = output_interval;
-        scene.experiment.stop_time = 1.0;
+        scene.experiment.stop_time = 2.0;
         let outputs = vec![output(&scene, "mass.disc.y").unwrap()];
         let view = View { outputs, window: 0.5 };
         let go_on = |_| ControlFlow::Continue(());
         let found = sweep(&scene, "friction.coefficient", &[0.6], &view, &go_on).unwrap();
         let summary = found[0].clone().unwrap().unwrap();
-        assert_near(summary.frequency.unwrap(), counted, 1e-5);
+        // The scene's own method is the paper's scheme: a step of 1 µs shifts the frequency by some 1e-5.
+        assert_near(summary.frequency.unwrap(), counted, 1e-4);
         assert_eq!(summary.settled, Some(true));
     }
     let wish = Wish { interval: Some(1e-3), of: Some("mass.disc.y"), ..Wish::default() };

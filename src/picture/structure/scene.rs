@@ -87,7 +87,7 @@ fn ring(scene: &Scene, modules: &[Module]) -> Structure {
                 (module.force[2 * mass + j], format!("module[{number}].f{}", 2 * mass + j + 1))
             };
             let name = format!("F{}[{number}]", mass + 1);
-            structure.forces.extend(forces(scene, 2 * i + mass, name, axis, [of(0), of(1)]));
+            structure.forces.extend(forces(scene, 2 * i + mass, &name, axis, [of(0), of(1)]));
         }
     }
     structure.links.append(&mut closing);
@@ -155,7 +155,7 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
             let value = if mass.locked[axis] { 0.0 } else { mass.load[axis] + mass.force[axis] };
             (value, format!("mass.{}.f{}", mass.name, ["x", "y"][axis]))
         };
-        forces(scene, place, format!("F {}", mass.name), mass.angle, [of(0), of(1)])
+        forces(scene, place, &format!("F {}", mass.name), mass.angle, [of(0), of(1)])
     });
     let forces = pushed.collect();
     Structure { masses, links, sliders, forces, ..Structure::default() }
@@ -206,7 +206,7 @@ fn four_digits(value: f64) -> f64 {
 fn forces(
     scene: &Scene,
     mass: usize,
-    name: String,
+    name: &str,
     angle: f64,
     axes: [(f64, String); 2],
 ) -> Vec<ForceMark> {
@@ -214,7 +214,7 @@ fn forces(
     let mut found = Vec::new();
     if x != 0.0 || y != 0.0 {
         let (size, way) = (four_digits((x * x + y * y).sqrt()), libm::atan2(y, x));
-        let name = name.clone();
+        let name = name.to_owned();
         found.push(ForceMark { name, label: prefixed(size, "N"), mass, angle: angle + way });
     }
     for ((_, input), turn) in axes.into_iter().zip([0.0, FRAC_PI_2]) {
