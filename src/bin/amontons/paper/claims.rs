@@ -18,11 +18,11 @@ pub fn unknown(paper: &str, found: String, decided_by: &str) -> Claim {
 /// Half of the last digit of a number as the paper prints it: 0.5 of "168", 5 of "170", 0.05 of "0.6". Zeros that
 /// end a whole number are no digits, as such numbers are read off a plot.
 pub fn half_digit(printed: &str) -> f64 {
-    let place = match printed.split_once('.') {
-        Some((_, decimals)) => -(decimals.len() as i32),
-        None => (printed.len() - printed.trim_end_matches('0').len()) as i32,
-    };
-    0.5 * 10_f64.powi(place)
+    let power = |places: usize| 10_f64.powf(places as f64);
+    match printed.split_once('.') {
+        Some((_, decimals)) => 0.5 / power(decimals.len()),
+        None => 0.5 * power(printed.len() - printed.trim_end_matches('0').len()),
+    }
 }
 
 /// `true` where a value is within half of the last digit of a number that the paper prints.

@@ -122,7 +122,7 @@ pub fn growth(history: &[f64], interval: f64, frequency: f64, window: f64) -> Op
         return None;
     }
     let found = demodulate(history, interval, frequency, count, hop);
-    if found.iter().any(|phasor| !(phasor.amplitude > 0.0)) {
+    if found.iter().any(|phasor| phasor.amplitude.is_nan() || phasor.amplitude <= 0.0) {
         return None;
     }
     let time = |place: usize| place as f64 * hop as f64 * interval;
