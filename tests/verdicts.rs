@@ -139,7 +139,7 @@ fn a_change_of_friction_that_pushes_a_scene_out_of_rest_is_no_jump() {
     // Sliding is stable up to µ = 2.0626, and static friction of 2.2 makes a cycle easy to be pushed into.
     let set2 = scene("set2", &[]);
     let onset = onset(&set2, [1.5, 2.2]);
-    let mut pushed = set2.clone();
+    let mut pushed = set2;
     pushed.static_friction = Some(2.2);
     for (first, step, count) in [(1.5, 0.1, 7), (1.4, 0.1, 8), (1.5, 0.05, 13)] {
         let values: Vec<f64> = (0..count).map(|i| first + step * f64::from(i)).collect();
