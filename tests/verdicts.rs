@@ -2,7 +2,7 @@
 //! output that is looked at.
 #![cfg(feature = "tools")]
 
-use amontons::scene::{Method, Scene, builtin};
+use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::{Simulation, assign};
 use amontons::stability::candidates::bistability;
 use amontons::study::{
@@ -194,4 +194,19 @@ fn a_motion_that_nothing_can_stop_grows_without_bound_from_where_a_mode_begins_t
     let [falls] = &found.jumps[1..] else { panic!("{:?}", found.jumps) };
     assert_eq!(falls.way, Way::Falling);
     assert!(falls.endings[1].rests() && falls.endings[1].amplitude < 1e-3, "{falls:?}");
+}
+
+/// A block that nothing damps slides on a belt: each size of its oscillation is a motion of its own, and none is a jump.
+#[test]
+fn an_undamped_motion_of_any_size_is_one_motion_over_friction() {
+    let text = "[slider]\nvelocity = 0.2\nangle = 0.0\n[friction]\ncoefficient = 0.4\n\
+                [[mass]]\nname = \"b\"\nmass = 1.0\nforce = [0.0, -20.0]\n\
+                [[spring]]\nname = \"k\"\nbetween = [\"b\", \"ground\"]\ndirection = \"x\"\nstiffness = 650.0\n\
+                [[spring]]\nname = \"n\"\nbetween = [\"b\", \"ground\"]\ndirection = \"y\"\nstiffness = 900.0\n\
+                [[contact]]\nname = \"c\"\nmass = \"b\"\n\
+                [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 4.0\noutput_interval = 0.01\n";
+    let block = parse("block", text).unwrap();
+    let found = followed(&block, &[0.1, 0.2, 0.3], 1e-3);
+    assert!(found.jumps.is_empty() && found.bistable.is_empty(), "{:?}", found.jumps.len());
+    assert!(found.unknown.is_empty(), "{:?}", found.unknown);
 }

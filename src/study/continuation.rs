@@ -430,7 +430,12 @@ impl Run<'_> {
             }
             let ending = there.passed.pop().and_then(|last| last.point.ending.ok());
             match ending {
-                Some(ending) if ending.is_known() && there.jumps.is_empty() => endings.push(ending),
+                Some(ending)
+                    if (ending.kind != Kind::Unsettled || ending.is_known())
+                        && there.jumps.is_empty() =>
+                {
+                    endings.push(ending);
+                }
                 _ => return Ok(Some(None)),
             }
         }
@@ -475,6 +480,11 @@ fn has_no_state(ending: &Ending) -> bool {
 fn distance(a: &Ending, b: &Ending) -> f64 {
     const FAR: f64 = 10.0;
     let is_unbounded = |ending: &Ending| ending.kind == Kind::Unbounded;
+    // An undamped motion in which no contact changes its state has any size, that of rest among them.
+    let is_neutral = |ending: &Ending| ending.kind.is_cycle() && ending.is_linear();
+    if (a.rests() || is_neutral(a)) && (b.rests() || is_neutral(b)) {
+        return 0.0;
+    }
     match (a.rests(), b.rests()) {
         (true, true) => return 0.0,
         (true, false) | (false, true) => return FAR,

@@ -21,7 +21,7 @@ use layout::Layout;
 use serde::Serialize;
 use std::path::Path;
 
-/// Panels over one x axis. A label that ends with an SI unit in brackets, as "Time [s]", has its values in that unit;
+/// Panels over one x axis. A label that ends with an SI unit in brackets, as `Time [s]`, has its values in that unit;
 /// the picture may show them with a prefix, as ms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
