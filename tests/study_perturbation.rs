@@ -190,7 +190,7 @@ fn the_program_tells_and_draws_thresholds() {
     assert_eq!(csv.lines().next(), Some("amplitude,kind,attractor,final_amplitude,frequency,time"));
     assert!(csv.lines().nth(1).unwrap().starts_with("0.05,equilibrium,1,"), "{csv}");
     assert!(read("perturbation.svg").contains("threshold"));
-    assert!(read("histories.svg").contains("time, s"));
+    assert!(read("histories.svg").contains("Time [s]"));
     let study: serde_json::Value = serde_json::from_str(&read("study.json")).unwrap();
     let between = &study["results"]["found"]["thresholds"][0]["between"];
     let [below, above] = [0, 1].map(|place| between[place].as_f64().unwrap());

@@ -196,6 +196,21 @@ fn a_motion_that_nothing_can_stop_grows_without_bound_from_where_a_mode_begins_t
     assert!(falls.endings[1].rests() && falls.endings[1].amplitude < 1e-3, "{falls:?}");
 }
 
+#[test]
+fn two_cycles_that_look_alike_are_told_apart_with_any_step() {
+    // Between two values of µ 0.05 apart one of two frequencies gives way to a periodic one, and back at a lower µ.
+    let found = followed(&scene("set1", &[]), &[2.0, 2.05], 1e-3);
+    let jump = |way: Way| {
+        let mut jumps = found.jumps.iter().filter(|jump| jump.way == way);
+        let (Some(jump), None) = (jumps.next(), jumps.next()) else { panic!("{:?}", found.jumps) };
+        jump.at()
+    };
+    let (up, down) = (jump(Way::Rising), jump(Way::Falling));
+    assert!(2.03 < down && down < up && up < 2.045, "{down} {up}");
+    let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
+    assert_eq!((range.range, range.rests), ([down, up], false));
+}
+
 /// A block that nothing damps slides on a belt: each size of its oscillation is a motion of its own, and none is a jump.
 #[test]
 fn an_undamped_motion_of_any_size_is_one_motion_over_friction() {

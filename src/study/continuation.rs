@@ -36,6 +36,8 @@ const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
 /// Displacements with less than this part of the largest extent do not tell motions apart.
 const SEEN: f64 = 1e-2;
 
+/// A motion that has not settled and in which contacts change their states is followed for this many times longer.
+const MORE_TIMES: usize = 6;
 /// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution.
 const STEEP: f64 = 1.0 / 16.0;
 /// Where both ways are compared inside a range of a candidate, in parts of it.
@@ -280,6 +282,10 @@ impl Run<'_> {
                 _ => false,
             };
             let half = 0.5 * (target - from);
+            // A cycle of another kind may be another cycle that looks alike: a small change tells.
+            let has_other_kind = !followed.is_leaving
+                && here.ending().map(|ending| ending.kind)
+                    != next.ending().map(|ending| ending.kind);
             // Rest is left at once; a cycle may change steeply, which a smaller change shows.
             let is_of_cycles = [&here, &next]
                 .map(Reached::ending)
@@ -287,7 +293,8 @@ impl Run<'_> {
                 .all(|ending| ending.is_some_and(|ending| ending.kind.is_cycle()));
             let smallest = if is_of_cycles { STEEP * resolution } else { resolution };
             // No double lies between them where half of the change is nothing.
-            if !stays && half.abs() >= 0.5 * smallest && from + half != target {
+            let is_open = !stays || is_of_cycles && has_other_kind;
+            if is_open && half.abs() >= 0.5 * smallest && from + half != target {
                 step = half;
                 continue;
             }
@@ -355,7 +362,16 @@ impl Run<'_> {
             }
         };
         self.plan.push.give(&mut simulation);
-        let ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
+        let mut ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
+        // A motion that drifts slowly to another one would else drift on with each further value, and no jump be seen.
+        for _ in 0..MORE_TIMES {
+            match &ending {
+                Some(drifts) if is_drifting(drifts) => {
+                    ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
+                }
+                _ => break,
+            }
+        }
         Ok(ending.map(|ending| (ending, simulation.save().into_progress())))
     }
 
@@ -470,6 +486,14 @@ impl Followed {
     }
 }
 
+/// `true` of a motion in which contacts change their states and that has not settled, or not come back as near as a
+/// periodic one does.
+fn is_drifting(ending: &Ending) -> bool {
+    let is_open = ending.kind == Kind::Unsettled
+        || ending.kind == Kind::Undecided && ending.closure.is_some();
+    is_open && !ending.is_linear()
+}
+
 /// `true` of a motion after which the next value starts in its own equilibrium.
 fn has_no_state(ending: &Ending) -> bool {
     ending.rests() || ending.kind == Kind::Unbounded
@@ -498,14 +522,11 @@ fn distance(a: &Ending, b: &Ending) -> f64 {
     let extents = a.extents.iter().zip(&b.extents).filter(|(a, b)| a.max(**b) >= seen);
     let extents = extents.map(|(a, b)| log(*a, *b)).fold(0.0, f64::max);
     let size = match [a.kind, b.kind] {
-        [Kind::Periodic | Kind::QuasiPeriodic, Kind::Periodic | Kind::QuasiPeriodic] => {
-            extents.max(log(a.size, b.size))
-        }
         // Over a window the extents of a motion without a period vary.
-        [Kind::Irregular | Kind::Undecided, _] | [_, Kind::Irregular | Kind::Undecided] => {
+        [Kind::Irregular, _] | [_, Kind::Irregular] => {
             log(a.size, b.size) * OTHER_EXTENT / OTHER_IRREGULAR
         }
-        _ => log(a.size, b.size),
+        _ => extents.max(log(a.size, b.size)),
     };
     // Of two lines that are equally strong either may be the first.
     let pitch = |a: &Ending, b: &Ending| match (a.frequency, &b.lines[..]) {

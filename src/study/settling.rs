@@ -44,8 +44,6 @@ const HIGHEST_ORDER: i32 = 12;
 /// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
 /// factors of the last windows differ by less than this.
 const SAME_FACTOR: f64 = 1.5;
-/// A state that comes back no nearer over this many windows is taken for one that does not come back.
-const PATIENCE: usize = 8;
 /// The displacement, in parts of that of the equilibrium, beyond which a motion that still grows has left the range of
 /// the model.
 const OUT_OF_RANGE: f64 = 1e4;
@@ -222,8 +220,7 @@ impl Settling {
         let is_last = self.seen.len() >= self.look.windows();
         let (kind, parting) = match kind {
             Some(known) => known,
-            None if is_last && self.closures.is_empty() => (Kind::Unsettled, None),
-            None if is_last => (Kind::Undecided, None),
+            None if is_last => (Kind::Unsettled, None),
             None => {
                 self.begin_window(simulation);
                 return Ok(None);
@@ -298,7 +295,8 @@ impl Settling {
             if is_closed(simulation, main, found) || is_closing(&self.closures) {
                 return Ok(Some((Kind::Periodic, None)));
             }
-            if self.closures.len() < PATIENCE {
+            // It may come back nearer for long where a motion converges slowly.
+            if self.seen.len() < self.look.windows() {
                 return Ok(None);
             }
         }

@@ -183,28 +183,11 @@ fn states(found: &Transient) -> Option<Panel> {
         }
         lanes.push(Lane { name: course.contact.clone(), stretches });
     }
-    let class = |(colour, kind): (usize, &&[ContactState])| Class {
-        name: kind.iter().map(|state| word(*state)).collect::<Vec<_>>().join(", "),
-        colour,
-        ..Class::default()
-    };
-    let classes = kinds.iter().enumerate().map(|(place, kind)| class((COLOURS[place % 8], kind)));
+    let classes = kinds.into_iter().map(Class::of_states);
     (!lanes.is_empty()).then(|| Panel {
         y_label: "Contacts".to_owned(),
         classes: classes.collect(),
         lanes,
         ..Panel::default()
     })
-}
-
-/// Places in the palette, those that curves do not take first.
-const COLOURS: [usize; 8] = [5, 4, 7, 3, 2, 1, 0, 6];
-
-fn word(state: ContactState) -> &'static str {
-    match state {
-        ContactState::Slide => "slides",
-        ContactState::ReverseSlide => "slides back",
-        ContactState::Stick => "sticks",
-        ContactState::Detached => "is off",
-    }
 }
