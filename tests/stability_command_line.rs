@@ -368,9 +368,9 @@ fn a_law_that_falls_loses_rest_where_friction_leaves_its_slope_too_steep() {
         "map",
         STRIBECK,
         "--x",
-        "friction.coefficient=0.2:0.5:4",
+        "friction.coefficient=0.2:0.5/4",
         "--y",
-        "slider.velocity=0.1:0.2:2",
+        "slider.velocity=0.1:0.2/2",
         "--csv",
     ]);
     let verdicts: Vec<&str> = map.lines().skip(1).map(|l| l.rsplit(',').next().unwrap()).collect();
@@ -438,7 +438,7 @@ fn each_command_says_what_it_leaves_out_of_signals_and_when_it_looks() {
     for command in [
         "bistable ramp.toml --friction 0:1",
         "locus ramp.toml --friction 0:1:0.5",
-        "map ramp.toml --x friction.coefficient=0:1:2 --y damping.beta=1e-5:2e-5:2 --csv",
+        "map ramp.toml --x friction.coefficient=0:1/2 --y damping.beta=1e-5:2e-5/2 --csv",
     ] {
         let output = stability(folder.path(), &command.split(' ').collect::<Vec<_>>());
         assert_refused(&output, 2, &["signal[1] of ramp drives friction.coefficient"]);
@@ -527,9 +527,9 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
             &["R-Sl at slider.velocity = -0.2 and Sl at 0.1", "no surface turns"],
         ),
         (
-            &["locus", STRIBECK, "--parameter", "mass.block.fy=-10:10:5"],
+            &["locus", STRIBECK, "--parameter", "mass.block.fy=-10:20:5"],
             2,
-            &["linearised about an equilibrium", "from -10 to 0"],
+            &["linearised about an equilibrium", "from -10 to 10"],
         ),
         (&["states", "set1", "--at", "-1"], 2, &["--at", "negative"]),
         (

@@ -9,7 +9,8 @@ use amontons::scene::{Method, Scene, builtin};
 use amontons::simulation::assign;
 use amontons::stability::candidates::bistability;
 use amontons::study::{
-    Continuation, Journal, Jump, Kind, Look, Plan, Push, Watch, Way, Wish, continuation, pace,
+    Continuation, Journal, Jump, Kind, Look, Plan, Point, Push, Watch, Way, Wish, continuation,
+    pace,
 };
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -81,13 +82,19 @@ fn set_1_has_two_branches_near_2_with_hysteresis() {
     let (up, down) = (only(&found.jumps, Way::Rising), only(&found.jumps, Way::Falling));
     assert!(down.at() < up.at());
     assert_eq!(range.range, [down.at(), up.at()]);
+    // At the very end of a branch motions converge so slowly that their kind may stay undecided; beside it they do not.
+    let kind = |points: &[Point], friction: f64| {
+        let point = points.iter().find(|point| point.friction == friction).unwrap();
+        point.ending.as_ref().unwrap().kind
+    };
+    let at = [2.03, 2.04, 2.05];
     assert_eq!(
-        up.endings.each_ref().map(|ending| ending.kind),
-        [Kind::QuasiPeriodic, Kind::Periodic]
+        at.map(|friction| kind(&found.rising, friction)),
+        [Kind::QuasiPeriodic, Kind::QuasiPeriodic, Kind::Periodic]
     );
     assert_eq!(
-        down.endings.each_ref().map(|ending| ending.kind),
-        [Kind::Periodic, Kind::QuasiPeriodic]
+        at.map(|friction| kind(&found.falling, friction)),
+        [Kind::QuasiPeriodic, Kind::Periodic, Kind::Periodic]
     );
 }
 

@@ -44,6 +44,8 @@ const HIGHEST_ORDER: i32 = 12;
 /// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
 /// factors of the last windows differ by less than this.
 const SAME_FACTOR: f64 = 1.5;
+/// Windows from one look at how neighbouring motions part to the next.
+const WINDOWS_BETWEEN: usize = 4;
 /// The displacement, in parts of that of the equilibrium, beyond which a motion that still grows has left the range of
 /// the model.
 const OUT_OF_RANGE: f64 = 1e4;
@@ -300,9 +302,17 @@ impl Settling {
                 return Ok(None);
             }
         }
+        // What cannot be told of a motion that still converges may be told later.
+        let is_last = self.seen.len() >= self.look.windows();
+        if !is_last && !self.seen.len().is_multiple_of(WINDOWS_BETWEEN) {
+            return Ok(None);
+        }
         let parting = parting(simulation, interval, main, self.look.rows(), is_over)?;
         let is_of_two = !varies && has_two_frequencies(&telling, resolution);
         let kind = kind_without_period(parting, is_of_two);
+        if !is_last && kind == Kind::Undecided {
+            return Ok(None);
+        }
         if kind != Kind::Undecided {
             self.closures.clear();
         }

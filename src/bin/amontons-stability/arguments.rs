@@ -50,7 +50,7 @@ pub struct Common {
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
     /// When the signals of the scene are looked at, s: eigenvalues are those of one instant [default: 0]
-    #[arg(long, value_name = "TIME", value_parser = time)]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub at: Option<f64>,
 }
 
