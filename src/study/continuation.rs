@@ -37,7 +37,7 @@ const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
 const SEEN: f64 = 1e-2;
 
 /// A motion that has not settled and in which contacts change their states is followed for this many times longer.
-const MORE_TIMES: usize = 6;
+const MORE_TIMES: usize = 2;
 /// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution.
 const STEEP: f64 = 1.0 / 16.0;
 /// Where both ways are compared inside a range of a candidate, in parts of it.

@@ -45,7 +45,7 @@ const HIGHEST_ORDER: i32 = 12;
 /// factors of the last windows differ by less than this.
 const SAME_FACTOR: f64 = 1.5;
 /// Windows from one look at how neighbouring motions part to the next.
-const WINDOWS_BETWEEN: usize = 4;
+const WINDOWS_BETWEEN: usize = 12;
 /// The displacement, in parts of that of the equilibrium, beyond which a motion that still grows has left the range of
 /// the model.
 const OUT_OF_RANGE: f64 = 1e4;
