@@ -284,8 +284,7 @@ impl Run<'_> {
             let half = 0.5 * (target - from);
             // A cycle of another kind may be another cycle that looks alike: a small change tells.
             let has_other_kind = !followed.is_leaving
-                && here.ending().map(|ending| ending.kind)
-                    != next.ending().map(|ending| ending.kind);
+                && matches!((here.ending(), next.ending()), (Some(a), Some(b)) if have_other_kinds(a, b));
             // Rest is left at once; a cycle may change steeply, which a smaller change shows.
             let is_of_cycles = [&here, &next]
                 .map(Reached::ending)
@@ -499,6 +498,12 @@ fn has_no_state(ending: &Ending) -> bool {
     ending.rests() || ending.kind == Kind::Unbounded
 }
 
+/// Are two motions known to be of different kinds?
+fn have_other_kinds(a: &Ending, b: &Ending) -> bool {
+    let is_open = |ending: &Ending| matches!(ending.kind, Kind::Undecided | Kind::Unsettled);
+    a.kind != b.kind && !is_open(a) && !is_open(b)
+}
+
 /// How different two motions are: 0 for the same; where one rests or grows without bound and the other does not, as far
 /// as can be.
 fn distance(a: &Ending, b: &Ending) -> f64 {
@@ -536,6 +541,6 @@ fn distance(a: &Ending, b: &Ending) -> f64 {
     };
     let pitch = pitch(a, b).max(pitch(b, a));
     // Frequencies change less than extents where motions are the same.
-    let kind = if a.kind == b.kind { 0.0 } else { OTHER_KIND };
+    let kind = if have_other_kinds(a, b) { OTHER_KIND } else { 0.0 };
     size + pitch * OTHER_EXTENT / OTHER_FREQUENCY + kind
 }

@@ -138,7 +138,7 @@ impl Ending {
     }
 
     /// Takes over what was found of a periodic motion.
-    pub(super) fn come_back(&mut self, Closure { period, distance }: Closure) {
+    pub(super) fn come_back(&mut self, Closure { period, distance, .. }: Closure) {
         (self.period, self.closure) = (Some(period), Some(distance));
         // A line of a periodic motion is a multiple of its base frequency.
         let exact = |frequency: f64| match (frequency * period).round() {

@@ -44,6 +44,9 @@ pub struct Closure {
     pub period: f64,
     /// How far the state then is from where it was, root mean square over a period, in parts of the motion's size.
     pub distance: f64,
+    /// How far, likewise over this period, it is from where it was at the nearest of its shorter returns, which were not
+    /// near enough for a period. `None` if there are none.
+    pub shorter: Option<f64>,
 }
 
 /// Displacements and velocities of a motion, by the sizes of which distances between states are measured.
@@ -124,6 +127,7 @@ pub(super) fn closure(
     let rows = (MOST_PERIODS / (frequency * interval)).min(MOST_ROWS);
     let mut before = (0.0, 0.0);
     let mut has_left = false;
+    let mut nearest: Option<(f64, f64)> = None;
     let mut row = 0.0;
     while row < rows {
         row += 1.0;
@@ -139,12 +143,18 @@ pub(super) fn closure(
         let period = passage(&course, &origin, (span, [last_passed, passed]))?;
         let mut there = course.begin()?;
         course.bring(&mut there, period)?;
-        if scale.distance(&there, &origin) > COMES_BACK.max(4.0 * tolerance(&there, scale)) {
-            continue;
+        let away = scale.distance(&there, &origin);
+        if away <= COMES_BACK.max(4.0 * tolerance(&there, scale)) {
+            let distance = distance_over(&course, [period; 2], interval, scale)?;
+            if distance <= COMES_BACK.max(tolerance(&start, scale)) {
+                let over =
+                    |(_, shorter)| distance_over(&course, [shorter, period], interval, scale);
+                let shorter = nearest.map(over).transpose()?;
+                return Ok(Some(Closure { period, distance, shorter }));
+            }
         }
-        let distance = distance_over(&course, there, period, interval, scale)?;
-        if distance <= COMES_BACK.max(tolerance(&start, scale)) {
-            return Ok(Some(Closure { period, distance }));
+        if nearest.is_none_or(|(least, _)| away < least) {
+            nearest = Some((away, period));
         }
     }
     Ok(None)
@@ -239,23 +249,21 @@ fn passage(
     Ok(time)
 }
 
-/// How far a motion is from itself a period later, root mean square over a period, in parts of its size. `later` is
-/// the motion a period after the saved state.
+/// How far a motion is from itself some time later, root mean square over a period (both s), in parts of its size.
 fn distance_over(
     course: &Course<'_>,
-    mut later: Simulation,
-    period: f64,
+    [offset, period]: [f64; 2],
     interval: f64,
     scale: Scale,
 ) -> Result<f64, Error> {
-    let mut now = course.begin()?;
+    let (mut now, mut later) = (course.begin()?, course.begin()?);
     let rows = (period / interval).ceil().max(1.0);
     let (mut sum, mut row) = (0.0, 0.0);
     while row < rows {
         row += 1.0;
         let after = row / rows * period;
         course.bring(&mut now, after)?;
-        course.bring(&mut later, period + after)?;
+        course.bring(&mut later, offset + after)?;
         let distance = scale.distance(&later, &State::of(&now));
         sum += distance * distance;
     }

@@ -44,6 +44,10 @@ const HIGHEST_ORDER: i32 = 12;
 /// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
 /// factors of the last windows differ by less than this.
 const SAME_FACTOR: f64 = 1.5;
+/// What is left of a factor to one may get smaller over three windows by this factor.
+const SAME_SPEED: f64 = 0.9;
+/// Shorter returns of a periodic motion are as far away in each window, but for this part.
+const SAME_RETURN: f64 = 0.02;
 /// Windows from one look at how neighbouring motions part to the next.
 const WINDOWS_BETWEEN: usize = 12;
 /// The displacement, in parts of that of the equilibrium, beyond which a motion that still grows has left the range of
@@ -288,13 +292,14 @@ impl Settling {
         let interval = self.look.interval;
         let Some(last) = self.seen.last_mut() else { return Ok(None) };
         let found = last.lines.take().unwrap_or_else(|| lines(&last.mixture, interval, FAINT));
-        let telling = telling(&found);
-        let resolution = found.resolution;
+        let is_of_two = !varies && has_two_frequencies(&found);
+        let main = found.lines.first().map(|line| line.frequency);
         last.lines = Some(found);
-        let Some(&main) = telling.first() else { return Ok(Some((Kind::Undecided, None))) };
+        let Some(main) = main else { return Ok(Some((Kind::Undecided, None))) };
         if let Some(found) = closure(simulation, interval, main)? {
             self.closures.push(found);
-            if is_closed(simulation, main, found) || is_closing(&self.closures) {
+            let is_near = is_closed(simulation, main, found) || is_closing(&self.closures);
+            if is_near && has_no_shorter_period(&self.closures) {
                 return Ok(Some((Kind::Periodic, None)));
             }
             // It may come back nearer for long where a motion converges slowly.
@@ -308,7 +313,6 @@ impl Settling {
             return Ok(None);
         }
         let parting = parting(simulation, interval, main, self.look.rows(), is_over)?;
-        let is_of_two = !varies && has_two_frequencies(&telling, resolution);
         let kind = kind_without_period(parting, is_of_two);
         if !is_last && kind == Kind::Undecided {
             return Ok(None);
@@ -450,17 +454,36 @@ fn is_unbounded(sizes: &[f64], around: Surroundings<'_>) -> bool {
     is_far && c / b > 1.5 && b / a > 1.5
 }
 
-/// Does the state come back nearer from window to window, by about the same factor each time?
+/// Does the state come back nearer from window to window, by about the same factor each time? One that only passes near
+/// where a periodic motion has ceased to exist comes nearer by ever less.
 fn is_closing(closures: &[Closure]) -> bool {
     let Some(first) = closures.len().checked_sub(4) else { return false };
     let last = &closures[first..];
-    let same = last.windows(2).all(|two| (two[1].period / two[0].period - 1.0).abs() < 1e-2);
+    let same = last.windows(2).all(|two| have_same_period(&two[0], &two[1]));
     let factors: Vec<f64> = last.windows(2).map(|two| two[1].distance / two[0].distance).collect();
     let [least, most] = [
         factors.iter().copied().fold(f64::INFINITY, f64::min),
         factors.iter().copied().fold(0.0, f64::max),
     ];
-    same && most < 0.95 && most <= SAME_FACTOR * least
+    let goes_on = 1.0 - factors[2] >= SAME_SPEED * (1.0 - factors[0]);
+    same && most < 0.95 && most <= SAME_FACTOR * least && goes_on
+}
+
+fn have_same_period(a: &Closure, b: &Closure) -> bool {
+    (a.period / b.period - 1.0).abs() < 1e-2
+}
+
+/// Is the period that was found the shortest? A motion that winds itself round a periodic one comes back best after
+/// several of that one's periods; then its shorter returns come nearer, too.
+fn has_no_shorter_period(closures: &[Closure]) -> bool {
+    match closures {
+        [.., Closure { shorter: None, .. }] => true,
+        [.., a, b] if have_same_period(a, b) => {
+            let (Some(before), Some(now)) = (a.shorter, b.shorter) else { return false };
+            (now / before - 1.0).abs() <= SAME_RETURN
+        }
+        _ => false,
+    }
 }
 
 /// From the mean, root mean square.
@@ -509,20 +532,16 @@ fn near(line: &Line, window: &Lines, part: f64) -> Option<f64> {
     window.lines.iter().find(at).map(|other| other.amplitude)
 }
 
-/// The frequencies of the lines that tell the kinds of motion apart, Hz, the strongest first.
-fn telling(found: &Lines) -> Vec<f64> {
-    let strongest = found.lines.first().map_or(0.0, |line| line.amplitude);
-    let is_telling = |line: &&Line| line.amplitude >= TELLING * strongest;
-    found.lines.iter().filter(is_telling).map(|line| line.frequency).collect()
-}
-
-/// Are all of these frequencies, Hz, the strongest first and each known this well, combinations of two of them?
-fn has_two_frequencies(telling: &[f64], resolution: f64) -> bool {
-    let Some(&main) = telling.first() else { return false };
-    let meets = MEETS * resolution;
+/// Are all telling lines, the strongest first, combinations of two frequencies?
+fn has_two_frequencies(found: &Lines) -> bool {
+    let Some(strongest) = found.lines.first() else { return false };
+    let main = strongest.frequency;
+    let meets = MEETS * found.resolution;
     let is_multiple =
         |of: f64| (of - (of / main).round() * main).abs() <= meets * (1.0 + of / main);
-    let Some(&second) = telling.iter().find(|&&of| !is_multiple(of)) else { return false };
+    // A second frequency that has only just set in may be fainter than the lines that must combine.
+    let mut frequencies = found.lines.iter().map(|line| line.frequency);
+    let Some(second) = frequencies.find(|of| !is_multiple(*of)) else { return false };
     let combines = |of: f64| {
         (-HIGHEST_ORDER..=HIGHEST_ORDER).any(|n| {
             let rest = of - f64::from(n) * main;
@@ -531,7 +550,8 @@ fn has_two_frequencies(telling: &[f64], resolution: f64) -> bool {
             order <= f64::from(HIGHEST_ORDER) && (rest - m * second).abs() <= meets * (1.0 + order)
         })
     };
-    telling.iter().all(|&of| combines(of))
+    let is_telling = |line: &&Line| line.amplitude >= TELLING * strongest.amplitude;
+    found.lines.iter().filter(is_telling).all(|line| combines(line.frequency))
 }
 
 #[cfg(test)]
@@ -660,10 +680,17 @@ mod tests {
     #[test]
     fn frequencies_are_combinations_of_two_or_not() {
         let difference = 219.38 - 167.81;
-        assert!(has_two_frequencies(&[219.38, 167.81, difference], 1.0));
-        assert!(!has_two_frequencies(&[219.38, 167.81, difference, 91.237], 1.0));
+        let has_two = |lines: &[(f64, f64)]| {
+            let line = |&(frequency, amplitude)| Line { frequency, amplitude };
+            let lines = lines.iter().map(line).collect();
+            has_two_frequencies(&Lines { lines, share: 1.0, resolution: 1.0 })
+        };
+        assert!(has_two(&[(219.38, 1.0), (167.81, 0.3), (difference, 0.1)]));
+        assert!(!has_two(&[(219.38, 1.0), (167.81, 0.3), (difference, 0.1), (91.237, 0.1)]));
+        // The second one may be faint, and so may be others that are no combinations.
+        assert!(has_two(&[(219.38, 1.0), (438.76, 0.1), (167.81, 3e-3), (91.237, 2e-3)]));
         // One frequency is no combination of two.
-        assert!(!has_two_frequencies(&[219.38, 438.76], 1.0) && !has_two_frequencies(&[], 1.0));
+        assert!(!has_two(&[(219.38, 1.0), (438.76, 0.1)]) && !has_two(&[]));
     }
 
     #[test]
