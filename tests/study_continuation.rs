@@ -37,7 +37,7 @@ fn followed(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Option<Continuation> {
-    let plan = Plan { scene, look, values, resolution, push: Push::of(scene), ranges: &[] };
+    let plan = Plan { scene, look, values, resolution, push: Push::of(scene), candidates: &[] };
     continuation(&plan, journal, watch).unwrap()
 }
 

@@ -4,7 +4,8 @@
 
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::{Simulation, assign};
-use amontons::stability::candidates::bistability;
+use amontons::stability::candidates::{Candidate, bistability};
+use amontons::study::confirm::confirm;
 use amontons::study::{
     Continuation, Ending, Journal, Kind, LimitCycles, Look, Plan, Push, Question, Watch, Way, Wish,
     continuation, limit_cycles, pace,
@@ -25,14 +26,19 @@ fn scene(name: &str, values: &[(&str, f64)]) -> Scene {
 fn cycles(mut scene: Scene, wish: &Wish<'_>, values: &[f64]) -> LimitCycles {
     let look = Look::of(&scene, wish).unwrap();
     pace(&mut scene, &look);
+    cycles_over(&scene, &look, "friction.coefficient", values)
+}
+
+/// The same over another parameter, of a scene that moves as it says.
+fn cycles_over(scene: &Scene, look: &Look, name: &str, values: &[f64]) -> LimitCycles {
     let question = Question {
-        name: "friction.coefficient".to_owned(),
+        name: name.to_owned(),
         values: values.to_vec(),
         resolution: 0.5,
         portraits: Some(Vec::new()),
         contacts: 0,
     };
-    limit_cycles(&scene, &look, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+    limit_cycles(scene, look, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
 fn ending(found: &LimitCycles) -> &Ending {
@@ -44,7 +50,7 @@ fn followed(scene: &Scene, values: &[f64], resolution: f64) -> Continuation {
     let look = Look::of(&scene, &Wish::default()).unwrap();
     pace(&mut scene, &look);
     let push = Push::of(&scene);
-    let plan = Plan { scene: &scene, look: &look, values, resolution, push, ranges: &[] };
+    let plan = Plan { scene: &scene, look: &look, values, resolution, push, candidates: &[] };
     continuation(&plan, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
@@ -224,4 +230,109 @@ fn an_undamped_motion_of_any_size_is_one_motion_over_friction() {
     let found = followed(&block, &[0.1, 0.2, 0.3], 1e-3);
     assert!(found.jumps.is_empty() && found.bistable.is_empty(), "{:?}", found.jumps.len());
     assert!(found.unknown.is_empty(), "{:?}", found.unknown);
+}
+
+/// The same block beside a damped one whose surface moves the other way: contacts in two states that never change.
+#[test]
+fn an_undamped_motion_is_linear_with_contacts_that_slide_both_ways() {
+    let block = |name: &str, mass: f64, along: f64| {
+        format!(
+            "[[mass]]\nname = \"{name}\"\nmass = {mass}\nforce = [0.0, -20.0]\n\
+             [[spring]]\nname = \"k{name}\"\nbetween = [\"{name}\", \"ground\"]\ndirection = \"x\"\nstiffness = {along}\n\
+             [[spring]]\nname = \"n{name}\"\nbetween = [\"{name}\", \"ground\"]\ndirection = \"y\"\nstiffness = 900.0\n\
+             [[contact]]\nname = \"c{name}\"\nmass = \"{name}\"\n"
+        )
+    };
+    let text = format!(
+        "[slider]\nvelocity = 0.2\nangle = 0.0\n[friction]\ncoefficient = 0.4\n{}{}velocity = -0.2\n\
+         [[damper]]\nname = \"d\"\nbetween = [\"c\", \"ground\"]\ndirection = \"x\"\ndamping = 20.0\n\
+         [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 4.0\noutput_interval = 0.01\n",
+        block("b", 1.0, 650.0),
+        block("c", 1.3, 500.0)
+    );
+    let blocks = parse("blocks", &text).unwrap();
+    let found = followed(&blocks, &[0.1, 0.2, 0.3], 1e-3);
+    assert!(found.jumps.is_empty() && found.bistable.is_empty(), "{:?}", found.jumps.len());
+}
+
+/// Contacts of the disc brake slide in opposite directions, so that each of the states has some contact in it, but never
+/// all contacts in the candidate's states together.
+#[test]
+fn a_candidate_is_not_met_by_contacts_that_take_its_states_one_by_one() {
+    let brake = scene("disc_brake", &[]);
+    let found = bistability(&brake, [0.3, 0.56], &|_| {}).unwrap();
+    let slide_alike =
+        |candidate: &&Candidate| candidate.states.iter().all(|state| *state == candidate.states[0]);
+    let candidate = found.candidates.iter().find(slide_alike).unwrap();
+    let [tried] = &confirm(&brake, &[candidate], Watch::IDLE).unwrap().unwrap()[..] else {
+        panic!()
+    };
+    assert!(tried.met().is_none(), "{tried:?}");
+}
+
+/// A block on a belt so slow that it is carried along for minutes before its spring pulls it off: no rest.
+#[test]
+fn a_block_that_a_slow_belt_carries_along_does_not_rest() {
+    let text = "[slider]\nvelocity = 1e-5\nangle = 0.0\n[friction]\ncoefficient = 0.2\nstatic = 0.4\n\
+                [[mass]]\nname = \"block\"\nmass = 1.0\nforce = [0.0, -20.0]\n\
+                [[mass]]\nname = \"tail\"\nmass = 0.2\nlocked = [\"y\"]\n\
+                [[spring]]\nname = \"hold\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\nstiffness = 1000.0\n\
+                [[spring]]\nname = \"t\"\nbetween = [\"tail\", \"block\"]\ndirection = \"x\"\nstiffness = 300.0\n\
+                [[damper]]\nname = \"d\"\nbetween = [\"tail\", \"block\"]\ndirection = \"x\"\ndamping = 0.5\n\
+                [[contact]]\nname = \"belt\"\nmass = \"block\"\n[[initial]]\nmass = \"block\"\nvx = 0.01\n\
+                [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 20.0\noutput_interval = 0.01\n";
+    let wish = Wish { longest: Some(200.0), ..Wish::default() };
+    let found = cycles(parse("slow", text).unwrap(), &wish, &[0.2]);
+    assert!(found.outcomes[0].settled().is_none(), "{:?}", found.outcomes[0]);
+}
+
+/// A damped block that a force drives, with no contact at all.
+fn driven(damping: f64, signal: &str) -> Scene {
+    let text = format!(
+        "[slider]\nvelocity = 0.1\nangle = 0.0\n[friction]\ncoefficient = 0.2\n\
+         [[mass]]\nname = \"block\"\nmass = 1.0\nlocked = [\"y\"]\n\
+         [[spring]]\nname = \"hold\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\nstiffness = 400.0\n\
+         [[damper]]\nname = \"d\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\ndamping = {damping:?}\n\
+         [[signal]]\ninput = \"mass.block.fx\"\n{signal}\n\
+         [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 20.0\noutput_interval = 0.01\n"
+    );
+    parse("driven", &text).unwrap()
+}
+
+#[test]
+fn a_force_that_is_faster_than_every_mode_is_followed_at_its_own_frequency() {
+    let mut scene = driven(10.0, "sine = { amplitude = 1000.0, frequency = 130.0 }");
+    let look = Look::of(&scene, &Wish::default()).unwrap();
+    pace(&mut scene, &look);
+    let found = cycles_over(&scene, &look, "damper.d.damping", &[10.0]);
+    let ending = ending(&found);
+    let omega = std::f64::consts::TAU * 130.0;
+    assert_near(ending.frequency.unwrap(), 130.0, 1e-9);
+    assert_near(ending.amplitude, 1000.0 / (400.0 - omega * omega).hypot(10.0 * omega), 1e-5);
+}
+
+#[test]
+fn what_waits_for_a_signal_does_not_rest_before_it_comes() {
+    let mut scene = driven(0.5, "pulse = { value = 100.0, start = 60.0, end = 60.1 }");
+    scene.rest();
+    let look = Look::of(&scene, &Wish::default()).unwrap();
+    pace(&mut scene, &look);
+    let found = cycles_over(&scene, &look, "damper.d.damping", &[0.5]);
+    assert!(ending(&found).rests() && ending(&found).time > 60.0, "{:?}", ending(&found).time);
+}
+
+#[test]
+fn a_step_that_is_too_long_to_tell_the_kind_of_a_motion_leaves_it_open() {
+    // Two frequencies, as exact motion and a step of 1e-6 s have it; steps of 1e-4 s would miss the second one.
+    for (step, kind) in [(1e-4, Kind::Undecided), (2e-5, Kind::Undecided)] {
+        let mut scene = scene("set1", &[]);
+        (scene.method, scene.step) = (Method::ForwardIncrement, step);
+        let look = Look::of(&scene, &Wish::default()).unwrap();
+        let found = cycles_over(&scene, &look, "friction.coefficient", &[2.0]);
+        assert_eq!(ending(&found).kind, kind);
+    }
+    assert_eq!(
+        ending(&cycles(scene("set1", &[]), &Wish::default(), &[2.0])).kind,
+        Kind::QuasiPeriodic
+    );
 }

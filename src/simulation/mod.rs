@@ -254,6 +254,17 @@ impl Simulation {
         driven.is_some_and(|driven| driven.constant_until(self.time()) < f64::INFINITY)
     }
 
+    /// Do signals rest now that change something later?
+    #[cfg(feature = "tools")]
+    #[must_use]
+    pub fn waits_for_signals(&self) -> bool {
+        let until = |driven: &Driven| driven.constant_until(self.time());
+        self.driven
+            .as_ref()
+            .map(until)
+            .is_some_and(|until| self.time() < until && until < f64::INFINITY)
+    }
+
     /// Adds to the velocity of a degree of freedom, m/s, as a blow would; an energy ledger does not know of it.
     #[cfg(feature = "tools")]
     pub fn push(&mut self, dof: usize, velocity: f64) {

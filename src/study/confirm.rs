@@ -4,6 +4,7 @@ use super::Watch;
 use super::ending::{Ending, Kind};
 use super::look::{Look, Wish, pace};
 use super::settling::settle;
+use super::visit::takes;
 use crate::Error;
 use crate::contact::ContactState;
 use crate::scene::Scene;
@@ -26,7 +27,7 @@ pub struct Attempt {
     pub push: f64,
     /// The motion that it ended in, or why it failed.
     pub ending: Result<Ending, String>,
-    /// `true` where contacts took each of the candidate's states in that motion, also between its rows.
+    /// `true` where contacts took the candidate's states together in that motion, or states that symmetry makes equal.
     pub takes: bool,
 }
 
@@ -169,7 +170,8 @@ fn run(
     }
     let is_over = || watch.is_over();
     let Some(ending) = settle(&mut simulation, look, &is_over)? else { return Ok(None) };
-    let takes = candidate.states.iter().all(|state| ending.taken[*state as usize - 1]);
+    let takes =
+        ending.kind.is_cycle() && takes(&simulation, look, ending.period, &candidate.states)?;
     Ok(Some((ending, takes)))
 }
 

@@ -16,9 +16,12 @@ use super::journal::Journal;
 use super::look::Look;
 use super::push::Push;
 use super::settling::settle;
+use super::visit::takes;
 use crate::Error;
+use crate::contact::ContactState;
 use crate::scene::Scene;
 use crate::simulation::{Progress, Simulation, Snapshot, assign};
+use crate::stability::candidates::Candidate;
 use crate::stability::parallel::collect;
 use crate::sweep::FRICTION;
 use serde::{Deserialize, Serialize};
@@ -80,9 +83,9 @@ pub struct Plan<'a> {
     pub resolution: f64,
     /// The push that each value starts with.
     pub push: Push,
-    /// Ranges of µ in which the motions of both ways are to be compared by runs of their own, wherever one of them is
-    /// rest and the other is not: those of candidates.
-    pub ranges: &'a [[f64; 2]],
+    /// Candidates, in whose ranges of µ the motions of both ways are compared by runs of their own, wherever one of them
+    /// is rest and the other is not.
+    pub candidates: &'a [Candidate],
 }
 
 /// A value of µ on one of the ways.
@@ -131,6 +134,8 @@ pub struct Both {
     pub friction: f64,
     /// Upwards and downwards.
     pub endings: [Ending; 2],
+    /// `true` of a motion in which contacts take the states of the candidate that it was looked at for.
+    pub takes: [bool; 2],
 }
 
 /// What was followed.
@@ -146,7 +151,7 @@ pub struct Continuation {
     pub bistable: Vec<Bistable>,
     /// Ranges of µ in which it is not known whether both ways end in the same motion, by ascending µ.
     pub unknown: Vec<[f64; 2]>,
-    /// For each of [`Plan::ranges`] some values of µ in each part of it in which one way rests and the other does not.
+    /// For each of [`Plan::candidates`] some values of µ in each part of it in which one way rests and the other does not.
     pub compared: Vec<Vec<Both>>,
 }
 
@@ -214,8 +219,8 @@ pub fn continuation(
     let Some(ways) = ways.into_iter().collect::<Option<Vec<Followed>>>() else { return Ok(None) };
     let Some((bistable, unknown)) = run.compare_ways(&ways)? else { return Ok(None) };
     let mut compared = Vec::new();
-    for range in plan.ranges {
-        let Some(both) = run.compare_inside(*range, &bistable, &ways)? else { return Ok(None) };
+    for candidate in plan.candidates {
+        let Some(both) = run.compare_inside(candidate, &bistable, &ways)? else { return Ok(None) };
         compared.push(both);
     }
     let mut jumps: Vec<Jump> = ways.iter().flat_map(|way| way.jumps.clone()).collect();
@@ -293,7 +298,11 @@ impl Run<'_> {
             let smallest = if is_of_cycles { STEEP * resolution } else { resolution };
             // No double lies between them where half of the change is nothing.
             let is_open = !stays || is_of_cycles && has_other_kind;
-            if is_open && half.abs() >= 0.5 * smallest && from + half != target {
+            if is_open
+                && half.abs() >= 0.5 * smallest
+                && from + half != target
+                && from + half != from
+            {
                 step = half;
                 continue;
             }
@@ -390,7 +399,8 @@ impl Run<'_> {
         bounds.dedup_by(|a, b| (*a - *b).abs() <= 2.0 * self.plan.resolution && !ends.contains(a));
         let (mut bistable, mut unknown): (Vec<Bistable>, Vec<[f64; 2]>) = Default::default();
         for range in bounds.windows(2).map(|two| [two[0], two[1]]) {
-            let Some(both) = self.both(f64::midpoint(range[0], range[1]), ways)? else {
+            let middle = f64::midpoint(range[0], range[1]);
+            let Some(both) = self.both(middle, ways, None)? else {
                 return Ok(None);
             };
             let Some(Both { endings: [up, down], .. }) = both else {
@@ -415,15 +425,17 @@ impl Run<'_> {
     /// Both ways' motions at some values in each part of a range in which one way rests and the other does not.
     fn compare_inside(
         &self,
-        [from, to]: [f64; 2],
+        candidate: &Candidate,
         bistable: &[Bistable],
         ways: &[Followed],
     ) -> Result<Option<Vec<Both>>, Error> {
         let mut found = Vec::new();
+        let [from, to] = candidate.range;
         for range in bistable.iter().filter(|range| range.rests) {
             let [from, to] = [from.max(range.range[0]), to.min(range.range[1])];
             for part in COMPARED.into_iter().filter(|_| from < to) {
-                let Some(both) = self.both(from + part * (to - from), ways)? else {
+                let friction = from + part * (to - from);
+                let Some(both) = self.both(friction, ways, Some(&candidate.states))? else {
                     return Ok(None);
                 };
                 found.extend(both);
@@ -432,9 +444,15 @@ impl Run<'_> {
         Ok(Some(found))
     }
 
-    /// The motions of both ways at a value; `None` inside where one of them is not known there.
-    fn both(&self, friction: f64, ways: &[Followed]) -> Result<Option<Option<Both>>, Error> {
-        let mut endings = Vec::new();
+    /// The motions of both ways at a value, and whether contacts take some states in them; `None` inside where one of them
+    /// is not known there.
+    fn both(
+        &self,
+        friction: f64,
+        ways: &[Followed],
+        states: Option<&[ContactState]>,
+    ) -> Result<Option<Option<Both>>, Error> {
+        let (mut endings, mut taken) = (Vec::new(), Vec::new());
         for (way, followed) in Way::ALL.into_iter().zip(ways) {
             let Some(start) = followed.nearest(friction) else { return Ok(Some(None)) };
             let from = start.point.friction;
@@ -443,19 +461,29 @@ impl Run<'_> {
             if from != friction && !self.advance(way, &mut there, friction)? {
                 return Ok(None);
             }
-            let ending = there.passed.pop().and_then(|last| last.point.ending.ok());
-            match ending {
-                Some(ending)
-                    if (ending.kind != Kind::Unsettled || ending.is_known())
-                        && there.jumps.is_empty() =>
-                {
-                    endings.push(ending);
+            let Some(Reached { point: Point { ending: Ok(ending), .. }, progress }) =
+                there.passed.pop()
+            else {
+                return Ok(Some(None));
+            };
+            taken.push(match (states, progress) {
+                (Some(states), Some(progress)) if ending.kind.is_cycle() => {
+                    let mut scene = self.plan.scene.clone();
+                    assign(&mut scene, FRICTION, friction)?;
+                    let simulation = Simulation::resume(Snapshot::new(scene, progress))?;
+                    takes(&simulation, self.plan.look, ending.period, states)?
                 }
-                _ => return Ok(Some(None)),
+                _ => false,
+            });
+            let is_known = ending.kind != Kind::Unsettled || ending.is_known();
+            if !is_known || !there.jumps.is_empty() {
+                return Ok(Some(None));
             }
+            endings.push(ending);
         }
         let endings = <[Ending; 2]>::try_from(endings).ok();
-        Ok(Some(endings.map(|endings| Both { friction, endings })))
+        let takes = [taken[0], taken[1]];
+        Ok(Some(endings.map(|endings| Both { friction, endings, takes })))
     }
 }
 
@@ -490,7 +518,7 @@ impl Followed {
 fn is_drifting(ending: &Ending) -> bool {
     let is_open = ending.kind == Kind::Unsettled
         || ending.kind == Kind::Undecided && ending.closure.is_some();
-    is_open && !ending.is_linear()
+    is_open && !ending.linear
 }
 
 /// `true` of a motion after which the next value starts in its own equilibrium.
@@ -509,8 +537,12 @@ fn have_other_kinds(a: &Ending, b: &Ending) -> bool {
 fn distance(a: &Ending, b: &Ending) -> f64 {
     const FAR: f64 = 10.0;
     let is_unbounded = |ending: &Ending| ending.kind == Kind::Unbounded;
+    // Nothing is known of two motions that have not settled, and so no jump between them.
+    if [a, b].iter().all(|ending| ending.kind == Kind::Unsettled && !ending.is_known()) {
+        return 0.0;
+    }
     // An undamped motion in which no contact changes its state has any size, that of rest among them.
-    let is_neutral = |ending: &Ending| ending.kind.is_cycle() && ending.is_linear();
+    let is_neutral = |ending: &Ending| ending.kind.is_cycle() && ending.linear;
     if (a.rests() || is_neutral(a)) && (b.rests() || is_neutral(b)) {
         return 0.0;
     }

@@ -11,8 +11,8 @@ pub enum Kind {
     Equilibrium,
     /// Its whole state comes back after a period.
     Periodic,
-    /// Its state does not come back, neighbouring motions do not part exponentially, and all lines of its spectrum are
-    /// combinations of two frequencies.
+    /// Its state does not come back within 64 periods of its strongest line, neighbouring motions do not part
+    /// exponentially, and all strong lines of its spectrum are combinations of two frequencies.
     QuasiPeriodic,
     /// Its state does not come back, and neighbouring motions part exponentially.
     Irregular,
@@ -76,8 +76,13 @@ pub struct Ending {
     pub taken: [bool; 4],
     /// s from where the motion was first looked at.
     pub time: f64,
-    /// How fast the motion still grew or, below zero, decayed at the end, 1/s; 0 where signals drive it on.
+    /// How fast the motion still grew or, below zero, decayed at the end, 1/s: of a linear motion the growth rate of its
+    /// fastest growing mode. 0 where signals drive it on.
     pub rate: f64,
+    /// `true` where contacts were in the states of rest throughout the last window and their forces are linear: small
+    /// motions about the equilibrium, of which every size is one.
+    #[serde(default)]
+    pub linear: bool,
     /// Size of the motion of all degrees of freedom together, m: root mean square of a mixture of their displacements.
     #[serde(default)]
     pub size: f64,
@@ -87,19 +92,13 @@ pub struct Ending {
 }
 
 impl Ending {
-    /// `true` of a motion in which no contact changes its state: one of the linear system, of which every size is one.
-    #[must_use]
-    pub fn is_linear(&self) -> bool {
-        self.taken.iter().filter(|taken| **taken).count() <= 1
-    }
-
     /// `true` if it had settled, or was seen to leave rest or to come to it.
     #[must_use]
     pub fn is_known(&self) -> bool {
         match self.kind {
             Kind::Equilibrium | Kind::Unbounded => true,
-            Kind::Unsettled => self.is_linear() && self.rate != 0.0,
-            _ => !self.is_linear(),
+            Kind::Unsettled => self.linear && self.rate != 0.0,
+            _ => !self.linear,
         }
     }
 
@@ -107,7 +106,7 @@ impl Ending {
     #[must_use]
     pub fn rests(&self) -> bool {
         self.kind == Kind::Equilibrium
-            || self.kind == Kind::Unsettled && self.rate < 0.0 && self.is_linear()
+            || self.kind == Kind::Unsettled && self.rate < 0.0 && self.linear
     }
 
     /// How the kind is known, in words; `None` where the kind says all.
@@ -118,7 +117,8 @@ impl Ending {
                 "the state comes back after {period:.6e} s to within {closure:.1e} of its size"
             )),
             (Kind::QuasiPeriodic, ..) => Some(
-                "the state does not come back, neighbouring motions do not part, all lines combine two frequencies"
+                "the state does not come back within 64 periods, neighbouring motions do not part, and all strong lines \
+                 combine two frequencies"
                     .to_owned(),
             ),
             (Kind::Irregular, .., Some(rate)) => {
@@ -128,9 +128,14 @@ impl Ending {
                 "the state comes back after {period:.6e} s to within {closure:.1e} of its size, and no nearer; a longer \
                  --longest may decide"
             )),
+            (Kind::Undecided, ..) if self.linear => Some(
+                "contacts stay in one state and modes neither grow nor decay: the motion is a sum of those modes, of any \
+                 size"
+                    .to_owned(),
+            ),
             (Kind::Undecided, ..) => Some(
-                "the state does not come back, and whether neighbouring motions part is not clear; a longer --window may \
-                 decide"
+                "the state does not come back within 64 periods, and neither are neighbouring motions seen to part nor its \
+                 lines to combine two frequencies; a longer --window or, of the paper's scheme, a smaller --step may decide"
                     .to_owned(),
             ),
             _ => None,

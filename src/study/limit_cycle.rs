@@ -55,8 +55,7 @@ impl Outcome {
         match self {
             Self::Ending(ending) if ending.rests() => Some(false),
             Self::Ending(ending) => {
-                let states = ending.taken.iter().filter(|taken| **taken).count();
-                let leaves = ending.kind == Kind::Unsettled && ending.rate > 0.0 && states <= 1;
+                let leaves = ending.kind == Kind::Unsettled && ending.rate > 0.0 && ending.linear;
                 (ending.kind.is_cycle() || ending.kind == Kind::Unbounded || leaves).then_some(true)
             }
             Self::Failure(_) => None,

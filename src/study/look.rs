@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::integrator::EventDriven;
 use crate::model::LumpedModel;
-use crate::scene::{Method, Scene, Selection};
+use crate::scene::{Method, Scene, Selection, Shape};
 pub(super) use crate::sweep::observed::{ROWS_A_PERIOD, frequencies};
 pub use crate::sweep::observed::{output, unit};
 use serde::Serialize;
@@ -14,8 +14,12 @@ const PERIODS: f64 = 50.0;
 const FEWEST_PERIODS: f64 = 5.0;
 /// A window has at most so many rows, whatever lies between the slowest and the fastest mode.
 const MOST_ROWS: f64 = 100_000.0;
+/// Nor may a person ask for more than these, whose spectrum would take all memory.
+const MOST_WISHED_ROWS: f64 = 5e6;
 /// And no fewer, which its spectrum needs.
 const FEWEST_ROWS: f64 = 64.0;
+/// Steps of exact motion in the period of a sine that drives it: held over a step it is then true to 4e-7.
+const STEPS_A_SIGNAL: f64 = 2000.0;
 /// Windows that a motion may take to settle.
 const LONGEST: f64 = 60.0;
 
@@ -82,6 +86,13 @@ impl Look {
                 FEWEST_ROWS * interval
             )));
         }
+        if rows > MOST_WISHED_ROWS {
+            return Err(Error::argument(format!(
+                "a window of {wanted} s has {rows:.3e} rows, {interval} s apart, more than fit into memory; give a --window \
+                 of {} s or less, or a longer --interval",
+                MOST_WISHED_ROWS * interval
+            )));
+        }
         let window = rows * interval;
         if let Some([slowest, _]) =
             frequencies.filter(|[slowest, _]| window * slowest < FEWEST_PERIODS)
@@ -113,12 +124,32 @@ impl Look {
 }
 
 /// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
-/// the quickest way to where a motion ends, and the truest. What exact motion does not take, as Stribeck's law, keeps
-/// its own.
+/// the quickest way to where a motion ends, and the truest. A step holds the values of signals, so signals make steps
+/// shorter. What exact motion does not take, as Stribeck's law, keeps its own.
 pub fn pace(scene: &mut Scene, look: &Look) {
     if EventDriven::new(&LumpedModel::from(&*scene)).is_ok() {
-        (scene.method, scene.step) = (Method::EventDriven, look.interval);
+        let longest = scene.signals.iter().map(|signal| span(&signal.shape) / STEPS_A_SIGNAL);
+        let longest = longest.fold(look.interval, f64::min);
+        let step = look.interval / (look.interval / longest * (1.0 - 1e-9)).ceil();
+        (scene.method, scene.step) = (Method::EventDriven, step);
         scene.selection = Selection::Given;
+    }
+}
+
+/// The time in which a signal changes, s: the period of a sine, the length of a ramp or a pulse, the shortest time between
+/// two points of a table. Infinite for what stays.
+fn span(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Constant(_) => f64::INFINITY,
+        Shape::Ramp(ramp) => ramp.end - ramp.start,
+        Shape::Pulse(pulse) => pulse.end.map_or(f64::INFINITY, |end| end - pulse.start),
+        Shape::Sine(sine) => 1.0 / sine.frequency,
+        Shape::Table(table) => table
+            .points
+            .windows(2)
+            .map(|two| two[1][0] - two[0][0])
+            .filter(|time| *time > 0.0)
+            .fold(f64::INFINITY, f64::min),
     }
 }
 

@@ -38,6 +38,7 @@ mod push;
 mod recurrence;
 mod settling;
 pub mod transient;
+mod visit;
 mod work;
 
 pub use attractor::{attractors, is_same};

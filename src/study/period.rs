@@ -82,8 +82,10 @@ impl Turns<'_> {
         sign: f64,
     ) -> Result<f64, Error> {
         let mut most = values.iter().fold(f64::NEG_INFINITY, |most, value| most.max(sign * value));
-        for (row, three) in values.windows(3).enumerate() {
-            let [before, here, after] = [three[0], three[1], three[2]].map(|value| sign * value);
+        // The period ends where it begins, so the motion goes on after the last row as after the first.
+        let next = values.iter().skip(2).chain(&values[1..2]);
+        for (row, (two, after)) in values.windows(2).zip(next).enumerate() {
+            let [before, here, after] = [two[0], two[1], *after].map(|value| sign * value);
             // Beyond a row the value may rise by what it has changed towards it.
             let slack = (here - before).abs().max((after - here).abs());
             if here >= before && here >= after && here + slack > most {

@@ -15,8 +15,8 @@ use std::f64::consts::TAU;
 
 /// A period is looked for up to this many periods of the strongest line.
 const MOST_PERIODS: f64 = 64.0;
-/// The most rows over which a period is looked for.
-const MOST_ROWS: f64 = 200_000.0;
+/// The most windows over which a period is looked for: the strongest line may be that of a slow beat.
+const MOST_WINDOWS: f64 = 2.0;
 /// Rows pass a state that comes back exactly at this distance or less, in parts of the motion's size: half of the way
 /// between two rows.
 const NEAR: f64 = 0.4;
@@ -24,8 +24,6 @@ const NEAR: f64 = 0.4;
 const COMES_BACK: f64 = 2e-3;
 /// A state that comes back to within this part belongs to one.
 const CLOSED: f64 = 1e-6;
-/// The paper's scheme sees events at whole steps only, so its motion comes back to within the way of a few steps.
-const STEPS: f64 = 4.0;
 /// How far apart neighbouring motions start, in parts of the motion's size.
 const APART: f64 = 1e-9;
 /// Beyond this distance they are no neighbours any more.
@@ -107,8 +105,15 @@ impl Course<'_> {
     }
 }
 
+/// A state near the one that a course began in, s after it.
+struct Return {
+    after: f64,
+    state: Snapshot,
+}
+
 /// The shortest period after which the motion of a simulation comes back, looked for over [`MOST_PERIODS`] periods of
-/// its strongest line (Hz) in rows of `interval` (s). `None` where it does not come back in that time.
+/// its strongest line (Hz), or two windows of so many rows, which are `interval` (s) apart. `None` where it does not come
+/// back in that time.
 ///
 /// # Errors
 /// A step fails.
@@ -116,18 +121,21 @@ pub(super) fn closure(
     simulation: &Simulation,
     interval: f64,
     frequency: f64,
+    rows: u64,
 ) -> Result<Option<Closure>, Error> {
     let mut start = Simulation::resume(simulation.save())?;
-    let scale = begin_fast(&mut start, interval, frequency)?;
+    let scale = begin_fast(&mut start, interval, frequency, rows)?;
     if scale.displacement <= 0.0 || scale.velocity <= 0.0 {
         return Ok(None);
     }
     let (from, origin) = (start.save(), State::of(&start));
     let course = Course { from: &from, start: start.time() };
-    let rows = (MOST_PERIODS / (frequency * interval)).min(MOST_ROWS);
+    let rows = (MOST_PERIODS / (frequency * interval)).min(MOST_WINDOWS * rows as f64);
     let mut before = (0.0, 0.0);
+    // The row before, wherever a return may be at hand.
+    let mut saved = None;
     let mut has_left = false;
-    let mut nearest: Option<(f64, f64)> = None;
+    let mut nearest: Option<(f64, Return)> = None;
     let mut row = 0.0;
     while row < rows {
         row += 1.0;
@@ -136,57 +144,67 @@ pub(super) fn closure(
         let had_left = has_left;
         has_left |= distance > NEAR;
         let (last_distance, last_passed) = std::mem::replace(&mut before, (distance, passed));
+        let row_before = saved.take();
+        if distance <= 3.0 * NEAR {
+            saved = Some(start.save());
+        }
+        let Some(row_before) = row_before else { continue };
         if !had_left || last_passed > 0.0 || passed <= 0.0 || last_distance.min(distance) > NEAR {
             continue;
         }
         let span = [(row - 1.0) * interval, row * interval];
-        let period = passage(&course, &origin, (span, [last_passed, passed]))?;
-        let mut there = course.begin()?;
+        let period = passage(&course, &row_before, &origin, (span, [last_passed, passed]))?;
+        let mut there = Simulation::resume(row_before)?;
         course.bring(&mut there, period)?;
         let away = scale.distance(&there, &origin);
-        if away <= COMES_BACK.max(4.0 * tolerance(&there, scale)) {
-            let distance = distance_over(&course, [period; 2], interval, scale)?;
-            if distance <= COMES_BACK.max(tolerance(&start, scale)) {
-                let over =
-                    |(_, shorter)| distance_over(&course, [shorter, period], interval, scale);
-                let shorter = nearest.map(over).transpose()?;
+        let there = Return { after: period, state: there.save() };
+        if away <= 4.0 * COMES_BACK {
+            let over = |there: &Return| distance_over(&course, there, period, interval, scale);
+            let distance = over(&there)?;
+            if distance <= COMES_BACK {
+                let shorter = nearest.as_ref().map(|(_, there)| over(there)).transpose()?;
                 return Ok(Some(Closure { period, distance, shorter }));
             }
         }
-        if nearest.is_none_or(|(least, _)| away < least) {
-            nearest = Some((away, period));
+        if nearest.as_ref().is_none_or(|(least, _)| away < *least) {
+            nearest = Some((away, there));
         }
     }
     Ok(None)
 }
 
-/// Is a motion that comes back this well periodic, as it stands?
-pub(super) fn is_closed(simulation: &Simulation, frequency: f64, closure: Closure) -> bool {
-    let scheme = match simulation.scene().method {
-        Method::EventDriven => 0.0,
-        Method::ForwardIncrement => STEPS * TAU * frequency * simulation.scene().step,
-    };
-    closure.distance <= CLOSED.max(scheme)
-}
-
-/// How far a motion of the paper's scheme may be from itself after a period: the way of a few steps. 0 of exact motion.
-fn tolerance(simulation: &Simulation, scale: Scale) -> f64 {
+/// The way of one step of the paper's scheme, which sees events at whole steps only, in parts of the size of a motion with
+/// this frequency (Hz). 0 of exact motion.
+fn way_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
     match simulation.scene().method {
         Method::EventDriven => 0.0,
-        Method::ForwardIncrement => {
-            STEPS * simulation.scene().step * scale.velocity / scale.displacement
-        }
+        Method::ForwardIncrement => TAU * frequency * simulation.scene().step,
     }
+}
+
+/// Are the steps of the paper's scheme too long to tell a motion that comes back from one that nearly does?
+pub(super) fn is_too_coarse(simulation: &Simulation, frequency: f64) -> bool {
+    way_of_a_step(simulation, frequency) > COMES_BACK
+}
+
+/// Is a motion that comes back this well periodic, as it stands?
+pub(super) fn is_closed(simulation: &Simulation, frequency: f64, closure: Closure) -> bool {
+    closure.distance <= CLOSED.max(way_of_a_step(simulation, frequency))
 }
 
 /// Moves on over two periods of the strongest line to find how large the motion is, then to where it is nearly as
 /// fast as it becomes, from which a return is seen best.
-fn begin_fast(simulation: &mut Simulation, interval: f64, frequency: f64) -> Result<Scale, Error> {
+fn begin_fast(
+    simulation: &mut Simulation,
+    interval: f64,
+    frequency: f64,
+    window: u64,
+) -> Result<Scale, Error> {
     let start = simulation.time();
     let speed = |simulation: &Simulation| {
         simulation.velocity().iter().fold(0.0, |sum, v| sum + v * v).sqrt()
     };
-    let rows = (2.0 / (frequency * interval)).ceil().min(MOST_ROWS);
+    let rows = (2.0 / (frequency * interval)).ceil().min(window as f64);
     let mut ranges = vec![[f64::INFINITY, f64::NEG_INFINITY]; 2 * simulation.displacement().len()];
     let mut fastest = 0.0;
     let mut row = 0.0;
@@ -218,16 +236,14 @@ fn begin_fast(simulation: &mut Simulation, interval: f64, frequency: f64) -> Res
 }
 
 /// When the motion passes the state that it came from, s after that: between two times on either side, by false
-/// position.
+/// position from what was saved at the first of them.
 fn passage(
     course: &Course<'_>,
+    before: &Snapshot,
     origin: &State,
     (mut times, mut passed): ([f64; 2], [f64; 2]),
 ) -> Result<f64, Error> {
     const MOST_TRIALS: usize = 60;
-    let mut before = course.begin()?;
-    course.bring(&mut before, times[0])?;
-    let before = before.save();
     let mut time = times[1];
     for _ in 0..MOST_TRIALS {
         let part = (passed[0] / (passed[0] - passed[1])).clamp(0.0, 1.0);
@@ -249,21 +265,22 @@ fn passage(
     Ok(time)
 }
 
-/// How far a motion is from itself some time later, root mean square over a period (both s), in parts of its size.
+/// How far a motion is from itself after a return, root mean square over a period (s), in parts of its size.
 fn distance_over(
     course: &Course<'_>,
-    [offset, period]: [f64; 2],
+    there: &Return,
+    period: f64,
     interval: f64,
     scale: Scale,
 ) -> Result<f64, Error> {
-    let (mut now, mut later) = (course.begin()?, course.begin()?);
+    let (mut now, mut later) = (course.begin()?, Simulation::resume(there.state.clone())?);
     let rows = (period / interval).ceil().max(1.0);
     let (mut sum, mut row) = (0.0, 0.0);
     while row < rows {
         row += 1.0;
         let after = row / rows * period;
         course.bring(&mut now, after)?;
-        course.bring(&mut later, offset + after)?;
+        course.bring(&mut later, there.after + after)?;
         let distance = scale.distance(&later, &State::of(&now));
         sum += distance * distance;
     }
@@ -293,7 +310,7 @@ pub(super) fn parting(
     is_over: &dyn Fn() -> bool,
 ) -> Result<Parting, Error> {
     let mut motion = Simulation::resume(simulation.save())?;
-    let scale = begin_fast(&mut motion, interval, frequency)?;
+    let scale = begin_fast(&mut motion, interval, frequency, rows)?;
     let mut neighbour = Simulation::resume(motion.save())?;
     neighbour.push(Push::of(motion.scene()).dof, APART * scale.velocity);
     let (start, half) = (motion.time(), WINDOWS_APART * rows / 2);

@@ -7,14 +7,19 @@
 use super::ending::{Ending, Kind};
 use super::look::{Look, output};
 use super::period::{OverPeriod, over_period};
-use super::recurrence::{Closure, Parting, closure, is_closed, kind_without_period, parting};
+use super::recurrence::{
+    Closure, Parting, closure, is_closed, is_too_coarse, kind_without_period, parting,
+};
 use crate::Error;
 use crate::accuracy::half_range;
+use crate::contact::ContactState;
 use crate::integrator::Statistics;
 use crate::model::LumpedModel;
+use crate::scene::Scene;
 use crate::simulation::{Simulation, Variable};
 use crate::spectral::{Line, Lines, Window, lines};
 use crate::stability::Spectrum;
+use crate::stability::candidates::resting_state;
 use crate::sweep::steady::{STANDING, is_steady, mixture, weighted_deviation};
 
 /// Lines of more than this part of the strongest one must be the same.
@@ -50,11 +55,9 @@ const SAME_SPEED: f64 = 0.9;
 const SAME_RETURN: f64 = 0.02;
 /// Windows from one look at how neighbouring motions part to the next.
 const WINDOWS_BETWEEN: usize = 12;
-/// The displacement, in parts of that of the equilibrium, beyond which a motion that still grows has left the range of
-/// the model.
-const OUT_OF_RANGE: f64 = 1e4;
 /// How well a frequency meets a multiple, in parts of the lines' resolution.
 const MEETS: f64 = 0.01;
+
 /// A motion that is looked at until it is settled.
 pub(crate) struct Settling {
     look: Look,
@@ -68,6 +71,10 @@ pub(crate) struct Settling {
     extents: Vec<[f64; 2]>,
     states: [u64; 4],
     taken: [bool; 4],
+    /// `true` if a contact that cannot open has pulled in the window: friction then follows the size of its force.
+    pulled: bool,
+    /// `true` of a window in which contacts were in the states of rest and their forces linear.
+    linear: bool,
     before: Statistics,
     seen: Vec<Seen>,
     /// How the state came back at the end of each window since the motion was steady.
@@ -110,11 +117,13 @@ struct Surroundings<'a> {
     at_rest: f64,
     /// `true` where signals still drive the motion.
     is_driven: bool,
+    /// `true` where contacts are in states in which the scene can rest.
+    may_rest: bool,
     /// `true` where no contact can change its state, so that motions are linear at any size.
     stays_linear: bool,
-    /// Growth rate of the fastest growing mode in the present contact states, in parts of the fastest mode's angular
-    /// frequency; `None` where motion in these states is not linear or cannot be analysed.
-    growth: &'a dyn Fn() -> Option<f64>,
+    /// Growth rate of the fastest growing mode in the present contact states, 1/s and in parts of the fastest mode's
+    /// angular frequency; `None` where motion in these states is not linear or cannot be analysed.
+    growth: &'a dyn Fn() -> Option<(f64, f64)>,
 }
 
 /// Growth in parts of the fastest mode's angular frequency that rounding may feign.
@@ -135,6 +144,8 @@ impl Settling {
             extents: Vec::new(),
             states: [0; 4],
             taken: [false; 4],
+            pulled: false,
+            linear: false,
             before: simulation.statistics(),
             seen: Vec::new(),
             closures: Vec::new(),
@@ -152,6 +163,7 @@ impl Settling {
         self.extents.resize(simulation.displacement().len(), [f64::INFINITY, f64::NEG_INFINITY]);
         self.taken = [false; 4];
         self.before = simulation.statistics();
+        self.pulled = false;
         self.note_states(simulation);
         // The state that a window begins in is taken, but counted in the window before.
         self.states = [0; 4];
@@ -177,6 +189,9 @@ impl Settling {
             *extent = [extent[0].min(*x), extent[1].max(*x)];
         }
         self.note_states(simulation);
+        if !self.pulled && may_pull(simulation.scene()) {
+            self.pulled = simulation.contact_forces()?.iter().any(|force| force.normal_force < 0.0);
+        }
         if self.followed.len() as u64 == self.look.rows() {
             self.close(simulation, is_over)
         } else {
@@ -203,7 +218,9 @@ impl Settling {
         {
             *taken |= now > before;
         }
-        let changed = now.state_changes() > self.before.state_changes();
+        let changed = self.pulled || now.state_changes() > self.before.state_changes();
+        let may_rest = has_states_of_rest(simulation);
+        self.linear = !changed && may_rest && has_linear_friction(simulation.scene());
         let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
         let course = self.judge(
             changed,
@@ -211,10 +228,14 @@ impl Settling {
                 largest: largest(simulation.displacement()),
                 at_rest: largest(&simulation.reference().displacement),
                 is_driven: simulation.is_driven_on(),
+                may_rest,
                 stays_linear: stays_linear(simulation),
                 growth: &|| growth(simulation),
             },
         );
+        // A signal that comes later decides; and what a surface carries along, or flies on, comes to an end.
+        let goes_on = !changed && !may_rest && !simulation.is_driven_on();
+        let course = if goes_on || simulation.waits_for_signals() { Course::Open } else { course };
         let kind = match course {
             Course::Rests => Some((Kind::Equilibrium, None)),
             Course::Unbounded => Some((Kind::Unbounded, None)),
@@ -233,6 +254,13 @@ impl Settling {
             }
         };
         let mut ending = self.ending(kind, simulation.is_driven_on());
+        if ending.linear && kind == Kind::Unsettled && !simulation.is_driven_on() {
+            // Two windows may differ by noise; eigenvalues do not.
+            ending.rate = match growth(simulation) {
+                Some((rate, relative)) if relative.abs() > MORE_THAN_ROUNDING => rate,
+                _ => 0.0,
+            };
+        }
         ending.parting = parting;
         if let Some(closure) = self.closures.last().filter(|_| kind.is_cycle()) {
             ending.come_back(*closure);
@@ -258,12 +286,12 @@ impl Settling {
         }
         // Against the equilibrium, too: what is left of a motion at rest is rounding of forces.
         let is_rounding = size <= ROUNDING * around.largest.max(around.at_rest);
-        if size == 0.0 {
+        let is_free = !around.is_driven;
+        if size == 0.0 && is_free {
             return Course::Rests;
         }
-        let is_free = !around.is_driven;
-        if is_free && (is_rounding || rests(&self.seen) || is_calm(&self.seen)) {
-            let growth = (around.growth)();
+        if is_free && around.may_rest && (is_rounding || rests(&self.seen) || is_calm(&self.seen)) {
+            let growth = (around.growth)().map(|(_, relative)| relative);
             let is_growing = growth.is_some_and(|growth| growth > MORE_THAN_ROUNDING);
             let is_decaying = growth.is_some_and(|growth| growth < -MORE_THAN_ROUNDING);
             // A calm motion has only its eigenvalues to say that it decays.
@@ -272,7 +300,7 @@ impl Settling {
             }
         }
         let sizes: Vec<f64> = self.seen.iter().map(|seen| seen.size).collect();
-        if is_free && is_unbounded(&sizes, around) {
+        if is_free && is_unbounded(around) {
             return Course::Unbounded;
         }
         if is_steady(&sizes) && self.has_steady_lines() {
@@ -296,7 +324,10 @@ impl Settling {
         let main = found.lines.first().map(|line| line.frequency);
         last.lines = Some(found);
         let Some(main) = main else { return Ok(Some((Kind::Undecided, None))) };
-        if let Some(found) = closure(simulation, interval, main)? {
+        if is_too_coarse(simulation, main) {
+            return Ok(Some((Kind::Undecided, None)));
+        }
+        if let Some(found) = closure(simulation, interval, main, self.look.rows())? {
             self.closures.push(found);
             let is_near = is_closed(simulation, main, found) || is_closing(&self.closures);
             if is_near && has_no_shorter_period(&self.closures) {
@@ -353,6 +384,7 @@ impl Settling {
                 _ => 0.0,
             },
             size: self.seen.last().map_or(0.0, |last| last.size),
+            linear: self.linear,
             extents: self.extents.iter().map(|[low, high]| 0.5 * (high - low)).collect(),
         }
     }
@@ -415,26 +447,44 @@ pub(crate) fn settle(
     }
 }
 
-/// Growth rate of the fastest growing mode in the contact states that the motion is in, in parts of the fastest mode's
-/// angular frequency. `None` where motion in these states is not linear, or cannot be analysed.
-fn growth(simulation: &Simulation) -> Option<f64> {
+/// Growth rate of the fastest growing mode in the contact states that the motion is in, 1/s and in parts of the fastest
+/// mode's angular frequency. `None` where motion in these states is not linear, or cannot be analysed.
+fn growth(simulation: &Simulation) -> Option<(f64, f64)> {
     let scene = simulation.acting();
-    let mut model = LumpedModel::from(scene);
-    if !model.law.friction.about().is_constant() {
+    if !has_linear_friction(scene) {
         return None;
     }
+    let mut model = LumpedModel::from(scene);
     model.linearise(simulation.reference());
     let states = simulation.contact_states();
     let spectrum = Spectrum::of(&model, states, scene.friction_coefficient).ok()?;
     let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
-    Some(spectrum.growth_rate() / fastest.max(spectrum.growth_rate().abs()))
+    let rate = spectrum.growth_rate();
+    Some((rate, rate / fastest.max(rate.abs())))
+}
+
+/// Can friction take no other size than in proportion to the normal force?
+fn has_linear_friction(scene: &Scene) -> bool {
+    scene.friction_law.about().is_constant()
+}
+
+/// Can a contact pull while its friction follows the size of the normal force?
+fn may_pull(scene: &Scene) -> bool {
+    scene.effects.sticking && !scene.effects.detachment && scene.contact_count() > 0
+}
+
+/// Is every contact closed in a state of rest, or open? One that sticks to a moving surface is carried on by it.
+fn has_states_of_rest(simulation: &Simulation) -> bool {
+    let scene = simulation.acting();
+    let at_rest = resting_state(&LumpedModel::from(scene), scene.slider.velocity);
+    let states = simulation.contact_states().iter().zip(&at_rest);
+    states.into_iter().all(|(state, at_rest)| state == at_rest || *state == ContactState::Detached)
 }
 
 /// `true` where no contact can stick, open or slip the other way, so that motions are linear at any size.
 fn stays_linear(simulation: &Simulation) -> bool {
     let scene = simulation.scene();
-    let contacts = &LumpedModel::from(scene).law;
-    contacts.friction.about().is_constant()
+    has_linear_friction(scene)
         && (scene.contact_count() == 0 || !scene.effects.sticking && !scene.effects.detachment)
 }
 
@@ -443,15 +493,10 @@ fn is_calm(seen: &[Seen]) -> bool {
     matches!(seen, [.., before, last] if !before.changed && !last.changed && last.size < before.size)
 }
 
-/// Does a motion grow that nothing can stop? Either its contacts cannot change their states, or it is far larger than
-/// the equilibrium's displacements and still grows at a steady rate.
-fn is_unbounded(sizes: &[f64], around: Surroundings<'_>) -> bool {
-    if around.stays_linear {
-        return (around.growth)().is_some_and(|growth| growth > MORE_THAN_ROUNDING);
-    }
-    let [.., a, b, c] = sizes else { return false };
-    let is_far = around.at_rest > 0.0 && around.largest > OUT_OF_RANGE * around.at_rest;
-    is_far && c / b > 1.5 && b / a > 1.5
+/// Does a motion grow that nothing can stop, since its contacts cannot change their states?
+fn is_unbounded(around: Surroundings<'_>) -> bool {
+    let grows = |(_, relative)| relative > MORE_THAN_ROUNDING;
+    around.stays_linear && (around.growth)().is_some_and(grows)
 }
 
 /// Does the state come back nearer from window to window, by about the same factor each time? One that only passes near
@@ -578,6 +623,7 @@ mod tests {
         largest: 1.0,
         at_rest: 0.0,
         is_driven: false,
+        may_rest: true,
         stays_linear: false,
         growth: &|| None,
     };
@@ -727,7 +773,7 @@ mod tests {
             let look = Look::of(&scene, &Wish::default()).unwrap();
             let simulation = Simulation::new(scene, 0.0).unwrap();
             let mut settling = Settling::new(&simulation, &look).unwrap();
-            let growth = || Some(growth);
+            let growth = || Some((growth, growth));
             let around = Surroundings { stays_linear, growth: &growth, ..FREE };
             let courses = (0..4).map(|window| {
                 let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;

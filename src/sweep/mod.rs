@@ -20,7 +20,7 @@ use crate::stability::parallel::collect;
 use observed::{frequencies, interval};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use steady::{is_steady, mixture, weighted_deviation};
+use steady::{drifts, is_steady, mixture, weighted_deviation};
 
 /// A parameter's name with its unit, for an axis.
 #[must_use]
@@ -174,6 +174,12 @@ fn run(
     failures.into_iter().map(outcome).collect()
 }
 
+/// The size of a motion, m, below which rounding moves what rests.
+fn smallest(simulation: &Simulation) -> f64 {
+    let displacement = &simulation.reference().displacement;
+    1e-12 * displacement.iter().fold(0.0, |most, x| f64::max(most, x.abs()))
+}
+
 /// What is kept of a run.
 #[derive(Clone)]
 struct Record {
@@ -217,16 +223,17 @@ impl Record {
         let is_clear = |frequency: &f64| frequency * window >= FEWEST_PERIODS;
         Summary {
             amplitudes,
-            settled: self.settled(interval),
+            settled: self.settled(interval, smallest(simulation)),
             frequency: cycle.and_then(|cycle| cycle.frequency).filter(is_clear),
             shares: self.states.map(|count| count as f64 / all as f64),
             energies: simulation.energy().map_or_else(Vec::new, |energy| energy.parts().to_vec()),
         }
     }
 
-    /// Does the size stay over the quarters of the window?
+    /// Does the size stay over the quarters of the window? What is smaller than `least` (m) rests. `None` where the size
+    /// neither stays nor goes one way, as that of a beat.
     #[allow(clippy::cast_precision_loss)]
-    fn settled(&self, interval: f64) -> Option<bool> {
+    fn settled(&self, interval: f64, least: f64) -> Option<bool> {
         let count = self.mixture.len() / 4;
         let is_long = |slowest: f64| slowest * count as f64 * interval >= PERIODS_TO_SETTLE;
         if !self.slowest.is_some_and(is_long) {
@@ -237,6 +244,9 @@ impl Record {
         let quarters = self.mixture[last..].chunks(count);
         let sizes: Vec<f64> =
             quarters.map(|quarter| weighted_deviation(quarter, &weights)).collect();
-        Some(sizes.iter().all(|size| *size == 0.0) || is_steady(&sizes))
+        if sizes.iter().all(|size| *size <= least) || is_steady(&sizes) {
+            return Some(true);
+        }
+        drifts(&sizes).then_some(false)
     }
 }

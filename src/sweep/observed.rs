@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::model::{LumpedModel, equilibrium};
-use crate::scene::{Scene, nearest};
+use crate::scene::{Scene, Shape, Sine, nearest};
 use crate::simulation::catalogue::{Causality, Kind};
 use crate::simulation::{Variable, variables};
 use crate::stability::candidates::resting_state;
@@ -44,8 +44,8 @@ pub fn unit(output: &Variable) -> &'static str {
     }
 }
 
-/// The frequencies of the slowest and the fastest mode, Hz: of the state that the scene can rest in and, where it
-/// is known, of all states. `None` where nothing oscillates.
+/// The frequencies of the slowest and the fastest mode or sine of a signal, Hz: of the state that the scene can rest in
+/// and, where it is known, of all states. `None` where nothing oscillates.
 pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
     let mut model = LumpedModel::from(scene);
     if let Ok(equilibrium) = equilibrium(scene, &model) {
@@ -56,7 +56,13 @@ pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
     let slowest = spectrum.oscillating.first()?.im / TAU;
     let fastest = spectrum.oscillating.last()?.im / TAU;
     let bound = highest_frequency(&model).map_or(fastest, |bound| bound / TAU);
-    Some([slowest, fastest.max(bound)])
+    // A motion follows what drives it, too.
+    let sines = scene.signals.iter().filter_map(|signal| match signal.shape {
+        Shape::Sine(Sine { frequency, .. }) => Some(frequency),
+        _ => None,
+    });
+    let range = [slowest, fastest.max(bound)];
+    Some(sines.fold(range, |[low, high], frequency| [low.min(frequency), high.max(frequency)]))
 }
 
 /// Time between two observed rows of a run, s: the longest whole part (1/1, 1/2, 1/3, …) of an output interval of which

@@ -6,6 +6,7 @@ const SAME_SIZE: f64 = 1e-3;
 const LEFT_TO_GO: f64 = 2e-3;
 /// A drift that does not slow down must be below this, relative: rounding.
 pub(crate) const STANDING: f64 = 1e-7;
+
 /// A sum of all displacements with factors that no symmetry of a structure has.
 #[allow(clippy::cast_precision_loss)]
 pub(crate) fn mixture(displacement: &[f64]) -> f64 {
@@ -24,6 +25,13 @@ pub(crate) fn weighted_deviation(values: &[f64], weights: &[f64]) -> f64 {
     let sum = over(&|_| 1.0);
     let mean = over(&|x| x) / sum;
     (over(&|x| (x - mean) * (x - mean)) / sum).sqrt()
+}
+
+/// `true` if the size goes one way from each window to the next, by more than a settled motion's may differ.
+pub(crate) fn drifts(sizes: &[f64]) -> bool {
+    let change = || sizes.windows(2).map(|two| two[1] / two[0] - 1.0);
+    let is_one_way = change().all(|change| change > 0.0) || change().all(|change| change < 0.0);
+    is_one_way && change().all(|change| change.abs() > SAME_SIZE)
 }
 
 /// `true` if the size stays over the last four windows.

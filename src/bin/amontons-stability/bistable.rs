@@ -149,6 +149,14 @@ fn confirm_candidates(
 ) -> Result<(), Failure> {
     let all: Vec<&Candidate> =
         candidates.iter().filter(|candidate| candidate.reach.is_some()).collect();
+    if all.is_empty() {
+        writeln!(
+            out,
+            "\nNothing to confirm: there is no candidate that a push may reach; a second motion may exist all the same, \
+             which `amontons study continuation` looks for"
+        )?;
+        return Ok(());
+    }
     let first = &all[..all.len().min(MOST_CONFIRMED)];
     let bar = Progress::in_parts("pushing the scene");
     let watch = Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE };

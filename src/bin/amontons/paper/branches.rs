@@ -60,7 +60,7 @@ fn follow(
     watch: Watch<'_>,
 ) -> Result<Option<Continuation>, Error> {
     let push = Push::of(scene);
-    let plan = Plan { scene, look, values, resolution: RESOLUTION, push, ranges: &[] };
+    let plan = Plan { scene, look, values, resolution: RESOLUTION, push, candidates: &[] };
     continuation(&plan, &Journal::forgotten(), watch)
 }
 

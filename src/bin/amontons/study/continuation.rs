@@ -8,7 +8,7 @@ use amontons::picture::{Band, Chart, Mark, Marker, Panel, Series, Style};
 use amontons::progress::Progress;
 use amontons::scene::Scene;
 use amontons::simulation::{at_instant, require_undriven, signals_left_out};
-use amontons::stability::candidates::{Bistability, Candidate, bistability};
+use amontons::stability::candidates::{Bistability, bistability};
 use amontons::study::{
     Bistable, Both, Continuation, Ending, Jump, Kind, Look, Plan, Point, Push, Way, continuation,
 };
@@ -78,13 +78,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let push = Push::of(&scene);
     // What eigenvalues know.
     let known = eigenvalues(&scene, [first, last]);
-    let ranges: Vec<[f64; 2]> =
-        known.iter().flat_map(|known| &known.candidates).map(|candidate| candidate.range).collect();
+    let candidates = known.as_ref().map_or(&[][..], |known| &known.candidates);
     // Each value starts where the one before has ended, so a piece depends on them all.
     let settings =
         json!({ "look": look, "push": push, "values": values, "resolution": resolution });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
-    let plan = Plan { scene: &scene, look: &look, values, resolution, push, ranges: &ranges };
+    let plan = Plan { scene: &scene, look: &look, values, resolution, push, candidates };
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
         return Err(interrupted(&folder));
     };
@@ -135,7 +134,7 @@ fn write(
                 "state": Joined(&candidate.states).to_string(),
                 "range": candidate.range,
                 "frequency": candidate.frequency_hz,
-                "confirmed": met(candidate, compared),
+                "confirmed": met(compared),
             })
         })
         .collect();
@@ -167,13 +166,9 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
 }
 
 /// Values of µ in a candidate's range at which one way ends in rest and the other in a cycle in which contacts take the
-/// candidate's states.
-fn met(candidate: &Candidate, compared: &[Both]) -> Vec<f64> {
-    let takes = |ending: &Ending| {
-        ending.kind.is_cycle()
-            && candidate.states.iter().all(|state| ending.taken[*state as usize - 1])
-    };
-    let is_met = |both: &&Both| both.endings.iter().any(takes);
+/// candidate's states together.
+fn met(compared: &[Both]) -> Vec<f64> {
+    let is_met = |both: &&Both| both.takes.contains(&true);
     compared.iter().filter(is_met).map(|both| both.friction).collect()
 }
 
@@ -339,11 +334,8 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
         );
     }
     if found.bistable.is_empty() && found.unknown.is_empty() {
-        let values = found.rising.iter().map(|point| point.friction);
-        let step =
-            values.clone().zip(values.skip(1)).fold(0.0, |most, (a, b)| f64::max(most, b - a));
         println!(
-            "  none wider than the step of {step:.4}: both ways end in the same motion everywhere"
+            "  none: both ways end in the same motion at each value at which they were compared"
         );
     }
 }
@@ -387,7 +379,7 @@ fn print_eigenvalues(
     }
     for (candidate, compared) in known.candidates.iter().zip(&found.compared) {
         let [from, to] = candidate.range;
-        let met = met(candidate, compared);
+        let met = met(compared);
         let found = match (&met[..], compared.is_empty()) {
             ([], true) => "not met: no cycle beside rest was found in this range".to_owned(),
             ([], false) => format!(

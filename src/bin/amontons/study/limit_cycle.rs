@@ -87,7 +87,8 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     folder.write_csv(&told.head(), told.rows())?;
     folder.write_json(json!({ "question": question, "found": found }))?;
     folder.draw("limit-cycle", &told.chart())?;
-    for portrait in &found.portraits {
+    // What is drawn is the motion of contacts.
+    for portrait in found.portraits.iter().filter(|_| scene.contact_count() > 0) {
         for direction in ["tangential", "normal"] {
             let name = format!("portrait-{:?}-{direction}", portrait.value);
             folder.draw(&name, &told.portrait(portrait, direction))?;
