@@ -54,6 +54,8 @@ pub struct Oracle {
 #[derive(Clone, Copy, Debug)]
 pub struct End {
     pub rests: bool,
+    /// `true` where no contact changes its state and no mode grows or decays.
+    pub is_neutral: bool,
     /// Half of the range of the first displacement over the last part of the run, m.
     pub amplitude: f64,
 }
@@ -239,8 +241,15 @@ impl Oracle {
         (found.rows(0, n).into_owned(), scale * found.rows(n, contacts))
     }
 
-    /// All eigenvalues, 1/s, of small motions in these contact states.
-    pub fn eigenvalues(&self, states: &[State]) -> Vec<Complex<f64>> {
+    /// Do contacts in these states push along as many directions as they hold? Two contacts that hold the same thing
+    /// twice do not where they slide in opposite directions.
+    pub fn is_a_state(&self, states: &[State]) -> bool {
+        let (free, seen, _) = self.reduction(states);
+        free.ncols() == seen.ncols()
+    }
+
+    /// The motions that contacts leave free, the directions along which they do not push, and the damping matrix.
+    fn reduction(&self, states: &[State]) -> (DMatrix<f64>, DMatrix<f64>, DMatrix<f64>) {
         let (_, forces) = self.equilibrium();
         let mut damping = self.damping.clone();
         let (mut held, mut pushed) = (Vec::new(), Vec::new());
@@ -263,6 +272,12 @@ impl Oracle {
         }
         let free = complement(&held, self.load.len());
         let seen = complement(&pushed, self.load.len());
+        (free, seen, damping)
+    }
+
+    /// All eigenvalues, 1/s, of small motions in these contact states.
+    pub fn eigenvalues(&self, states: &[State]) -> Vec<Complex<f64>> {
+        let (free, seen, damping) = self.reduction(states);
         let reduced = |matrix: &DMatrix<f64>| seen.transpose() * matrix * &free;
         let m = free.ncols();
         if m == 0 {
@@ -283,7 +298,11 @@ impl Oracle {
 
     /// Each contact slides as its surface moves.
     pub fn sliding(&self) -> Vec<State> {
-        let state = |v: &f64| if *v > 0.0 { State::Slides } else { State::SlidesBack };
+        let state = |v: &f64| match *v {
+            v if v > 0.0 => State::Slides,
+            v if v < 0.0 => State::SlidesBack,
+            _ => State::Sticks,
+        };
         self.velocity.iter().map(state).collect()
     }
 
@@ -473,8 +492,9 @@ impl Motion {
         }
         // Where no contact changes its state the motion is linear, and eigenvalues say what becomes of it.
         let is_linear = changes == self.changes;
-        let rests = is_linear
-            && (self.states.contains(&State::Sticks) || self.scene.growth(&self.states) < 0.0);
-        End { rests, amplitude: 0.5 * (high - low) }
+        let growth = self.scene.growth(&self.states);
+        let is_neutral = is_linear && growth.abs() <= 1e-9;
+        let rests = is_linear && growth < 0.0 && !is_neutral;
+        End { rests, is_neutral, amplitude: 0.5 * (high - low) }
     }
 }

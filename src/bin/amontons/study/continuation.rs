@@ -87,6 +87,12 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
         return Err(interrupted(&folder));
     };
+    let points = || found.rising.iter().chain(&found.falling);
+    if let Some(Point { ending: Err(failure), .. }) = points().next()
+        && points().all(|point| point.ending.is_err())
+    {
+        return Err(amontons::Error::scene(failure.clone()).into());
+    }
     let known = known.as_ref();
     write(&folder, &scene, &look, &found, known.ok())?;
     print(&scene, &look, &found);
@@ -383,7 +389,7 @@ fn print_eigenvalues(
         let found = match (&met[..], compared.is_empty()) {
             ([], true) => "not met: no cycle beside rest was found in this range".to_owned(),
             ([], false) => format!(
-                "not met: the cycles beside rest at {} do not take these states",
+                "not met: contacts do not take these states together in the cycles beside rest at {}",
                 listed(compared.iter().map(|both| both.friction))
             ),
             (values, _) => {
