@@ -4,6 +4,8 @@
 #![cfg(feature = "tools")]
 
 mod oracle;
+// Refusals are read here, not expected.
+#[allow(dead_code)]
 mod program;
 
 use amontons::scene::{Scene, read};

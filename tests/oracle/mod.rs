@@ -132,8 +132,8 @@ impl Oracle {
         let rows = Row { network, places, count };
         let mut all = Self::empty(count, network.contacts.len(), scene);
         for (mass, places) in network.masses.iter().zip(&rows.places) {
-            for axis in 0..2 {
-                let Some(place) = places[axis] else { continue };
+            for (axis, place) in places.iter().enumerate() {
+                let Some(place) = *place else { continue };
                 all.mass[(place, place)] = mass.mass;
                 all.load[place] += mass.load[axis];
                 all.start[0][place] = mass.displacement[axis];
@@ -418,8 +418,8 @@ impl Motion {
         let slip = &scene.velocity - scene.tangent.transpose() * &self.v;
         let is_closed: Vec<bool> =
             gap.iter().map(|gap| !scene.detachment || *gap <= 1e-15).collect();
-        for i in 0..contacts {
-            if !is_closed[i] {
+        for (i, is_closed) in is_closed.iter().enumerate() {
+            if !is_closed {
                 (self.impulse[i], self.impulse[contacts + i]) = (0.0, 0.0);
             }
         }
@@ -460,8 +460,8 @@ impl Motion {
         self.u += 0.5 * h * (&self.v + &v);
         self.v = v;
         let slip = &scene.velocity - scene.tangent.transpose() * &self.v;
-        for i in 0..contacts {
-            let is_open = !is_closed[i] || scene.detachment && self.impulse[i] <= 0.0;
+        for (i, is_closed) in is_closed.iter().enumerate() {
+            let is_open = !is_closed || scene.detachment && self.impulse[i] <= 0.0;
             let nearly = 1e-9 * (scene.velocity[i].abs() + 1e-6);
             let state = match slip[i] {
                 _ if is_open => State::Open,

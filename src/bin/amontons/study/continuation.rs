@@ -91,7 +91,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     if let Some(Point { ending: Err(failure), .. }) = points().next()
         && points().all(|point| point.ending.is_err())
     {
-        return Err(amontons::Error::scene(failure.clone()).into());
+        return Err(failure.clone().into());
     }
     let known = known.as_ref();
     write(&folder, &scene, &look, &found, known.ok())?;
