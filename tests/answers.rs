@@ -204,7 +204,10 @@ fn cases() -> Vec<Case> {
             "coefficient = 0.3\nstatic = 0.6\nstribeck_velocity = 0.2",
         ),
         brake("a contact with friction and velocity of its own", "[integrator]", &more(&turned)),
-        brake("without sticking", "[slider]", &effects("sticking = false")),
+        Case {
+            friction: [0.25, 0.4],
+            ..brake("without sticking", "[slider]", &effects("sticking = false"))
+        },
         brake("without detachment", "[slider]", &effects("detachment = false")),
         brake("without both", "[slider]", &effects("sticking = false\ndetachment = false")),
         brake("undamped", "alpha = 0.2\nbeta = 1e-4", "alpha = 0.0\nbeta = 0.0"),
@@ -219,7 +222,7 @@ fn cases() -> Vec<Case> {
         of_ring("a ring of 1 module", 1, [0.5, 1.5], 0.02),
         of_ring("a ring of 2 modules", 2, [0.5, 1.5], 0.02),
         of_ring("a ring of 8 modules", 8, [0.5, 1.0], 0.3),
-        of_ring("a ring of 30 modules", 30, [0.5, 1.0], 0.3),
+        Case { time: 0.5, ..of_ring("a ring of 30 modules", 30, [0.5, 1.0], 0.3) },
     ]
 }
 
@@ -633,7 +636,15 @@ fn continuation(case: &Case, folder: &Path) -> Answer {
     rising.start[1][0] = 1e-3 * case.push;
     compare("rising, first", row("rising", low), rising.end(case.time, case.step));
     let mut falling = Motion::of(&at(high), case.step);
-    compare("falling, first", row("falling", high), falling.end(case.time));
+    let first = falling.end(case.time);
+    compare("falling, first", row("falling", high), first);
+    // What has grown without bound has no state to go on from.
+    if first.amplitude > 1.0 {
+        let mut again = at(low);
+        again.start.iter_mut().for_each(|start| start.fill(0.0));
+        again.start[1][0] = 1e-3 * case.push;
+        falling = Motion::of(&again, case.step);
+    }
     // Downwards slowly, as a motion that stays may go.
     for i in 1..=20 {
         falling.with_friction(high + (low - high) * f64::from(i) / 20.0);

@@ -199,7 +199,8 @@ struct Followed {
 /// Follows both ways, each on a core. `None` if the watch ended it; what was finished is in the journal.
 ///
 /// # Errors
-/// A scene without a common friction coefficient, a value that µ cannot have, or a journal that cannot be written.
+/// A scene without a common friction coefficient or that cannot start at either end, a value that µ cannot have, or a
+/// journal that cannot be written.
 pub fn continuation(
     plan: &Plan<'_>,
     journal: &Journal,
@@ -217,6 +218,10 @@ pub fn continuation(
     let run = Run { plan, journal, watch };
     let ways = collect(2, &|i| run.follow(Way::ALL[i], &step_done), &|_| {})?;
     let Some(ways) = ways.into_iter().collect::<Option<Vec<Followed>>>() else { return Ok(None) };
+    // Nothing was followed: a way ends at its first failure.
+    if let [Err(failure), Err(_)] = [0, 1].map(|way: usize| &ways[way].passed[0].point.ending) {
+        return Err(Error::scene(failure.clone()));
+    }
     let Some((bistable, unknown)) = run.compare_ways(&ways)? else { return Ok(None) };
     let mut compared = Vec::new();
     for candidate in plan.candidates {

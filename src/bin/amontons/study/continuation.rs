@@ -87,12 +87,6 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
         return Err(interrupted(&folder));
     };
-    let points = || found.rising.iter().chain(&found.falling);
-    if let Some(Point { ending: Err(failure), .. }) = points().next()
-        && points().all(|point| point.ending.is_err())
-    {
-        return Err(failure.clone().into());
-    }
     let known = known.as_ref();
     write(&folder, &scene, &look, &found, known.ok())?;
     print(&scene, &look, &found);
