@@ -646,7 +646,7 @@ fn continuation(case: &Case, folder: &Path) -> Answer {
         falling = Motion::of(&again, case.step);
     }
     // Downwards slowly, as a motion that stays may go.
-    for i in 1..=20 {
+    for i in (1..=20).filter(|_| first.amplitude <= 1.0) {
         falling.with_friction(high + (low - high) * f64::from(i) / 20.0);
         falling.end(0.02 * case.time);
     }
