@@ -3,6 +3,8 @@
 //! fails here, and `AMONTONS_WRITE=1 cargo test --release --test answers -- --ignored` writes it anew.
 #![cfg(feature = "tools")]
 
+#[path = "answers/cases.rs"]
+mod cases;
 mod oracle;
 // Refusals are read here, not expected.
 #[allow(dead_code)]
@@ -10,6 +12,7 @@ mod program;
 
 use amontons::scene::{Scene, read};
 use amontons::simulation::assign;
+use cases::{Case, cases};
 use oracle::{Motion, Oracle, State};
 use program::{folder, run, text};
 use serde_json::Value;
@@ -17,24 +20,7 @@ use std::fmt::Write as _;
 use std::path::Path;
 use std::time::Instant;
 
-/// A kind of scene.
-struct Case {
-    name: &'static str,
-    file: String,
-    /// Two friction coefficients that are looked at, and another parameter with two values.
-    friction: [f64; 2],
-    other: (&'static str, [f64; 2]),
-    /// An initial value that is varied, another one, and how large they are.
-    initial: [&'static str; 2],
-    push: f64,
-    /// How long the oracle runs until a motion has settled, and its step, s.
-    time: f64,
-    step: f64,
-    /// By how much amplitudes may differ, relative: that of the oracle's step, more where a motion is irregular.
-    near: f64,
-}
-
-/// What an analysis answers.
+/// An analysis answers in one of these ways.
 #[derive(Debug)]
 enum Answer {
     /// The oracle says the same.
@@ -47,8 +33,8 @@ enum Answer {
     Uncompared,
 }
 
-/// An analysis of a scene in a folder.
-type Analysis = fn(&Case, &Path) -> Answer;
+/// An analysis of a scene in a folder. An error is the reason why the program refuses it.
+type Analysis = fn(&Case, &Path) -> Result<Answer, String>;
 
 const ANALYSES: [(&str, Analysis); 12] = [
     ("run", simulated),
@@ -71,160 +57,6 @@ const EIGENVALUE_ANALYSES: [&str; 5] =
 
 const MOTIONS: &str = env!("CARGO_BIN_EXE_amontons");
 const EIGENVALUES: &str = env!("CARGO_BIN_EXE_amontons-stability");
-
-/// A pad pressed on a belt by a holder, joined by two springs that are not at right angles.
-const BRAKE: &str = r#"
-[slider]
-velocity = 0.2
-angle = 0.0
-[friction]
-coefficient = 0.5
-[damping]
-alpha = 0.2
-beta = 1e-4
-[[mass]]
-name = "holder"
-mass = 1.0
-force = [0.0, -20.0]
-[[mass]]
-name = "pad"
-mass = 1.0
-[[spring]]
-name = "along"
-between = ["holder", "ground"]
-direction = "x"
-stiffness = 800.0
-[[spring]]
-name = "up"
-between = ["holder", "ground"]
-direction = "y"
-stiffness = 900.0
-[[spring]]
-name = "left"
-between = ["pad", "holder"]
-direction = 0.8
-stiffness = 2000.0
-[[spring]]
-name = "right"
-between = ["pad", "holder"]
-direction = 2.0
-stiffness = 2000.0
-[[contact]]
-name = "lining"
-mass = "pad"
-[[initial]]
-mass = "pad"
-vx = 1e-3
-[integrator]
-step = 1e-4
-[experiment]
-stop_time = 40.0
-output_interval = 0.01
-"#;
-
-/// A second pad on the same belt, which the holder carries too.
-const SECOND_PAD: &str = r#"
-[[mass]]
-name = "second"
-mass = 1.5
-[[spring]]
-name = "far"
-between = ["second", "holder"]
-direction = 1.2
-stiffness = 3000.0
-[[spring]]
-name = "near"
-between = ["second", "holder"]
-direction = 2.6
-stiffness = 1500.0
-[[contact]]
-name = "second"
-mass = "second"
-"#;
-
-/// The paper's modules, so many of them.
-fn ring(modules: usize) -> String {
-    format!(
-        "[slider]\nvelocity = 0.025\nangle = 0.5\n[friction]\ncoefficient = 1.5\n[damping]\nbeta = 3e-5\n\
-         [ring]\nmodules = {modules}\nm1 = 0.3\nm2 = 0.7\nk1 = 55e3\nk2 = 60e3\nk3 = 22e3\nk4 = 60e3\n\
-         k5 = 300e3\nk6 = 250e3\npreload = 5e-3\n[[initial]]\nmodule = 1\nv1 = 1e-3\n\
-         [integrator]\nstep = 1e-6\n[experiment]\nstop_time = 4.0\noutput_interval = 2e-4\n"
-    )
-}
-
-fn brake(name: &'static str, from: &str, to: &str) -> Case {
-    assert!(BRAKE.contains(from), "{name}: {from}");
-    Case {
-        name,
-        file: BRAKE.replacen(from, to, 1),
-        friction: [0.25, 0.5],
-        other: ("spring.along.stiffness", [600.0, 1000.0]),
-        initial: ["initial.mass.pad.vx", "initial.mass.holder.vy"],
-        push: 0.3,
-        time: 60.0,
-        step: 1e-4,
-        near: 0.02,
-    }
-}
-
-fn of_ring(name: &'static str, modules: usize, friction: [f64; 2], near: f64) -> Case {
-    Case {
-        file: ring(modules)
-            .replace("coefficient = 1.5", &format!("coefficient = {:?}", friction[1])),
-        friction,
-        other: ("module[1].k2", [50e3, 70e3]),
-        initial: ["initial.module[1].v1", "initial.module[1].v2"],
-        push: 0.05,
-        time: 4.0,
-        step: 1e-5,
-        near,
-        ..brake(name, "", "")
-    }
-}
-
-fn cases() -> Vec<Case> {
-    let friction = "coefficient = 0.5";
-    let effects = |lines: &str| format!("[effects]\n{lines}\n[slider]");
-    let more = |parts: &str| format!("{parts}\n[integrator]");
-    let turned = SECOND_PAD.replace("[[contact]]", "[[contact]]\nfriction = 0.7\nvelocity = -0.3");
-    let twice = "[[contact]]\nname = \"twin\"\nmass = \"pad\"\n";
-    let loops = "[[spring]]\nname = \"bridge\"\nbetween = [\"pad\", \"ground\"]\ndirection = 0.3\nstiffness = 300.0\n";
-    let damper = "[[damper]]\nname = \"d\"\nbetween = [\"pad\", \"ground\"]\ndirection = \"x\"\ndamping = 1.0\n";
-    let sine =
-        "[[signal]]\ninput = \"slider.velocity\"\nsine = { amplitude = 0.02, frequency = 1.0 }\n";
-    let force =
-        "[[signal]]\ninput = \"mass.pad.fx\"\npulse = { value = 5.0, start = 0.5, end = 0.6 }\n";
-    vec![
-        brake("Coulomb's law", "", ""),
-        brake("no friction", friction, "law = \"none\""),
-        brake("static friction", friction, "coefficient = 0.5\nstatic = 0.7"),
-        brake(
-            "Stribeck's law",
-            friction,
-            "coefficient = 0.3\nstatic = 0.6\nstribeck_velocity = 0.2",
-        ),
-        brake("a contact with friction and velocity of its own", "[integrator]", &more(&turned)),
-        Case {
-            friction: [0.25, 0.4],
-            ..brake("without sticking", "[slider]", &effects("sticking = false"))
-        },
-        brake("without detachment", "[slider]", &effects("detachment = false")),
-        brake("without both", "[slider]", &effects("sticking = false\ndetachment = false")),
-        brake("undamped", "alpha = 0.2\nbeta = 1e-4", "alpha = 0.0\nbeta = 0.0"),
-        brake("a single damper", "[integrator]", &more(damper)),
-        brake("a slider that stands still", "velocity = 0.2", "velocity = 0.0"),
-        brake("a slider that moves back", "velocity = 0.2", "velocity = -0.2"),
-        brake("a signal on the slider", "[integrator]", &more(sine)),
-        brake("a pulse of force", "[integrator]", &more(force)),
-        brake("a network with a loop", "[integrator]", &more(loops)),
-        brake("two pads", "[integrator]", &more(SECOND_PAD)),
-        brake("two contacts that say the same", "[integrator]", &more(twice)),
-        of_ring("a ring of 1 module", 1, [0.5, 1.5], 0.02),
-        of_ring("a ring of 2 modules", 2, [0.5, 1.5], 0.02),
-        of_ring("a ring of 8 modules", 8, [0.5, 1.0], 0.3),
-        Case { time: 0.5, ..of_ring("a ring of 30 modules", 30, [0.5, 1.0], 0.3) },
-    ]
-}
 
 impl Case {
     fn scene(&self, folder: &Path) -> Scene {
@@ -267,27 +99,27 @@ impl Case {
     }
 }
 
-/// Runs a program on the scene; the answer if there is none.
-fn ask(program: &str, folder: &Path, arguments: &[&str]) -> Result<(String, String), Answer> {
+/// Runs a program on the scene: its standard output and error, or the reason why it refuses.
+fn ask(program: &str, folder: &Path, arguments: &[&str]) -> Result<(String, String), String> {
     let output = run(program, folder, arguments);
     let (out, err) = (text(&output.stdout), text(&output.stderr));
     match output.status.code() {
         Some(0) => Ok((out, err)),
         Some(2..=4) => {
             let reason = err.lines().find_map(|line| line.strip_prefix("error: "));
-            Err(Answer::Refused(reason.unwrap_or_else(|| panic!("{err}")).to_owned()))
+            Err(reason.unwrap_or_else(|| panic!("{err}")).to_owned())
         }
         code => panic!("{arguments:?}: {code:?} {err}"),
     }
 }
 
-/// What the program says that it leaves out.
+/// Finds the line in which the program says what it leaves out.
 fn limits(said: &str) -> Answer {
+    let has = |line: &str, words: &[&str]| words.iter().any(|words| line.contains(words));
+    // A list of values that have not settled has commas; rows of its table are looked at one by one.
     let is_limit = |line: &&str| {
-        ["left out", "not settled", "unknown", "only uniform sliding"]
-            .iter()
-            .any(|words| line.contains(words))
-            && !line.contains(',') | line.contains("left out") | line.contains("unknown")
+        has(line, &["left out", "unknown"])
+            || has(line, &["not settled", "only uniform sliding"]) && !line.contains(',')
     };
     match said.lines().find(is_limit) {
         Some(line) => Answer::Limited(line.trim().to_owned()),
@@ -329,7 +161,7 @@ fn assert_same_modes(what: &str, found: &[[f64; 2]], oracle: &Oracle, states: &[
     }
 }
 
-fn simulated(case: &Case, folder: &Path) -> Answer {
+fn simulated(case: &Case, folder: &Path) -> Result<Answer, String> {
     // Long enough for contacts to change their states, short enough for neighbours to stay neighbours.
     let scene = case.scene(folder);
     let interval = 20.0 * scene.experiment.output_interval;
@@ -345,10 +177,7 @@ fn simulated(case: &Case, folder: &Path) -> Answer {
         "--output-interval",
         &every,
     ];
-    let (out, err) = match ask(MOTIONS, folder, &arguments) {
-        Ok(said) => said,
-        Err(answer) => return answer,
-    };
+    let (out, err) = ask(MOTIONS, folder, &arguments)?;
     let table = csv(&out);
     let names = scene.dof_names();
     let columns: Vec<usize> = names
@@ -371,31 +200,28 @@ fn simulated(case: &Case, folder: &Path) -> Answer {
         // The program's scheme is of first order in its step, too.
         assert!(off <= 5.0 * own + 5e-3 * size, "{}: row {i}, {off} {own} {size}", case.name);
     }
-    limits(&err)
+    Ok(limits(&err))
 }
 
-fn swept(case: &Case, folder: &Path) -> Answer {
+fn swept(case: &Case, folder: &Path) -> Result<Answer, String> {
     let range = format!("friction.coefficient={}", case.range());
-    let (out, err) = match ask(MOTIONS, folder, &["simulate", "scene.toml", "--sweep", &range]) {
-        Ok(said) => said,
-        Err(answer) => return answer,
-    };
+    let (out, err) = ask(MOTIONS, folder, &["simulate", "scene.toml", "--sweep", &range])?;
     let table = csv(&out);
-    let settled = table[0].iter().position(|column| column == "settled").unwrap();
+    let settled = column(&table, "settled");
     for row in &table[1..] {
         let mu = number(&row[0]);
         let end = case.oracle(folder, &[("friction.coefficient", mu)]).end(case.time, case.step);
-        if !end.rests && row[settled] == "yes" {
+        if !end.rests {
             case.compare_end(&format!("sweep at {mu}"), "periodic", number(&row[1]), end);
         }
     }
-    if table[1..].iter().any(|row| row[settled] != "yes") {
-        return Answer::Limited("the column `settled` says `unknown`".to_owned());
-    }
-    limits(&err)
+    Ok(match table[1..].iter().find(|row| row[settled] != "yes") {
+        Some(row) => Answer::Limited(format!("the column `settled` says `{}`", row[settled])),
+        None => limits(&err),
+    })
 }
 
-fn states(case: &Case, folder: &Path) -> Answer {
+fn states(case: &Case, folder: &Path) -> Result<Answer, String> {
     let oracle = case.oracle(folder, &[]);
     let compare = |arguments: &[&str]| {
         let (out, err) = ask(EIGENVALUES, folder, arguments)?;
@@ -419,22 +245,16 @@ fn states(case: &Case, folder: &Path) -> Answer {
         Ok(limits(&err))
     };
     match compare(&["states", "scene.toml", "--format", "json"]) {
-        Ok(answer) => answer,
-        Err(Answer::Refused(reason)) if reason.contains("--state") => {
-            match compare(&["states", "scene.toml", "--format", "json", "--state", "Sl"]) {
-                Ok(_) => Answer::Limited(reason),
-                Err(answer) => answer,
-            }
+        Err(reason) if reason.contains("--state") => {
+            compare(&["states", "scene.toml", "--format", "json", "--state", "Sl"])?;
+            Ok(Answer::Limited(reason))
         }
-        Err(answer) => answer,
+        answer => answer,
     }
 }
 
-fn locus(case: &Case, folder: &Path, name: &str, arguments: &[&str]) -> Answer {
-    let (out, err) = match ask(EIGENVALUES, folder, arguments) {
-        Ok(said) => said,
-        Err(answer) => return answer,
-    };
+fn locus(case: &Case, folder: &Path, name: &str, arguments: &[&str]) -> Result<Answer, String> {
+    let (out, err) = ask(EIGENVALUES, folder, arguments)?;
     let table = csv(&out);
     let mut values: Vec<f64> = table[1..].iter().map(|row| number(&row[0])).collect();
     values.dedup();
@@ -449,27 +269,23 @@ fn locus(case: &Case, folder: &Path, name: &str, arguments: &[&str]) -> Answer {
         let what = format!("{}, locus at {value}", case.name);
         assert_same_modes(&what, &modes, &oracle, &oracle.sliding());
     }
-    limits(&err)
+    Ok(limits(&err))
 }
 
-fn locus_over_friction(case: &Case, folder: &Path) -> Answer {
+fn locus_over_friction(case: &Case, folder: &Path) -> Result<Answer, String> {
     let range = case.range();
     let arguments = ["locus", "scene.toml", "--friction", &range, "--csv"];
     locus(case, folder, "friction.coefficient", &arguments)
 }
 
-fn locus_over_velocity(case: &Case, folder: &Path) -> Answer {
+fn locus_over_velocity(case: &Case, folder: &Path) -> Result<Answer, String> {
     let arguments = ["locus", "scene.toml", "--parameter", "slider.velocity=0.05:0.4/3", "--csv"];
     locus(case, folder, "slider.velocity", &arguments)
 }
 
-fn bistable(case: &Case, folder: &Path) -> Answer {
+fn bistable(case: &Case, folder: &Path) -> Result<Answer, String> {
     let range = format!("{:?}:{:?}", case.friction[0], case.friction[1]);
-    let (out, err) =
-        match ask(EIGENVALUES, folder, &["bistable", "scene.toml", "--friction", &range]) {
-            Ok(said) => said,
-            Err(answer) => return answer,
-        };
+    let (out, err) = ask(EIGENVALUES, folder, &["bistable", "scene.toml", "--friction", &range])?;
     // From where to where uniform sliding is said to be stable.
     let mut stable = Vec::new();
     for line in out.lines().filter(|line| line.contains("is stable")) {
@@ -484,48 +300,36 @@ fn bistable(case: &Case, folder: &Path) -> Answer {
         let mu = case.friction[0] + (case.friction[1] - case.friction[0]) * f64::from(i) / 200.0;
         let oracle = case.oracle(folder, &[("friction.coefficient", mu)]);
         let states = oracle.sliding();
-        let largest =
-            oracle.eigenvalues(&states).iter().map(|value| value.norm()).fold(0.0, f64::max);
-        let growth = oracle.growth(&states);
-        if growth.abs() <= 1e-6 * largest {
-            continue;
-        }
+        let Some(growth) = oracle.clear_growth(&states) else { continue };
         let is_stable = stable.iter().any(|[from, to]| (*from..=*to).contains(&mu));
         assert_eq!(is_stable, growth < 0.0, "{}, µ = {mu}: {growth}\n{out}", case.name);
     }
-    limits(&err)
+    Ok(limits(&err))
 }
 
-fn mapped(case: &Case, folder: &Path) -> Answer {
+fn mapped(case: &Case, folder: &Path) -> Result<Answer, String> {
     let (name, [low, high]) = case.other;
     let x = format!("friction.coefficient={}", case.range());
     let y = format!("{name}={low:?}:{high:?}/2");
     let arguments = ["map", "scene.toml", "--x", &x, "--y", &y, "--csv", "--plot", "map.svg"];
-    let (out, err) = match ask(EIGENVALUES, folder, &arguments) {
-        Ok(said) => said,
-        Err(answer) => return answer,
-    };
+    let (out, err) = ask(EIGENVALUES, folder, &arguments)?;
     let table = csv(&out);
     assert_eq!(table.len(), 5);
     for row in &table[1..] {
         let oracle = case
             .oracle(folder, &[("friction.coefficient", number(&row[0])), (name, number(&row[1]))]);
-        let states = oracle.sliding();
-        let growth = oracle.growth(&states);
-        let largest =
-            oracle.eigenvalues(&states).iter().map(|value| value.norm()).fold(0.0, f64::max);
         if row[2].contains("no equilibrium") {
-            return Answer::Limited(row[2].clone());
+            return Ok(Answer::Limited(row[2].clone()));
         }
-        if growth.abs() > 1e-6 * largest {
+        if let Some(growth) = oracle.clear_growth(&oracle.sliding()) {
             assert_eq!(row[2] == "unstable", growth > 0.0, "{}: {row:?} {growth}", case.name);
         }
     }
-    limits(&err)
+    Ok(limits(&err))
 }
 
 /// A study of a scene: its folder's results.csv by columns.
-fn study(folder: &Path, arguments: &[&str]) -> Result<(Vec<Vec<String>>, String), Answer> {
+fn study(folder: &Path, arguments: &[&str]) -> Result<(Vec<Vec<String>>, String), String> {
     let mut all = vec!["study"];
     all.extend(arguments);
     all.extend(["-o", "results", "--anew"]);
@@ -534,7 +338,7 @@ fn study(folder: &Path, arguments: &[&str]) -> Result<(Vec<Vec<String>>, String)
     Ok((table, out + &err))
 }
 
-/// Of a table of motions: a row's kind, unless it says that it is not known.
+/// The place of a column by its name.
 fn column(table: &[Vec<String>], name: &str) -> usize {
     table[0].iter().position(|column| column == name).unwrap()
 }
@@ -543,29 +347,29 @@ fn is_open(kind: &str) -> bool {
     kind == "unsettled"
 }
 
-fn limit_cycle(case: &Case, folder: &Path) -> Answer {
+/// A study that answers leaves out motions that have not settled, and what it says itself.
+fn limits_of_motions(table: &[Vec<String>], said: &str) -> Answer {
+    let kind = column(table, "kind");
+    if table[1..].iter().any(|row| is_open(&row[kind])) {
+        return Answer::Limited("not settled, as the table says".to_owned());
+    }
+    limits(said)
+}
+
+fn limit_cycle(case: &Case, folder: &Path) -> Result<Answer, String> {
     let range = format!("friction.coefficient={}", case.range());
-    let (table, said) = match study(folder, &["limit-cycle", "scene.toml", "--parameter", &range]) {
-        Ok(found) => found,
-        Err(answer) => return answer,
-    };
+    let (table, said) = study(folder, &["limit-cycle", "scene.toml", "--parameter", &range])?;
     let [kind, amplitude] = ["kind", "amplitude"].map(|name| column(&table, name));
     for row in table[1..].iter().filter(|row| !is_open(&row[kind])) {
         let oracle = case.oracle(folder, &[("friction.coefficient", number(&row[0]))]);
         let what = format!("limit cycle at {}", row[0]);
         case.compare(&what, &row[kind], number(&row[amplitude]), &oracle);
     }
-    if table[1..].iter().any(|row| is_open(&row[kind])) {
-        return Answer::Limited("not settled, as the table says".to_owned());
-    }
-    limits(&said)
+    Ok(limits_of_motions(&table, &said))
 }
 
-fn transient(case: &Case, folder: &Path) -> Answer {
-    let (_, said) = match study(folder, &["transient", "scene.toml"]) {
-        Ok(found) => found,
-        Err(answer) => return answer,
-    };
+fn transient(case: &Case, folder: &Path) -> Result<Answer, String> {
+    let (_, said) = study(folder, &["transient", "scene.toml"])?;
     let study: Value =
         serde_json::from_str(&std::fs::read_to_string(folder.join("results/study.json")).unwrap())
             .unwrap();
@@ -587,45 +391,33 @@ fn transient(case: &Case, folder: &Path) -> Answer {
         let tolerance = 1e-4 * frequency + 10.0 * error;
         assert!(nearest <= tolerance, "{}: {finding} {nearest}\n{all:?}", case.name);
     }
-    limits(&said)
+    Ok(limits(&said))
 }
 
-fn perturbation(case: &Case, folder: &Path) -> Answer {
+fn perturbation(case: &Case, folder: &Path) -> Result<Answer, String> {
     let sizes = format!("{:?}:{:?}/2", 0.1 * case.push, case.push);
     let arguments =
         ["perturbation", "scene.toml", "--direction", case.initial[0], "--amplitude", &sizes];
-    let (table, said) = match study(folder, &arguments) {
-        Ok(found) => found,
-        Err(answer) => return answer,
-    };
+    let (table, said) = study(folder, &arguments)?;
     let [kind, amplitude] = ["kind", "final_amplitude"].map(|name| column(&table, name));
     for row in table[1..].iter().filter(|row| !is_open(&row[kind])) {
         let oracle = case.oracle(folder, &[(case.initial[0], number(&row[0]))]);
         case.compare(&format!("push of {}", row[0]), &row[kind], number(&row[amplitude]), &oracle);
     }
-    if table[1..].iter().any(|row| is_open(&row[kind])) {
-        return Answer::Limited("not settled, as the table says".to_owned());
-    }
-    limits(&said)
+    Ok(limits_of_motions(&table, &said))
 }
 
-fn continuation(case: &Case, folder: &Path) -> Answer {
+fn continuation(case: &Case, folder: &Path) -> Result<Answer, String> {
     let range = case.range();
     let arguments = ["continuation", "scene.toml", "--friction", &range, "--resolution", "0.01"];
-    let (table, said) = match study(folder, &arguments) {
-        Ok(found) => found,
-        Err(answer) => return answer,
-    };
+    let (table, said) = study(folder, &arguments)?;
     let [kind, amplitude] = ["kind", "amplitude"].map(|name| column(&table, name));
     let row = |way: &str, mu: f64| {
         table[1..].iter().find(|row| row[0] == way && number(&row[1]) == mu).unwrap()
     };
     let [low, high] = case.friction;
-    let mut is_open_anywhere = false;
-    let mut compare = |what: &str, row: &[String], end: oracle::End| {
-        if is_open(&row[kind]) {
-            is_open_anywhere = true;
-        } else {
+    let compare = |what: &str, row: &[String], end: oracle::End| {
+        if !is_open(&row[kind]) {
             case.compare_end(what, &row[kind], number(&row[amplitude]), end);
         }
     };
@@ -651,18 +443,12 @@ fn continuation(case: &Case, folder: &Path) -> Answer {
         falling.end(0.02 * case.time);
     }
     compare("falling, last", row("falling", low), falling.end(case.time));
-    if is_open_anywhere {
-        return Answer::Limited("not settled, as the table says".to_owned());
-    }
-    limits(&said)
+    Ok(limits_of_motions(&table, &said))
 }
 
-fn basin(case: &Case, folder: &Path) -> Answer {
+fn basin(case: &Case, folder: &Path) -> Result<Answer, String> {
     let [x, y] = case.initial.map(|name| format!("{name}=0:{:?}/2", case.push));
-    let (table, said) = match study(folder, &["basin", "scene.toml", "--x", &x, "--y", &y]) {
-        Ok(found) => found,
-        Err(answer) => return answer,
-    };
+    let (table, said) = study(folder, &["basin", "scene.toml", "--x", &x, "--y", &y])?;
     let kind = column(&table, "kind");
     for row in table[1..].iter().filter(|row| !is_open(&row[kind])) {
         // Nothing moves without a push, whatever a small one would do.
@@ -674,10 +460,7 @@ fn basin(case: &Case, folder: &Path) -> Answer {
         let end = case.oracle(folder, &values).end(case.time, case.step);
         assert_eq!(row[kind] == "equilibrium", end.rests, "{}: {row:?} {end:?}", case.name);
     }
-    if table[1..].iter().any(|row| is_open(&row[kind])) {
-        return Answer::Limited("not settled, as the table says".to_owned());
-    }
-    limits(&said)
+    Ok(limits_of_motions(&table, &said))
 }
 
 /// The page of all answers: a row for each kind of scene, and below it what is refused or left out, in words.
@@ -750,7 +533,7 @@ fn each_analysis_of_each_kind_of_scene_is_right_or_refused_or_says_what_it_leave
                 if is_motion && case.file.contains("[[signal]]") {
                     return Answer::Uncompared;
                 }
-                analysis(case, folder.path())
+                analysis(case, folder.path()).unwrap_or_else(Answer::Refused)
             });
             println!("{}, {name}: {:.1} s, {answer:?}", case.name, began.elapsed().as_secs_f64());
             match answer {

@@ -250,19 +250,21 @@ impl Simulation {
     #[cfg(feature = "tools")]
     #[must_use]
     pub fn is_driven_on(&self) -> bool {
-        let driven = self.driven.as_ref();
-        driven.is_some_and(|driven| driven.constant_until(self.time()) < f64::INFINITY)
+        self.constant_until() < f64::INFINITY
     }
 
     /// Do signals rest now that change something later?
     #[cfg(feature = "tools")]
     #[must_use]
     pub fn waits_for_signals(&self) -> bool {
+        self.is_driven_on() && self.time() < self.constant_until()
+    }
+
+    /// The time up to which signals leave the inputs as they are, s.
+    #[cfg(feature = "tools")]
+    fn constant_until(&self) -> f64 {
         let until = |driven: &Driven| driven.constant_until(self.time());
-        self.driven
-            .as_ref()
-            .map(until)
-            .is_some_and(|until| self.time() < until && until < f64::INFINITY)
+        self.driven.as_ref().map_or(f64::INFINITY, until)
     }
 
     /// Adds to the velocity of a degree of freedom, m/s, as a blow would; an energy ledger does not know of it.

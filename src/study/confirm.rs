@@ -32,10 +32,16 @@ pub struct Attempt {
 }
 
 impl Attempt {
+    /// `true` where the motion has settled and does not come to rest.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle())
+    }
+
     /// `true` where the motion does not come to rest and contacts take the candidate's states.
     #[must_use]
     pub fn meets(&self) -> bool {
-        self.takes && self.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle())
+        self.takes && self.moves()
     }
 }
 

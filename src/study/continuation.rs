@@ -11,6 +11,7 @@
 //! depend on the values of µ that are asked for.
 
 use super::Watch;
+use super::difference::{OTHER_EXTENT, distance, have_other_kinds};
 use super::ending::{Ending, Kind};
 use super::journal::Journal;
 use super::look::Look;
@@ -26,18 +27,6 @@ use crate::stability::parallel::collect;
 use crate::sweep::FRICTION;
 use serde::{Deserialize, Serialize};
 use std::sync::atomic::{AtomicUsize, Ordering};
-
-/// Extents that differ by more than this part, from one value to the next or between the ways, may be of different
-/// motions.
-const OTHER_EXTENT: f64 = 0.05;
-/// Sizes of irregular motions that do.
-const OTHER_IRREGULAR: f64 = 0.25;
-/// Frequencies that do.
-const OTHER_FREQUENCY: f64 = 0.02;
-/// What another kind adds: with nothing else it is no other motion, as a second frequency may come and go gently.
-const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
-/// Displacements with less than this part of the largest extent do not tell motions apart.
-const SEEN: f64 = 1e-2;
 
 /// A motion that has not settled and in which contacts change their states is followed for this many times longer.
 const MORE_TIMES: usize = 2;
@@ -357,19 +346,29 @@ impl Run<'_> {
         }))
     }
 
-    fn run(&self, friction: f64, start: Start<'_>) -> Result<Option<(Ending, Progress)>, Error> {
+    /// A motion at a value, from where it was.
+    fn resume(&self, friction: f64, progress: Progress) -> Result<Simulation, Error> {
+        Simulation::resume(Snapshot::new(self.scene(friction)?, progress))
+    }
+
+    fn scene(&self, friction: f64) -> Result<Scene, Error> {
         let mut scene = self.plan.scene.clone();
         assign(&mut scene, FRICTION, friction)?;
+        Ok(scene)
+    }
+
+    fn run(&self, friction: f64, start: Start<'_>) -> Result<Option<(Ending, Progress)>, Error> {
         let mut simulation = match start {
-            Start::Scene(Way::Falling) => Simulation::new(scene, 0.0)?,
+            Start::Scene(Way::Falling) => Simulation::new(self.scene(friction)?, 0.0)?,
             Start::From(Reached { point, progress: Some(progress) })
                 if !point.ending.as_ref().is_ok_and(has_no_state) =>
             {
-                Simulation::resume(Snapshot::new(scene, progress.clone()))?
+                self.resume(friction, progress.clone())?
             }
             // An equilibrium moves with µ; a motion that rests follows it, and one that grows without bound has no state to
             // begin with.
             Start::Scene(Way::Rising) | Start::From(_) => {
+                let mut scene = self.scene(friction)?;
                 scene.rest();
                 Simulation::new(scene, 0.0)?
             }
@@ -471,19 +470,17 @@ impl Run<'_> {
             else {
                 return Ok(Some(None));
             };
-            taken.push(match (states, progress) {
-                (Some(states), Some(progress)) if ending.kind.is_cycle() => {
-                    let mut scene = self.plan.scene.clone();
-                    assign(&mut scene, FRICTION, friction)?;
-                    let simulation = Simulation::resume(Snapshot::new(scene, progress))?;
-                    takes(&simulation, self.plan.look, ending.period, states)?
-                }
-                _ => false,
-            });
             let is_known = ending.kind != Kind::Unsettled || ending.is_known();
             if !is_known || !there.jumps.is_empty() {
                 return Ok(Some(None));
             }
+            taken.push(match (states, progress) {
+                (Some(states), Some(progress)) if ending.kind.is_cycle() => {
+                    let simulation = self.resume(friction, progress)?;
+                    takes(&simulation, self.plan.look, ending.period, states)?
+                }
+                _ => false,
+            });
             endings.push(ending);
         }
         let endings = <[Ending; 2]>::try_from(endings).ok();
@@ -529,55 +526,4 @@ fn is_drifting(ending: &Ending) -> bool {
 /// `true` of a motion after which the next value starts in its own equilibrium.
 fn has_no_state(ending: &Ending) -> bool {
     ending.rests() || ending.kind == Kind::Unbounded
-}
-
-/// Are two motions known to be of different kinds?
-fn have_other_kinds(a: &Ending, b: &Ending) -> bool {
-    let is_open = |ending: &Ending| matches!(ending.kind, Kind::Undecided | Kind::Unsettled);
-    a.kind != b.kind && !is_open(a) && !is_open(b)
-}
-
-/// How different two motions are: 0 for the same; where one rests or grows without bound and the other does not, as far
-/// as can be.
-fn distance(a: &Ending, b: &Ending) -> f64 {
-    const FAR: f64 = 10.0;
-    let is_unbounded = |ending: &Ending| ending.kind == Kind::Unbounded;
-    // Nothing is known of two motions that have not settled, and so no jump between them.
-    if [a, b].iter().all(|ending| ending.kind == Kind::Unsettled && !ending.is_known()) {
-        return 0.0;
-    }
-    // An undamped motion in which no contact changes its state has any size, that of rest among them.
-    let is_neutral = |ending: &Ending| ending.kind.is_cycle() && ending.linear;
-    if (a.rests() || is_neutral(a)) && (b.rests() || is_neutral(b)) {
-        return 0.0;
-    }
-    match (a.rests(), b.rests()) {
-        (true, true) => return 0.0,
-        (true, false) | (false, true) => return FAR,
-        (false, false) if is_unbounded(a) && is_unbounded(b) => return 0.0,
-        (false, false) if is_unbounded(a) != is_unbounded(b) => return FAR,
-        (false, false) => {}
-    }
-    let largest = |ending: &Ending| ending.extents.iter().copied().fold(0.0, f64::max);
-    let seen = SEEN * largest(a).max(largest(b));
-    let log = |a: f64, b: f64| if a > 0.0 && b > 0.0 { libm::log(a / b).abs() } else { 0.0 };
-    let extents = a.extents.iter().zip(&b.extents).filter(|(a, b)| a.max(**b) >= seen);
-    let extents = extents.map(|(a, b)| log(*a, *b)).fold(0.0, f64::max);
-    let size = match [a.kind, b.kind] {
-        // Over a window the extents of a motion without a period vary.
-        [Kind::Irregular, _] | [_, Kind::Irregular] => {
-            log(a.size, b.size) * OTHER_EXTENT / OTHER_IRREGULAR
-        }
-        _ => extents.max(log(a.size, b.size)),
-    };
-    // Of two lines that are equally strong either may be the first.
-    let pitch = |a: &Ending, b: &Ending| match (a.frequency, &b.lines[..]) {
-        (Some(a), [_, ..]) => b.lines.iter().map(|line| log(a, line[0])).fold(1.0, f64::min),
-        (None, []) => 0.0,
-        _ => 1.0,
-    };
-    let pitch = pitch(a, b).max(pitch(b, a));
-    // Frequencies change less than extents where motions are the same.
-    let kind = if have_other_kinds(a, b) { OTHER_KIND } else { 0.0 };
-    size + pitch * OTHER_EXTENT / OTHER_FREQUENCY + kind
 }

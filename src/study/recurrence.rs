@@ -10,6 +10,7 @@ use super::push::Push;
 use crate::Error;
 use crate::scene::Method;
 use crate::simulation::{Simulation, Snapshot};
+use crate::spectral::{Line, Lines};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -34,6 +35,22 @@ const WINDOWS_APART: u64 = 4;
 /// of a regular motion, whose distance grows in proportion to time at most, by less than [`REGULAR`].
 const EXPONENTIAL: f64 = 30.0;
 const REGULAR: f64 = 6.0;
+
+/// Lines of more than this part of the strongest one tell the kinds of motion apart. Weaker ones may be high
+/// multiples, as kinks have them, which rows this far apart show at another frequency.
+const TELLING: f64 = 1e-2;
+/// The highest order of a combination of two frequencies.
+const HIGHEST_ORDER: i32 = 12;
+/// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
+/// factors of the last windows differ by less than this.
+const SAME_FACTOR: f64 = 1.5;
+/// A convergence that goes on does not slow down: over three windows the difference between the factor and one falls to no
+/// less than this part.
+const SAME_SPEED: f64 = 0.9;
+/// Shorter returns of a periodic motion are as far away in each window, but for this part.
+const SAME_RETURN: f64 = 0.02;
+/// How well a frequency meets a multiple, in parts of the lines' resolution.
+const MEETS: f64 = 0.01;
 
 /// How a motion comes back to where it was.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -111,9 +128,9 @@ struct Return {
     state: Snapshot,
 }
 
-/// The shortest period after which the motion of a simulation comes back, looked for over [`MOST_PERIODS`] periods of
-/// its strongest line (Hz), or two windows of so many rows, which are `interval` (s) apart. `None` where it does not come
-/// back in that time.
+/// Finds the shortest period after which the motion of a simulation comes back. The search ends after [`MOST_PERIODS`]
+/// periods of the strongest line, of `frequency` (Hz), or after [`MOST_WINDOWS`] windows, if that is sooner: a window has
+/// `rows` rows that are `interval` (s) apart. The result is `None` where the motion does not come back in that time.
 ///
 /// # Errors
 /// A step fails.
@@ -171,6 +188,38 @@ pub(super) fn closure(
         }
     }
     Ok(None)
+}
+
+/// Does the state come back nearer from window to window, by about the same factor each time? One that only passes near
+/// where a periodic motion has ceased to exist comes nearer by ever less.
+pub(super) fn is_closing(closures: &[Closure]) -> bool {
+    let Some(first) = closures.len().checked_sub(4) else { return false };
+    let last = &closures[first..];
+    let same = last.windows(2).all(|two| have_same_period(&two[0], &two[1]));
+    let factors: Vec<f64> = last.windows(2).map(|two| two[1].distance / two[0].distance).collect();
+    let [least, most] = [
+        factors.iter().copied().fold(f64::INFINITY, f64::min),
+        factors.iter().copied().fold(0.0, f64::max),
+    ];
+    let goes_on = 1.0 - factors[2] >= SAME_SPEED * (1.0 - factors[0]);
+    same && most < 0.95 && most <= SAME_FACTOR * least && goes_on
+}
+
+fn have_same_period(a: &Closure, b: &Closure) -> bool {
+    (a.period / b.period - 1.0).abs() < 1e-2
+}
+
+/// Is the period that was found the shortest? A motion that winds itself round a periodic one comes back best after
+/// several of that one's periods; then its shorter returns come nearer, too.
+pub(super) fn has_no_shorter_period(closures: &[Closure]) -> bool {
+    match closures {
+        [.., Closure { shorter: None, .. }] => true,
+        [.., a, b] if have_same_period(a, b) => {
+            let (Some(before), Some(now)) = (a.shorter, b.shorter) else { return false };
+            (now / before - 1.0).abs() <= SAME_RETURN
+        }
+        _ => false,
+    }
 }
 
 /// The way of one step of the paper's scheme, which sees events at whole steps only, in parts of the size of a motion with
@@ -346,6 +395,28 @@ pub(super) fn parting(
     })
 }
 
+/// Are all telling lines, the strongest first, combinations of two frequencies?
+pub(super) fn has_two_frequencies(found: &Lines) -> bool {
+    let Some(strongest) = found.lines.first() else { return false };
+    let main = strongest.frequency;
+    let meets = MEETS * found.resolution;
+    let is_multiple =
+        |of: f64| (of - (of / main).round() * main).abs() <= meets * (1.0 + of / main);
+    // A second frequency that has only just set in may be fainter than the lines that must combine.
+    let mut frequencies = found.lines.iter().map(|line| line.frequency);
+    let Some(second) = frequencies.find(|of| !is_multiple(*of)) else { return false };
+    let combines = |of: f64| {
+        (-HIGHEST_ORDER..=HIGHEST_ORDER).any(|n| {
+            let rest = of - f64::from(n) * main;
+            let m = (rest / second).round();
+            let order = f64::from(n.abs()) + m.abs();
+            order <= f64::from(HIGHEST_ORDER) && (rest - m * second).abs() <= meets * (1.0 + order)
+        })
+    };
+    let is_telling = |line: &&Line| line.amplitude >= TELLING * strongest.amplitude;
+    found.lines.iter().filter(is_telling).all(|line| combines(line.frequency))
+}
+
 /// The kind of a motion that does not come back, from how neighbours part and whether its lines are combinations of
 /// two frequencies.
 pub(super) const fn kind_without_period(parting: Parting, has_two_frequencies: bool) -> Kind {
@@ -353,5 +424,26 @@ pub(super) const fn kind_without_period(parting: Parting, has_two_frequencies: b
         Parting::Exponential(_) => Kind::Irregular,
         Parting::Regular if has_two_frequencies => Kind::QuasiPeriodic,
         Parting::Regular | Parting::Unknown => Kind::Undecided,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn frequencies_are_combinations_of_two_or_not() {
+        let difference = 219.38 - 167.81;
+        let has_two = |lines: &[(f64, f64)]| {
+            let line = |&(frequency, amplitude)| Line { frequency, amplitude };
+            let lines = lines.iter().map(line).collect();
+            has_two_frequencies(&Lines { lines, share: 1.0, resolution: 1.0 })
+        };
+        assert!(has_two(&[(219.38, 1.0), (167.81, 0.3), (difference, 0.1)]));
+        assert!(!has_two(&[(219.38, 1.0), (167.81, 0.3), (difference, 0.1), (91.237, 0.1)]));
+        // The second one may be faint, and so may be others that are no combinations.
+        assert!(has_two(&[(219.38, 1.0), (438.76, 0.1), (167.81, 3e-3), (91.237, 2e-3)]));
+        // One frequency is no combination of two.
+        assert!(!has_two(&[(219.38, 1.0), (438.76, 0.1)]) && !has_two(&[]));
     }
 }

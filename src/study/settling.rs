@@ -5,22 +5,21 @@
 //! displacements, so that nothing hides where one output does not see it.
 
 use super::ending::{Ending, Kind};
+use super::linear::{
+    Growth, growth, has_linear_friction, has_states_of_rest, may_pull, stays_linear,
+};
 use super::look::{Look, output};
 use super::period::{OverPeriod, over_period};
 use super::recurrence::{
-    Closure, Parting, closure, is_closed, is_too_coarse, kind_without_period, parting,
+    Closure, Parting, closure, has_no_shorter_period, has_two_frequencies, is_closed, is_closing,
+    is_too_coarse, kind_without_period, parting,
 };
 use crate::Error;
 use crate::accuracy::half_range;
-use crate::contact::ContactState;
 use crate::integrator::Statistics;
-use crate::model::LumpedModel;
-use crate::scene::Scene;
 use crate::simulation::{Simulation, Variable};
 use crate::spectral::{Line, Lines, Window, lines};
-use crate::stability::Spectrum;
-use crate::stability::candidates::resting_state;
-use crate::sweep::steady::{STANDING, is_steady, mixture, weighted_deviation};
+use crate::sweep::steady::{ROUNDING, STANDING, is_steady, mixture, weighted_deviation};
 
 /// Lines of more than this part of the strongest one must be the same.
 const STRONG: f64 = 1e-2;
@@ -33,30 +32,14 @@ const FAINT: f64 = 1e-4;
 /// lobes, in parts of it, can feign.
 const GROWN: f64 = 0.01;
 const SIDE_LOBES: f64 = 3e-5;
-/// What moves by less than this part of the largest displacement, or of the equilibrium's, rests.
-const ROUNDING: f64 = 1e-12;
 /// A motion decays to rest if it, going on as it does, ends below this part of what is left of it.
 const REST: f64 = 0.2;
 /// A motion whose lines never stay has settled as irregular when over so many windows its size has no trend.
 const IRREGULAR_WINDOWS: usize = 12;
-/// Lines of more than this part of the strongest one tell the kinds of motion apart. Weaker ones may be high
-/// multiples, as kinks have them, which rows this far apart show at another frequency.
-const TELLING: f64 = 1e-2;
 /// Lines of more than this part of the strongest one are told.
 const TOLD: f64 = 1e-3;
-/// The highest order of a combination of two frequencies.
-const HIGHEST_ORDER: i32 = 12;
-/// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
-/// factors of the last windows differ by less than this.
-const SAME_FACTOR: f64 = 1.5;
-/// What is left of a factor to one may get smaller over three windows by this factor.
-const SAME_SPEED: f64 = 0.9;
-/// Shorter returns of a periodic motion are as far away in each window, but for this part.
-const SAME_RETURN: f64 = 0.02;
 /// Windows from one look at how neighbouring motions part to the next.
 const WINDOWS_BETWEEN: usize = 12;
-/// How well a frequency meets a multiple, in parts of the lines' resolution.
-const MEETS: f64 = 0.01;
 
 /// A motion that is looked at until it is settled.
 pub(crate) struct Settling {
@@ -121,13 +104,9 @@ struct Surroundings<'a> {
     may_rest: bool,
     /// `true` where no contact can change its state, so that motions are linear at any size.
     stays_linear: bool,
-    /// Growth rate of the fastest growing mode in the present contact states, 1/s and in parts of the fastest mode's
-    /// angular frequency; `None` where motion in these states is not linear or cannot be analysed.
-    growth: &'a dyn Fn() -> Option<(f64, f64)>,
+    /// As [`growth`] has it in the present contact states.
+    growth: &'a dyn Fn() -> Option<Growth>,
 }
-
-/// Growth in parts of the fastest mode's angular frequency that rounding may feign.
-const MORE_THAN_ROUNDING: f64 = 1e-9;
 
 impl Settling {
     /// Looks at a simulation from where it is.
@@ -256,10 +235,8 @@ impl Settling {
         let mut ending = self.ending(kind, simulation.is_driven_on());
         if ending.linear && kind == Kind::Unsettled && !simulation.is_driven_on() {
             // Two windows may differ by noise; eigenvalues do not.
-            ending.rate = match growth(simulation) {
-                Some((rate, relative)) if relative.abs() > MORE_THAN_ROUNDING => rate,
-                _ => 0.0,
-            };
+            let goes = |growth: &Growth| growth.is_growing() || growth.is_decaying();
+            ending.rate = growth(simulation).filter(goes).map_or(0.0, |growth| growth.rate);
         }
         ending.parting = parting;
         if let Some(closure) = self.closures.last().filter(|_| kind.is_cycle()) {
@@ -291,9 +268,9 @@ impl Settling {
             return Course::Rests;
         }
         if is_free && around.may_rest && (is_rounding || rests(&self.seen) || is_calm(&self.seen)) {
-            let growth = (around.growth)().map(|(_, relative)| relative);
-            let is_growing = growth.is_some_and(|growth| growth > MORE_THAN_ROUNDING);
-            let is_decaying = growth.is_some_and(|growth| growth < -MORE_THAN_ROUNDING);
+            let growth = (around.growth)();
+            let is_growing = growth.is_some_and(Growth::is_growing);
+            let is_decaying = growth.is_some_and(Growth::is_decaying);
             // A calm motion has only its eigenvalues to say that it decays.
             if is_decaying || !is_growing && (is_rounding || rests(&self.seen)) {
                 return Course::Rests;
@@ -447,47 +424,6 @@ pub(crate) fn settle(
     }
 }
 
-/// Growth rate of the fastest growing mode in the contact states that the motion is in, 1/s and in parts of the fastest
-/// mode's angular frequency. `None` where motion in these states is not linear, or cannot be analysed.
-fn growth(simulation: &Simulation) -> Option<(f64, f64)> {
-    let scene = simulation.acting();
-    if !has_linear_friction(scene) {
-        return None;
-    }
-    let mut model = LumpedModel::from(scene);
-    model.linearise(simulation.reference());
-    let states = simulation.contact_states();
-    let spectrum = Spectrum::of(&model, states, scene.friction_coefficient).ok()?;
-    let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
-    let rate = spectrum.growth_rate();
-    Some((rate, rate / fastest.max(rate.abs())))
-}
-
-/// Can friction take no other size than in proportion to the normal force?
-fn has_linear_friction(scene: &Scene) -> bool {
-    scene.friction_law.about().is_constant()
-}
-
-/// Can a contact pull while its friction follows the size of the normal force?
-fn may_pull(scene: &Scene) -> bool {
-    scene.effects.sticking && !scene.effects.detachment && scene.contact_count() > 0
-}
-
-/// Is every contact closed in a state of rest, or open? One that sticks to a moving surface is carried on by it.
-fn has_states_of_rest(simulation: &Simulation) -> bool {
-    let scene = simulation.acting();
-    let at_rest = resting_state(&LumpedModel::from(scene), scene.slider.velocity);
-    let states = simulation.contact_states().iter().zip(&at_rest);
-    states.into_iter().all(|(state, at_rest)| state == at_rest || *state == ContactState::Detached)
-}
-
-/// `true` where no contact can stick, open or slip the other way, so that motions are linear at any size.
-fn stays_linear(simulation: &Simulation) -> bool {
-    let scene = simulation.scene();
-    has_linear_friction(scene)
-        && (scene.contact_count() == 0 || !scene.effects.sticking && !scene.effects.detachment)
-}
-
 /// Has no contact changed its state over two windows, in the last of which the motion got smaller?
 fn is_calm(seen: &[Seen]) -> bool {
     matches!(seen, [.., before, last] if !before.changed && !last.changed && last.size < before.size)
@@ -495,40 +431,7 @@ fn is_calm(seen: &[Seen]) -> bool {
 
 /// Does a motion grow that nothing can stop, since its contacts cannot change their states?
 fn is_unbounded(around: Surroundings<'_>) -> bool {
-    let grows = |(_, relative)| relative > MORE_THAN_ROUNDING;
-    around.stays_linear && (around.growth)().is_some_and(grows)
-}
-
-/// Does the state come back nearer from window to window, by about the same factor each time? One that only passes near
-/// where a periodic motion has ceased to exist comes nearer by ever less.
-fn is_closing(closures: &[Closure]) -> bool {
-    let Some(first) = closures.len().checked_sub(4) else { return false };
-    let last = &closures[first..];
-    let same = last.windows(2).all(|two| have_same_period(&two[0], &two[1]));
-    let factors: Vec<f64> = last.windows(2).map(|two| two[1].distance / two[0].distance).collect();
-    let [least, most] = [
-        factors.iter().copied().fold(f64::INFINITY, f64::min),
-        factors.iter().copied().fold(0.0, f64::max),
-    ];
-    let goes_on = 1.0 - factors[2] >= SAME_SPEED * (1.0 - factors[0]);
-    same && most < 0.95 && most <= SAME_FACTOR * least && goes_on
-}
-
-fn have_same_period(a: &Closure, b: &Closure) -> bool {
-    (a.period / b.period - 1.0).abs() < 1e-2
-}
-
-/// Is the period that was found the shortest? A motion that winds itself round a periodic one comes back best after
-/// several of that one's periods; then its shorter returns come nearer, too.
-fn has_no_shorter_period(closures: &[Closure]) -> bool {
-    match closures {
-        [.., Closure { shorter: None, .. }] => true,
-        [.., a, b] if have_same_period(a, b) => {
-            let (Some(before), Some(now)) = (a.shorter, b.shorter) else { return false };
-            (now / before - 1.0).abs() <= SAME_RETURN
-        }
-        _ => false,
-    }
+    around.stays_linear && (around.growth)().is_some_and(Growth::is_growing)
 }
 
 /// From the mean, root mean square.
@@ -575,28 +478,6 @@ fn has_no_trend(sizes: &[f64]) -> bool {
 fn near(line: &Line, window: &Lines, part: f64) -> Option<f64> {
     let at = |other: &&Line| (other.frequency - line.frequency).abs() <= part * window.resolution;
     window.lines.iter().find(at).map(|other| other.amplitude)
-}
-
-/// Are all telling lines, the strongest first, combinations of two frequencies?
-fn has_two_frequencies(found: &Lines) -> bool {
-    let Some(strongest) = found.lines.first() else { return false };
-    let main = strongest.frequency;
-    let meets = MEETS * found.resolution;
-    let is_multiple =
-        |of: f64| (of - (of / main).round() * main).abs() <= meets * (1.0 + of / main);
-    // A second frequency that has only just set in may be fainter than the lines that must combine.
-    let mut frequencies = found.lines.iter().map(|line| line.frequency);
-    let Some(second) = frequencies.find(|of| !is_multiple(*of)) else { return false };
-    let combines = |of: f64| {
-        (-HIGHEST_ORDER..=HIGHEST_ORDER).any(|n| {
-            let rest = of - f64::from(n) * main;
-            let m = (rest / second).round();
-            let order = f64::from(n.abs()) + m.abs();
-            order <= f64::from(HIGHEST_ORDER) && (rest - m * second).abs() <= meets * (1.0 + order)
-        })
-    };
-    let is_telling = |line: &&Line| line.amplitude >= TELLING * strongest.amplitude;
-    found.lines.iter().filter(is_telling).all(|line| combines(line.frequency))
 }
 
 #[cfg(test)]
@@ -724,22 +605,6 @@ mod tests {
     }
 
     #[test]
-    fn frequencies_are_combinations_of_two_or_not() {
-        let difference = 219.38 - 167.81;
-        let has_two = |lines: &[(f64, f64)]| {
-            let line = |&(frequency, amplitude)| Line { frequency, amplitude };
-            let lines = lines.iter().map(line).collect();
-            has_two_frequencies(&Lines { lines, share: 1.0, resolution: 1.0 })
-        };
-        assert!(has_two(&[(219.38, 1.0), (167.81, 0.3), (difference, 0.1)]));
-        assert!(!has_two(&[(219.38, 1.0), (167.81, 0.3), (difference, 0.1), (91.237, 0.1)]));
-        // The second one may be faint, and so may be others that are no combinations.
-        assert!(has_two(&[(219.38, 1.0), (438.76, 0.1), (167.81, 3e-3), (91.237, 2e-3)]));
-        // One frequency is no combination of two.
-        assert!(!has_two(&[(219.38, 1.0), (438.76, 0.1)]) && !has_two(&[]));
-    }
-
-    #[test]
     fn noise_varies_without_a_trend() {
         let noise = |t: f64| {
             let mut bits = t.to_bits().wrapping_mul(0x9E37_79B9_7F4A_7C15);
@@ -773,7 +638,7 @@ mod tests {
             let look = Look::of(&scene, &Wish::default()).unwrap();
             let simulation = Simulation::new(scene, 0.0).unwrap();
             let mut settling = Settling::new(&simulation, &look).unwrap();
-            let growth = || Some((growth, growth));
+            let growth = || Some(Growth { rate: growth, relative: growth });
             let around = Surroundings { stays_linear, growth: &growth, ..FREE };
             let courses = (0..4).map(|window| {
                 let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;

@@ -20,7 +20,7 @@ use crate::stability::parallel::collect;
 use observed::{frequencies, interval};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use steady::{drifts, is_steady, mixture, weighted_deviation};
+use steady::{ROUNDING, drifts, is_steady, mixture, weighted_deviation};
 
 /// A parameter's name with its unit, for an axis.
 #[must_use]
@@ -177,7 +177,7 @@ fn run(
 /// The size of a motion, m, below which rounding moves what rests.
 fn smallest(simulation: &Simulation) -> f64 {
     let displacement = &simulation.reference().displacement;
-    1e-12 * displacement.iter().fold(0.0, |most, x| f64::max(most, x.abs()))
+    ROUNDING * displacement.iter().fold(0.0, |most, x| f64::max(most, x.abs()))
 }
 
 /// What is kept of a run.

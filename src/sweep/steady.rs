@@ -6,6 +6,8 @@ const SAME_SIZE: f64 = 1e-3;
 const LEFT_TO_GO: f64 = 2e-3;
 /// A drift that does not slow down must be below this, relative: rounding.
 pub(crate) const STANDING: f64 = 1e-7;
+/// What moves by less than this part of the largest displacement, or of the equilibrium's, rests.
+pub(crate) const ROUNDING: f64 = 1e-12;
 
 /// A sum of all displacements with factors that no symmetry of a structure has.
 #[allow(clippy::cast_precision_loss)]

@@ -1,5 +1,5 @@
-//! The same physics once more, written for tests alone: matrices, equilibrium, eigenvalues and time steps from the
-//! elements of a scene. It takes nothing from the program but the values that a scene file gives.
+//! This module computes the program's physics a second time, for tests alone: matrices, equilibrium, eigenvalues and time
+//! steps follow from the elements of a scene. It takes nothing from the program but the values that a scene file gives.
 //!
 //! Motion is by Moreau and Jean's scheme: trapezoidal rule, inelastic impacts, Gauss–Seidel over the contacts. It is of
 //! first order at changes of contact state, so every comparison halves the step to know its error.
@@ -8,7 +8,7 @@ use amontons::contact::Law;
 use amontons::scene::{Network, Scene, Structure};
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// What a contact does, as the program abbreviates it.
+/// The state of a contact, which the program abbreviates.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum State {
     Slides,
@@ -50,7 +50,7 @@ pub struct Oracle {
     pub start: [DVector<f64>; 2],
 }
 
-/// What a long run ends in.
+/// The motion that a long run ends in.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
     pub rests: bool,
@@ -296,6 +296,12 @@ impl Oracle {
         self.eigenvalues(states).iter().map(|value| value.re).fold(f64::NEG_INFINITY, f64::max)
     }
 
+    /// The largest growth rate in these states, 1/s, unless rounding might feign it.
+    pub fn clear_growth(&self, states: &[State]) -> Option<f64> {
+        let largest = self.eigenvalues(states).iter().map(|value| value.norm()).fold(0.0, f64::max);
+        Some(self.growth(states)).filter(|growth| growth.abs() > 1e-6 * largest)
+    }
+
     /// Each contact slides as its surface moves.
     pub fn sliding(&self) -> Vec<State> {
         let state = |v: &f64| match *v {
@@ -306,7 +312,7 @@ impl Oracle {
         self.velocity.iter().map(state).collect()
     }
 
-    /// Displacements from the equilibrium of the start, m, at so many times that are `interval` (s) apart.
+    /// Follows the motion over `count` rows that are `interval` (s) apart, and gives displacements from the equilibrium, m.
     pub fn rows(&self, count: usize, interval: f64, steps: usize) -> Vec<DVector<f64>> {
         let mut motion = Motion::of(self, interval / steps as f64);
         (0..count)
@@ -317,7 +323,7 @@ impl Oracle {
             .collect()
     }
 
-    /// What a run over `time` (s) ends in, seen over its last tenth.
+    /// Runs over `time` (s) and tells, from the last tenth, what the motion ends in.
     pub fn end(&self, time: f64, step: f64) -> End {
         Motion::of(self, step).end(time)
     }
@@ -398,7 +404,7 @@ impl Motion {
         motion
     }
 
-    /// The same motion with another common friction coefficient; a static one above it stays.
+    /// Goes on with another common friction coefficient; a static coefficient above it stays.
     pub fn with_friction(&mut self, mu: f64) {
         for (friction, is_common) in self.scene.friction.iter_mut().zip(&self.scene.is_common) {
             let [kinetic, at_rest] = *friction;
@@ -475,7 +481,7 @@ impl Motion {
         }
     }
 
-    /// What it has come to after `time` (s), seen over the last tenth of it.
+    /// Goes on for `time` (s) and tells, from the last tenth, what the motion ends in.
     pub fn end(&mut self, time: f64) -> End {
         let steps = (time / self.h).round() as usize;
         let last = steps - steps / 10;

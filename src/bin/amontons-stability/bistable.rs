@@ -199,15 +199,14 @@ fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
         all.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(", ")
     };
     let [rested, other, unsettled, failed] = tried.count();
-    let moves =
-        |attempt: &&Attempt| attempt.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle());
-    let second = tried.attempts.iter().find(moves).map_or_else(String::new, |attempt| {
-        format!(
-            "; a second motion there is all the same: a push of {} m/s at µ = {} ends in it",
-            significant(attempt.push, 3),
-            significant(attempt.friction, 6)
-        )
-    });
+    let second =
+        tried.attempts.iter().find(|attempt| attempt.moves()).map_or_else(String::new, |attempt| {
+            format!(
+                "; a second motion there is all the same: a push of {} m/s at µ = {} ends in it",
+                significant(attempt.push, 3),
+                significant(attempt.friction, 6)
+            )
+        });
     writeln!(
         out,
         "not met: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; {rested} came to rest, \

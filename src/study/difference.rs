@@ -1,0 +1,65 @@
+//! This module tells how different two motions are, as far as endings show it.
+
+use super::ending::{Ending, Kind};
+
+/// Extents that differ by more than this part, from one value to the next or between the ways, may be of different
+/// motions.
+pub(super) const OTHER_EXTENT: f64 = 0.05;
+/// Sizes of irregular motions that differ by more than this part may.
+const OTHER_IRREGULAR: f64 = 0.25;
+/// Frequencies that differ by more than this part may.
+const OTHER_FREQUENCY: f64 = 0.02;
+/// What another kind adds: with nothing else it is no other motion, as a second frequency may come and go gently.
+const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
+/// Displacements with less than this part of the largest extent do not tell motions apart.
+const SEEN: f64 = 1e-2;
+
+/// Are two motions known to be of different kinds?
+pub(super) fn have_other_kinds(a: &Ending, b: &Ending) -> bool {
+    let is_open = |ending: &Ending| matches!(ending.kind, Kind::Undecided | Kind::Unsettled);
+    a.kind != b.kind && !is_open(a) && !is_open(b)
+}
+
+/// How different two motions are: 0 for the same; where one rests or grows without bound and the other does not, as far
+/// as can be.
+pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
+    const FAR: f64 = 10.0;
+    let is_unbounded = |ending: &Ending| ending.kind == Kind::Unbounded;
+    // Nothing is known of two motions that have not settled, and so no jump between them.
+    if [a, b].iter().all(|ending| ending.kind == Kind::Unsettled && !ending.is_known()) {
+        return 0.0;
+    }
+    // An undamped motion in which no contact changes its state has any size, that of rest among them.
+    let is_neutral = |ending: &Ending| ending.kind.is_cycle() && ending.linear;
+    if (a.rests() || is_neutral(a)) && (b.rests() || is_neutral(b)) {
+        return 0.0;
+    }
+    if a.rests() != b.rests() || is_unbounded(a) != is_unbounded(b) {
+        return FAR;
+    }
+    if is_unbounded(a) {
+        return 0.0;
+    }
+    let largest = |ending: &Ending| ending.extents.iter().copied().fold(0.0, f64::max);
+    let seen = SEEN * largest(a).max(largest(b));
+    let log = |a: f64, b: f64| if a > 0.0 && b > 0.0 { libm::log(a / b).abs() } else { 0.0 };
+    let extents = a.extents.iter().zip(&b.extents).filter(|(a, b)| a.max(**b) >= seen);
+    let extents = extents.map(|(a, b)| log(*a, *b)).fold(0.0, f64::max);
+    let size = match [a.kind, b.kind] {
+        // Over a window the extents of a motion without a period vary.
+        [Kind::Irregular, _] | [_, Kind::Irregular] => {
+            log(a.size, b.size) * OTHER_EXTENT / OTHER_IRREGULAR
+        }
+        _ => extents.max(log(a.size, b.size)),
+    };
+    // Of two lines that are equally strong either may be the first.
+    let pitch = |a: &Ending, b: &Ending| match (a.frequency, &b.lines[..]) {
+        (Some(a), [_, ..]) => b.lines.iter().map(|line| log(a, line[0])).fold(1.0, f64::min),
+        (None, []) => 0.0,
+        _ => 1.0,
+    };
+    let pitch = pitch(a, b).max(pitch(b, a));
+    // Frequencies change less than extents where motions are the same.
+    let kind = if have_other_kinds(a, b) { OTHER_KIND } else { 0.0 };
+    size + pitch * OTHER_EXTENT / OTHER_FREQUENCY + kind
+}

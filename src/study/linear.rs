@@ -1,0 +1,74 @@
+//! This module tells whether the motion of a simulation is linear, and whether it then grows or decays: what eigenvalues
+//! know of it.
+
+use crate::contact::ContactState;
+use crate::model::LumpedModel;
+use crate::scene::Scene;
+use crate::simulation::Simulation;
+use crate::stability::Spectrum;
+use crate::stability::candidates::resting_state;
+
+/// Rounding may feign a growth of this part of the fastest mode's angular frequency.
+const MORE_THAN_ROUNDING: f64 = 1e-9;
+
+/// The growth rate of the fastest growing mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Growth {
+    /// 1/s.
+    pub rate: f64,
+    /// In parts of the fastest mode's angular frequency.
+    pub relative: f64,
+}
+
+impl Growth {
+    /// Does a mode grow, by more than rounding?
+    pub(super) fn is_growing(self) -> bool {
+        self.relative > MORE_THAN_ROUNDING
+    }
+
+    /// Do all modes decay, by more than rounding?
+    pub(super) fn is_decaying(self) -> bool {
+        self.relative < -MORE_THAN_ROUNDING
+    }
+}
+
+/// The growth rate in the contact states that the motion is in. `None` where motion in these states is not linear, or
+/// cannot be analysed.
+pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
+    let scene = simulation.acting();
+    if !has_linear_friction(scene) {
+        return None;
+    }
+    let mut model = LumpedModel::from(scene);
+    model.linearise(simulation.reference());
+    let states = simulation.contact_states();
+    let spectrum = Spectrum::of(&model, states, scene.friction_coefficient).ok()?;
+    let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
+    let rate = spectrum.growth_rate();
+    Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })
+}
+
+/// Can friction take no other size than in proportion to the normal force?
+pub(super) fn has_linear_friction(scene: &Scene) -> bool {
+    scene.friction_law.about().is_constant()
+}
+
+/// Can a contact pull while its friction follows the size of the normal force?
+pub(super) fn may_pull(scene: &Scene) -> bool {
+    scene.effects.sticking && !scene.effects.detachment && scene.contact_count() > 0
+}
+
+/// Is every contact closed in a state of rest, or open? One that sticks to a moving surface is carried on by it.
+pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
+    let scene = simulation.acting();
+    let at_rest = resting_state(&LumpedModel::from(scene), scene.slider.velocity);
+    let states = simulation.contact_states().iter().zip(&at_rest);
+    states.into_iter().all(|(state, at_rest)| state == at_rest || *state == ContactState::Detached)
+}
+
+/// `true` where no contact can stick, open or slip the other way, so that motions are linear at any size.
+pub(super) fn stays_linear(simulation: &Simulation) -> bool {
+    let scene = simulation.scene();
+    has_linear_friction(scene)
+        && (scene.contact_count() == 0 || !scene.effects.sticking && !scene.effects.detachment)
+}
