@@ -7,7 +7,7 @@ use amontons::contact::ContactState::{self, Detached, Slide, Stick};
 use amontons::scene::{Method, Scene, builtin};
 use amontons::simulation::{Simulation, assign};
 use amontons::study::{
-    Change, Ending, Journal, Kind, LimitCycles, Look, Question, Watch, Wish, limit_cycles, pace,
+    Change, Ending, Journal, Kind, LimitCycles, Look, Question, Watch, Wish, limit_cycles,
 };
 use program::{assert_refused, folder, run, text};
 use std::f64::consts::PI;
@@ -28,12 +28,14 @@ fn set1() -> Scene {
 }
 
 /// A study by exact motion, or by the paper's scheme with a step, s.
-fn study(mut scene: Scene, name: &str, values: &[f64], step: Option<f64>) -> LimitCycles {
-    let look = Look::of(&scene, &Wish::default()).unwrap();
-    match step {
-        Some(step) => (scene.method, scene.step) = (Method::ForwardIncrement, step),
-        None => pace(&mut scene, &look),
-    }
+fn study(scene: Scene, name: &str, values: &[f64], step: Option<f64>) -> LimitCycles {
+    let prepare = |scene: &mut Scene| {
+        if let Some(step) = step {
+            (scene.method, scene.step) = (Method::ForwardIncrement, step);
+            return Look::of(scene, &Wish::default());
+        }
+        Look::paced(scene, &Wish::default())
+    };
     let question = Question {
         name: name.to_owned(),
         values: values.to_vec(),
@@ -41,7 +43,7 @@ fn study(mut scene: Scene, name: &str, values: &[f64], step: Option<f64>) -> Lim
         portraits: None,
         contacts: 2,
     };
-    limit_cycles(&scene, &look, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+    limit_cycles(&scene, &prepare, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
 fn endings(found: &LimitCycles) -> Vec<&Ending> {

@@ -266,6 +266,19 @@ fn the_amplitude_and_frequency_of_an_oscillator_are_those_of_its_closed_form() {
 }
 
 #[test]
+fn what_is_said_of_a_value_does_not_depend_on_the_other_values() {
+    let scene = builtin("stick_slip").unwrap().scene();
+    let view = View { outputs: vec![output(&scene, "mass.block.x").unwrap()], window: 2.0 };
+    let swept = |stiffnesses: &[f64]| {
+        let go_on = |_| ControlFlow::Continue(());
+        sweep(&scene, "spring.hold.stiffness", stiffnesses, &view, &go_on).unwrap()
+    };
+    // The stiffer spring has its rows ten times nearer to each other.
+    let (soft, stiff, both) = (swept(&[100.0]), swept(&[1e4]), swept(&[100.0, 1e4]));
+    assert_eq!(both, [soft, stiff].concat());
+}
+
+#[test]
 fn a_sweep_says_what_the_runs_of_its_values_say() {
     let folder = folder();
     // A number of values that fills no whole number of vectors.

@@ -12,6 +12,9 @@ const SAME_FREQUENCY: f64 = 1e-3;
 /// Are these endings one motion? All rest is one, and so is all growth without bound; cycles are that agree in the
 /// extents of all displacements and in their periods or strongest frequencies; motions without a period that agree in
 /// about these extents. What has not settled is like nothing.
+///
+/// Cycles that are each other's mirror image, or the same wave running the other way round a ring, agree in all of this
+/// and count as one.
 #[must_use]
 pub fn is_same(a: &Ending, b: &Ending) -> bool {
     let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
@@ -49,29 +52,33 @@ pub fn is_same(a: &Ending, b: &Ending) -> bool {
 pub fn attractors<'a>(
     endings: impl IntoIterator<Item = Option<&'a Ending>>,
 ) -> (Vec<Ending>, Vec<Option<usize>>) {
-    let mut found: Vec<&Ending> = Vec::new();
-    let mut place = |ending: &'a Ending| {
-        // Of a linear motion that nothing damps every size is one.
-        if ending.kind == Kind::Unsettled || !ending.is_known() {
-            return None;
-        }
-        let known = found.iter().position(|known| is_same(known, ending));
-        Some(known.unwrap_or_else(|| {
-            found.push(ending);
-            found.len() - 1
-        }))
-    };
-    let places: Vec<Option<usize>> =
-        endings.into_iter().map(|ending| ending.and_then(&mut place)).collect();
-    let size = |ending: &Ending| if ending.kind.is_cycle() { ending.amplitude } else { -1.0 };
-    let mut order: Vec<usize> = (0..found.len()).collect();
-    order.sort_by(|&a, &b| size(found[a]).total_cmp(&size(found[b])));
-    let mut rank = vec![0; found.len()];
-    for (place, &old) in order.iter().enumerate() {
-        rank[old] = place;
+    // Of a linear motion that nothing damps every size is one.
+    let is_motion = |ending: &&Ending| ending.kind != Kind::Unsettled && ending.is_known();
+    let endings: Vec<Option<&Ending>> =
+        endings.into_iter().map(|ending| ending.filter(is_motion)).collect();
+    // Places of the endings of each motion. What is the same as endings of two motions makes them one, so that the
+    // order of the endings does not matter.
+    let mut motions: Vec<Vec<usize>> = Vec::new();
+    for (place, ending) in endings.iter().enumerate() {
+        let Some(ending) = ending else { continue };
+        let is_of = |motion: &mut Vec<usize>| {
+            motion.iter().filter_map(|&other| endings[other]).any(|other| is_same(other, ending))
+        };
+        let mut one: Vec<usize> = motions.extract_if(.., is_of).flatten().collect();
+        one.push(place);
+        motions.push(one);
     }
-    let ordered = order.iter().map(|&old| found[old].clone()).collect();
-    (ordered, places.into_iter().map(|place| place.map(|place| rank[place])).collect())
+    let mut found: Vec<(&Ending, Vec<usize>)> = motions
+        .into_iter()
+        .filter_map(|places| Some((endings[*places.iter().min()?]?, places)))
+        .collect();
+    let size = |ending: &Ending| if ending.kind.is_cycle() { ending.amplitude } else { -1.0 };
+    found.sort_by(|(a, _), (b, _)| size(a).total_cmp(&size(b)));
+    let mut ranks = vec![None; endings.len()];
+    for (rank, (_, places)) in found.iter().enumerate() {
+        places.iter().for_each(|place| ranks[*place] = Some(rank));
+    }
+    (found.into_iter().map(|(ending, _)| ending.clone()).collect(), ranks)
 }
 
 #[cfg(test)]
@@ -121,5 +128,11 @@ mod tests {
         let (found, places) = attractors(all.into_iter().chain([None]));
         assert_eq!(found, [rest(1e-9), small.clone(), cycle.clone()]);
         assert_eq!(places, [Some(2), Some(0), None, Some(1), Some(0), Some(2), None]);
+        // The middle one is the same as both of its neighbours, whichever comes first.
+        let [low, middle, high] =
+            [1e-3, 1.015e-3, 1.03e-3].map(|amplitude| other(Kind::Periodic, amplitude, 100.0));
+        for order in [[&low, &middle, &high], [&low, &high, &middle], [&high, &middle, &low]] {
+            assert_eq!(attractors(order.map(Some)).1, [Some(0); 3]);
+        }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::Watch;
 use super::ending::{Ending, Kind};
-use super::look::{Look, Wish, pace};
+use super::look::{Look, Wish};
 use super::settling::settle;
 use super::visit::takes;
 use crate::Error;
@@ -103,8 +103,7 @@ fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Optio
         let friction = from + (to - from) * place;
         let mut scene = Scene { friction_coefficient: friction, ..scene.clone() };
         scene.rest();
-        let look = Look::of(&scene, &Wish::default())?;
-        pace(&mut scene, &look);
+        let look = Look::paced(&mut scene, &Wish::default())?;
         (found.longest, found.of) = (found.longest.max(look.longest), look.of.clone());
         let Some(along) = direction(&scene, candidate)? else { continue };
         for part in PUSHES {

@@ -5,7 +5,7 @@ use super::ending::{Ending, Kind};
 use super::portrait::{Portrait, portrait};
 use super::push::Push;
 use super::settling::settle;
-use super::{Journal, Look, Watch};
+use super::{Journal, Look, Prepare, Watch};
 use crate::Error;
 use crate::contact::ContactState;
 use crate::scene::Scene;
@@ -139,7 +139,7 @@ pub struct LimitCycles {
 }
 
 /// The motion with each value until it is settled: from the scene's own start, with a push where that is at rest
-/// ([`Push::of_resting`]); then the thresholds by bisection and the portraits, on all cores. `None` where the watch ended
+/// ([`Push::of_resting`]), prepared for itself; then the thresholds by bisection and the portraits, on all cores. `None` where the watch ended
 /// it.
 ///
 /// # Errors
@@ -147,13 +147,13 @@ pub struct LimitCycles {
 /// written.
 pub fn limit_cycles(
     scene: &Scene,
-    look: &Look,
+    prepare: Prepare<'_>,
     question: &Question,
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<LimitCycles>, Error> {
     let Question { name, values, resolution, portraits, contacts } = question;
-    let runs = Runs { scene, look, name, journal, watch };
+    let runs = Runs { scene, prepare, name, journal, watch };
     runs.check(values)?;
     for value in portraits.iter().flatten() {
         runs.with(*value)?;
@@ -246,37 +246,38 @@ fn regimes(outcomes: &[Outcome]) -> Vec<Regime> {
 /// What all runs share.
 struct Runs<'a> {
     scene: &'a Scene,
-    look: &'a Look,
+    prepare: Prepare<'a>,
     name: &'a str,
     journal: &'a Journal,
     watch: Watch<'a>,
 }
 
 impl Runs<'_> {
-    /// The scene with a value.
-    fn with(&self, value: f64) -> Result<Scene, Error> {
+    /// The scene with a value, and how its motion is looked at.
+    fn with(&self, value: f64) -> Result<(Scene, Look), Error> {
         let mut scene = self.scene.clone();
         assign(&mut scene, self.name, value)?;
-        Ok(scene)
+        let look = (self.prepare)(&mut scene)?;
+        Ok((scene, look))
     }
 
     /// A motion that has settled, and what it has ended in.
-    fn settled(&self, scene: Scene) -> Result<Option<(Simulation, Ending)>, Error> {
+    fn settled(&self, (scene, look): (Scene, Look)) -> Result<Option<(Simulation, Ending)>, Error> {
         let push = Push::of_resting(&scene);
         let mut simulation = Simulation::new(scene, 0.0)?;
         if let Some(push) = push {
             push.give(&mut simulation);
         }
-        let ending = settle(&mut simulation, self.look, &|| self.watch.is_over())?;
+        let ending = settle(&mut simulation, &look, &|| self.watch.is_over())?;
         Ok(ending.map(|ending| (simulation, ending)))
     }
 
     /// Refuses values that the parameter cannot have, and a scene that can start with none of them.
     fn check(&self, values: &[f64]) -> Result<(), Error> {
-        let scenes: Vec<Scene> =
+        let runs: Vec<(Scene, Look)> =
             values.iter().map(|value| self.with(*value)).collect::<Result<_, Error>>()?;
         let mut refused = None;
-        for scene in scenes {
+        for (scene, _) in runs {
             match Simulation::new(scene, 0.0) {
                 Ok(_) => return Ok(()),
                 Err(error) => refused = refused.or(Some(error)),
@@ -291,9 +292,9 @@ impl Runs<'_> {
 
     /// What the motion with a value ends in.
     fn outcome(&self, value: f64) -> Result<Option<Outcome>, Error> {
-        let scene = self.with(value)?;
+        let prepared = self.with(value)?;
         self.journal.piece(&self.key(value), || {
-            Ok(match self.settled(scene) {
+            Ok(match self.settled(prepared) {
                 Ok(found) => found.map(|(_, ending)| Outcome::Ending(ending)),
                 Err(error) => Some(Outcome::Failure(error.to_string())),
             })

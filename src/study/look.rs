@@ -108,6 +108,16 @@ impl Look {
         Ok(Self { of, interval, window, longest: windows * window })
     }
 
+    /// As [`of`](Self::of), and gives the scene the method and step that [`pace`] does.
+    ///
+    /// # Errors
+    /// As of [`of`](Self::of).
+    pub fn paced(scene: &mut Scene, wish: &Wish<'_>) -> Result<Self, Error> {
+        let look = Self::of(scene, wish)?;
+        pace(scene, &look);
+        Ok(look)
+    }
+
     /// Rows in a window.
     #[must_use]
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
@@ -122,6 +132,11 @@ impl Look {
         (self.longest / self.window).round() as usize
     }
 }
+
+/// Says how the motion of a scene is looked at, and gives the scene the method and step in which that motion is computed.
+///
+/// A study over a parameter calls it for each value: other stiffnesses and masses have other frequencies.
+pub type Prepare<'a> = &'a (dyn Fn(&mut Scene) -> Result<Look, Error> + Sync);
 
 /// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
 /// the quickest way to where a motion ends, and the truest. A step holds the values of signals, so signals make steps

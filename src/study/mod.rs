@@ -49,7 +49,7 @@ pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
 pub use journal::{Journal, Owner};
 pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
-pub use look::{Look, Wish, output, pace, unit};
+pub use look::{Look, Prepare, Wish, output, pace, unit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;
 

@@ -102,30 +102,38 @@ pub fn sweep(
         Ok(scene)
     };
     let scenes: Vec<Scene> = values.iter().map(with).collect::<Result<_, Error>>()?;
-    // One for all, so that runs stay together.
-    let output_interval = scene.experiment.output_interval;
-    let interval =
-        scenes.iter().map(|scene| interval(scene, output_interval)).fold(output_interval, f64::min);
-    let experiment = Experiment { output_interval: interval, ..scene.experiment };
-    let begin = view.begin(&experiment);
-    let rows = experiment.row_times().filter(|(time, is_whole)| *is_whole && *time >= begin);
-    if rows.count() < 2 {
-        return Err(Error::argument(format!(
-            "a window of {} s has no two rows, which are {interval} s apart; a longer --window or --stop-time has",
-            view.window
-        )));
+    // Each value has the rows that it would have by itself.
+    let observed = |mut scene: Scene| {
+        scene.experiment.output_interval = interval(&scene, scene.experiment.output_interval);
+        scene
+    };
+    let scenes: Vec<Scene> = scenes.into_iter().map(observed).collect();
+    for Scene { experiment, .. } in &scenes {
+        let begin = view.begin(experiment);
+        let rows = experiment.row_times().filter(|(time, is_whole)| *is_whole && *time >= begin);
+        if rows.take(2).count() < 2 {
+            return Err(Error::argument(format!(
+                "a window of {} s has no two rows, which are {} s apart; a longer --window or --stop-time has",
+                view.window, experiment.output_interval
+            )));
+        }
     }
     let width = Width::available().into_iter().next();
     let start = |scene: &Scene| Simulation::new(scene.clone(), 0.0);
     let first = scenes.iter().find_map(|scene| start(scene).ok());
     let size = first.map_or(1, |simulation| Batch::size(&simulation, width));
-    let groups: Vec<&[Scene]> = scenes.chunks(size).collect();
-    let (done, all) = (AtomicU64::new(0), groups.len() * experiment.row_times().count());
+    // Runs whose rows are at the same times go on together.
+    let groups: Vec<&[Scene]> = scenes
+        .chunk_by(|a, b| a.experiment == b.experiment)
+        .flat_map(|alike| alike.chunks(size))
+        .collect();
+    let count = |group: &&[Scene]| group[0].experiment.row_times().count();
+    let (done, all) = (AtomicU64::new(0), groups.iter().map(count).sum::<usize>());
     #[allow(clippy::cast_precision_loss)]
     let watch = || watch(done.fetch_add(1, Ordering::Relaxed) as f64 / all as f64);
     let runs = |i: usize| {
         let simulations = groups[i].iter().map(start).collect();
-        Ok(run(simulations, &experiment, width, view, &watch))
+        Ok(run(simulations, &groups[i][0].experiment, width, view, &watch))
     };
     Ok(collect(groups.len(), &runs, &|_| {})?.into_iter().flatten().collect())
 }

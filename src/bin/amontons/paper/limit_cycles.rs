@@ -7,8 +7,10 @@ use crate::study::limit_cycle::Told;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::report::{Claim, Content, Figure, Section};
+use amontons::scene::Scene;
 use amontons::study::{
-    Change, Journal, LimitCycles, Outcome, Portrait, Question, Threshold, Watch, limit_cycles,
+    Change, Journal, LimitCycles, Look, Outcome, Portrait, Question, Threshold, Watch, Wish,
+    limit_cycles,
 };
 
 /// µ of the figure.
@@ -40,9 +42,10 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         portraits: Some(SHOWN.to_vec()),
         contacts: 2,
     };
-    let found = limit_cycles(&scene, &look, &question, &Journal::forgotten(), watch)?;
+    let prepare = |scene: &mut Scene| Look::paced(scene, &Wish::default());
+    let found = limit_cycles(&scene, &prepare, &question, &Journal::forgotten(), watch)?;
     let Some(found) = found else { return Ok(None) };
-    let told = Told { scene: &scene, look: &look, question: &question, found: &found };
+    let told = Told { scene: &scene, of: &look.of, question: &question, found: &found };
     let command = format!(
         "amontons study limit-cycle set1 --set friction.coefficient={FRICTION} \
          --parameter slider.velocity=0.01:0.4:0.01 --portrait 0.05 --portrait 0.15 --portrait 0.25"

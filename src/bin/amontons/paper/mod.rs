@@ -18,7 +18,7 @@ use amontons::progress::Progress;
 use amontons::report::{Cell, Page, Section, Table, write};
 use amontons::scene::{Scene, named};
 use amontons::simulation::assign;
-use amontons::study::{Look, Watch, Wish, pace};
+use amontons::study::{Look, Watch, Wish};
 use clap::Args;
 use std::fs;
 use std::path::PathBuf;
@@ -102,8 +102,7 @@ fn scene(name: &str, values: &[(&str, f64)]) -> Result<(Scene, Look), Error> {
     for (name, value) in values {
         assign(&mut scene, name, *value)?;
     }
-    let look = Look::of(&scene, &Wish::default())?;
-    pace(&mut scene, &look);
+    let look = Look::paced(&mut scene, &Wish::default())?;
     Ok((scene, look))
 }
 

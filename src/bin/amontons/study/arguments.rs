@@ -4,8 +4,10 @@ use super::basin::Basin;
 use super::limit_cycle::LimitCycle;
 use super::perturbation::Perturbation;
 use crate::arguments::{Integrator, Values, positive};
+use amontons::study::Wish;
 use amontons::sweep::range::{self, assignment};
 use clap::{Args, Subcommand, ValueEnum};
+use serde::Serialize;
 use std::path::PathBuf;
 
 #[derive(Subcommand)]
@@ -67,7 +69,7 @@ impl Pictures {
 }
 
 /// How a study looks at motions, in place of what it derives from the scene.
-#[derive(Args)]
+#[derive(Args, Serialize)]
 pub struct Looking {
     /// The output whose amplitude and frequency are looked at [default: the first displacement]
     #[arg(long, value_name = "NAME")]
@@ -81,6 +83,17 @@ pub struct Looking {
     /// How long a motion may take to settle, s [default: 60 windows]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub longest: Option<f64>,
+}
+
+impl Looking {
+    pub fn wish(&self) -> Wish<'_> {
+        Wish {
+            of: self.of.as_deref(),
+            interval: self.interval,
+            window: self.window,
+            longest: self.longest,
+        }
+    }
 }
 
 /// A parameter and its values.

@@ -77,7 +77,7 @@ fn class(found: &Found, cell: &Cell) -> &'static str {
 fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
     let units = [x, y].map(|axis| unit_of(scene, &axis.name));
     println!("{}: {}, {}, and {}, {}", scene.name, x.name, units[0], y.name, units[1]);
-    println!("{}", heading(scene, look));
+    println!("{}", heading(&[(scene, look)]));
     attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
     let cells = || found.rows.iter().flatten();
     let count = |is: &dyn Fn(&Cell) -> bool| cells().filter(|cell| is(cell)).count();

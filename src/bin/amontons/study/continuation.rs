@@ -293,7 +293,7 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
 }
 
 fn print(scene: &Scene, look: &Look, found: &Continuation) {
-    println!("{}: what it ends in over µ\n{}\n", scene.name, heading(scene, look));
+    println!("{}: what it ends in over µ\n{}\n", scene.name, heading(&[(scene, look)]));
     for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
         println!("µ {}", way.name());
         for run in points.chunk_by(|a, b| kind(a) == kind(b)) {

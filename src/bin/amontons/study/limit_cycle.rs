@@ -2,7 +2,7 @@
 
 use super::arguments::{Common, Looking, named_steps};
 use super::folder::{Folder, quoted};
-use super::{heading, interrupted, prepared, watched};
+use super::{heading, interrupted, over, prepared, prepared_again, watched};
 use crate::arguments::Values;
 use amontons::contact::ContactState;
 use amontons::picture::{Chart, Mark, Panel, Series, Style};
@@ -80,10 +80,19 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
         portraits: (!drawn.is_empty()).then_some(drawn),
         contacts: arguments.contacts,
     };
-    let folder = Folder::open(common, "limit-cycle", (&scene, &source), &look)?;
-    let found = watched(|watch| limit_cycles(&scene, &look, &question, folder.journal(), watch))?;
+    let prepare = |scene: &mut Scene| prepared_again(scene, common, looking);
+    let mut runs = Vec::with_capacity(question.values.len());
+    for value in &question.values {
+        let mut scene = scene.clone();
+        assign(&mut scene, name, *value)?;
+        let look = prepare(&mut scene)?;
+        runs.push((scene, look));
+    }
+    let folder = Folder::open(common, "limit-cycle", (&scene, &source), (&look, looking))?;
+    let found =
+        watched(|watch| limit_cycles(&scene, &prepare, &question, folder.journal(), watch))?;
     let Some(found) = found else { return Err(interrupted(&folder)) };
-    let told = Told { scene: &scene, look: &look, question: &question, found: &found };
+    let told = Told { scene: &scene, of: &look.of, question: &question, found: &found };
     folder.write_csv(&told.head(), told.rows())?;
     folder.write_json(json!({ "question": question, "found": found }))?;
     folder.draw("limit-cycle", &told.chart())?;
@@ -94,7 +103,7 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
             folder.draw(&name, &told.portrait(portrait, direction))?;
         }
     }
-    told.print(&mut stdout().lock())?;
+    told.print(&runs, &mut stdout().lock())?;
     println!("{} has results.csv, study.json and pictures", folder.path().display());
     Ok(())
 }
@@ -102,7 +111,8 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
 /// What is told of a study.
 pub struct Told<'a> {
     pub scene: &'a Scene,
-    pub look: &'a Look,
+    /// The output that is looked at.
+    pub of: &'a str,
     pub question: &'a Question,
     pub found: &'a LimitCycles,
 }
@@ -160,7 +170,7 @@ impl Told<'_> {
 
     /// The unit of the output that is looked at, in brackets.
     fn unit(&self) -> String {
-        let unit = output(self.scene, &self.look.of).map_or("1", |output| unit(&output));
+        let unit = output(self.scene, self.of).map_or("1", |output| unit(&output));
         if unit == "1" { String::new() } else { format!(" [{unit}]") }
     }
 
@@ -204,7 +214,7 @@ impl Told<'_> {
             panel.series.iter().flat_map(|series| &series.points).any(|point| point[1].is_finite())
         });
         Chart {
-            title: format!("{}: what {} ends in", self.scene.name, self.look.of),
+            title: format!("{}: what {} ends in", self.scene.name, self.of),
             x_label: axis(self.scene, &self.question.name),
             panels,
             logarithmic: false,
@@ -306,10 +316,14 @@ impl Told<'_> {
         }
     }
 
-    fn print(&self, out: &mut dyn Write) -> std::io::Result<()> {
-        let Self { scene, look, question, found } = self;
+    fn print(&self, runs: &[(Scene, Look)], out: &mut dyn Write) -> std::io::Result<()> {
+        let Self { scene, question, found, .. } = self;
         writeln!(out, "{}: limit cycles over {}", scene.name, question.name)?;
-        writeln!(out, "{}", heading(scene, look))?;
+        writeln!(
+            out,
+            "{}",
+            heading(&runs.iter().map(|(scene, look)| (scene, look)).collect::<Vec<_>>())
+        )?;
         writeln!(out)?;
         let width = question.name.chars().count();
         let amplitude = format!("amplitude{}", self.unit());
@@ -365,15 +379,17 @@ impl Told<'_> {
                 None => writeln!(out)?,
             }
         }
-        let left: Vec<String> = self
+        let is_left = |outcome: &Outcome| matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled);
+        let left: Vec<(f64, &Look)> = self
             .outcomes()
-            .filter(|(_, outcome)| {
-                matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled)
-            })
-            .map(|(value, _)| format!("{value:?}"))
+            .zip(runs)
+            .filter(|((_, outcome), _)| is_left(outcome))
+            .map(|((value, _), (_, look))| (value, look))
             .collect();
         if !left.is_empty() {
-            writeln!(out, "not settled within {} s: {}", look.longest, left.join(", "))?;
+            let longest = over(left.iter().map(|(_, look)| look.longest));
+            let values: Vec<String> = left.iter().map(|(value, _)| format!("{value:?}")).collect();
+            writeln!(out, "not settled within {longest} s: {}", values.join(", "))?;
         }
         Ok(())
     }

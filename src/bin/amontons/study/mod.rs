@@ -15,7 +15,7 @@ use amontons::integrator::select;
 use amontons::progress::Progress;
 use amontons::scene::{self, Method, Scene, Selection, Source};
 use amontons::simulation::assign;
-use amontons::study::{Look, Watch, Wish, pace};
+use amontons::study::{Look, Watch, pace};
 use amontons::sweep::range::check_once;
 use arguments::{Common, Looking, Study};
 use folder::Folder;
@@ -55,11 +55,21 @@ fn prepared_with(
     default: fn(&mut Scene, &Look),
 ) -> Result<(Scene, Source, Look), amontons::Error> {
     let (mut scene, source) = found(common)?;
-    let Looking { of, window, interval, longest } = looking;
-    let wish = Wish { of: of.as_deref(), interval: *interval, window: *window, longest: *longest };
-    let look = Look::of(&scene, &wish)?;
+    let look = Look::of(&scene, &looking.wish())?;
     set_pace(&mut scene, common, &look, default)?;
     Ok((scene, source, look))
+}
+
+/// Prepares the scene of a study anew, after a parameter has taken another value: the method and step of the command line
+/// stay, those that follow how the scene is looked at do so again.
+fn prepared_again(
+    scene: &mut Scene,
+    common: &Common,
+    looking: &Looking,
+) -> Result<Look, amontons::Error> {
+    let look = Look::of(scene, &looking.wish())?;
+    follow(scene, common, &look, pace)?;
+    Ok(look)
 }
 
 /// Gives a scene the method and step of a study.
@@ -69,13 +79,8 @@ fn set_pace(
     look: &Look,
     default: fn(&mut Scene, &Look),
 ) -> Result<(), amontons::Error> {
-    let given = &common.integrator;
-    match (given.integrator, given.step, given.preset) {
-        (None, None, None) => default(scene, look),
-        (Some(Method::EventDriven), None, None) => {
-            scene.set_integrator(given.integrator, Some(look.interval))?;
-        }
-        _ => given.apply(scene)?,
+    if !follow(scene, common, look, default)? {
+        common.integrator.apply(scene)?;
     }
     // A tolerance chooses once, for the scene as it is given: so all runs have the same step.
     if let Some(tolerance) = scene.selection.tolerance() {
@@ -87,17 +92,46 @@ fn set_pace(
     Ok(())
 }
 
-/// Method and step, and how motions are looked at, as the heading of a table says it.
-fn heading(scene: &Scene, look: &Look) -> String {
-    let method = match scene.method {
+/// Lets the step of a scene follow how it is looked at. `false` where the command line gives the step.
+fn follow(
+    scene: &mut Scene,
+    common: &Common,
+    look: &Look,
+    default: fn(&mut Scene, &Look),
+) -> Result<bool, amontons::Error> {
+    let given = &common.integrator;
+    match (given.integrator, given.step, given.preset) {
+        (None, None, None) => default(scene, look),
+        (Some(Method::EventDriven), None, None) => {
+            scene.set_integrator(given.integrator, Some(look.interval))?;
+        }
+        _ => return Ok(false),
+    }
+    Ok(true)
+}
+
+/// Method and step, and how motions are looked at, as the heading of a table says it for all of its runs.
+fn heading(runs: &[(&Scene, &Look)]) -> String {
+    let method = match runs[0].0.method {
         Method::EventDriven => "exact motion between events",
         Method::ForwardIncrement => "the paper's scheme",
     };
-    let Look { of, interval, window, longest } = look;
     format!(
-        "{method}, step {} s; {of} every {interval} s, windows of {window} s, up to {longest} s",
-        scene.step
+        "{method}, step {} s; {} every {} s, windows of {} s, up to {} s",
+        over(runs.iter().map(|(scene, _)| scene.step)),
+        runs[0].1.of,
+        over(runs.iter().map(|(_, look)| look.interval)),
+        over(runs.iter().map(|(_, look)| look.window)),
+        over(runs.iter().map(|(_, look)| look.longest)),
     )
+}
+
+/// The one value that all have, or the least and the largest: `0.5 to 50`.
+fn over(values: impl Iterator<Item = f64>) -> String {
+    let [least, most] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
+        [least.min(value), most.max(value)]
+    });
+    if least < most { format!("{least} to {most}") } else { least.to_string() }
 }
 
 /// Does a study's work under a bar that shows the time left, until it is done or a person ends it.

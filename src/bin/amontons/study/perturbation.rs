@@ -84,7 +84,7 @@ fn row(run: &Run) -> [String; 6] {
 fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) {
     let unit = unit_of(scene, &direction.name);
     println!("{}: {}, {unit}", scene.name, direction.name);
-    println!("{}", heading(scene, look));
+    println!("{}", heading(&[(scene, look)]));
     attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
     println!("\n{:<27}  runs  end in", direction.name);
     for same in found.runs.chunk_by(|a, b| class(a) == class(b)) {
