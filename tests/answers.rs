@@ -29,8 +29,6 @@ enum Answer {
     Limited(String),
     /// The program says why it does not answer.
     Refused(String),
-    /// The oracle does not know signals, so nothing is said of the motion.
-    Uncompared,
 }
 
 /// An analysis of a scene in a folder. An error is the reason why the program refuses it.
@@ -50,10 +48,6 @@ const ANALYSES: [(&str, Analysis); 12] = [
     ("continuation", continuation),
     ("basin", basin),
 ];
-
-/// Those that look at one instant of a scene with signals.
-const EIGENVALUE_ANALYSES: [&str; 5] =
-    ["states", "locus over µ", "locus over v", "bistable", "map"];
 
 const MOTIONS: &str = env!("CARGO_BIN_EXE_amontons");
 const EIGENVALUES: &str = env!("CARGO_BIN_EXE_amontons-stability");
@@ -223,7 +217,7 @@ fn swept(case: &Case, folder: &Path) -> Result<Answer, String> {
 
 fn states(case: &Case, folder: &Path) -> Result<Answer, String> {
     let oracle = case.oracle(folder, &[]);
-    let compare = |arguments: &[&str]| {
+    let compare = |arguments: &[&str]| -> Result<Answer, String> {
         let (out, err) = ask(EIGENVALUES, folder, arguments)?;
         let found: Value = serde_json::from_str(&out).unwrap();
         let found = found["states"].as_object().unwrap();
@@ -470,8 +464,7 @@ fn page(answers: &[(&str, Vec<Answer>)]) -> String {
          Every analysis is tried with every kind of scene. **right**: the answer is the same as that of a computation \
          which the tests have of their own (matrices from the elements, eigenvalues by another library, Moreau and Jean's \
          time stepping). **limited**: what is answered is right in this sense, and the program says what is not. \
-         **refused**: the program says why it does not answer. **not compared**: the computation of the tests knows no \
-         signals. The test `answers` holds this table and writes it.\n\n",
+         **refused**: the program says why it does not answer. The test `answers` holds this table and writes it.\n\n",
     );
     let names: Vec<&str> = ANALYSES.iter().map(|(name, _)| *name).collect();
     let _ = writeln!(
@@ -485,7 +478,6 @@ fn page(answers: &[(&str, Vec<Answer>)]) -> String {
         let cells = answers.iter().map(|answer| {
             let (word, reason) = match answer {
                 Answer::Right => return "right".to_owned(),
-                Answer::Uncompared => return "not compared".to_owned(),
                 Answer::Limited(reason) => ("limited", reason),
                 Answer::Refused(reason) => ("refused", reason),
             };
@@ -528,11 +520,7 @@ fn each_analysis_of_each_kind_of_scene_is_right_or_refused_or_says_what_it_leave
         let mut row = Vec::new();
         for (name, analysis) in ANALYSES {
             let began = Instant::now();
-            let is_motion = !EIGENVALUE_ANALYSES.contains(&name);
             let answer = std::panic::catch_unwind(|| {
-                if is_motion && case.file.contains("[[signal]]") {
-                    return Answer::Uncompared;
-                }
                 analysis(case, folder.path()).unwrap_or_else(Answer::Refused)
             });
             println!("{}, {name}: {:.1} s, {answer:?}", case.name, began.elapsed().as_secs_f64());

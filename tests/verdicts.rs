@@ -353,3 +353,66 @@ fn a_step_that_is_too_long_to_tell_the_kind_of_a_motion_leaves_it_open() {
         Kind::QuasiPeriodic
     );
 }
+
+/// A block on a surface that stands still, whose friction is never overcome by the sine that pulls at it; a larger one
+/// moves it.
+#[test]
+fn what_friction_holds_against_a_sine_rests() {
+    for (force, rests) in [(3.9, true), (4.1, false)] {
+        let text = format!(
+            "[slider]\nvelocity = 0.0\nangle = 0.0\n[friction]\ncoefficient = 0.1\nstatic = 0.4\n\
+             [[mass]]\nname = \"m\"\nmass = 1.0\nforce = [0.0, -10.0]\n\
+             [[spring]]\nname = \"k\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n\
+             [[damper]]\nname = \"d\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\ndamping = 1.0\n\
+             [[contact]]\nname = \"c\"\nmass = \"m\"\n\
+             [[signal]]\ninput = \"mass.m.fx\"\nsine = {{ amplitude = {force:?}, frequency = 1.5 }}\n\
+             [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 40.0\noutput_interval = 1e-2\n"
+        );
+        let held = parse("held", &text).unwrap();
+        let found = cycles(&held, &Wish::default(), &[0.1]);
+        assert_eq!(ending(&found).rests(), rests, "{force}: {:?}", ending(&found));
+    }
+}
+
+/// A damped block on a belt that holds it better than it brakes it: sliding is stable for every µ, and stick-slip exists
+/// beside it as long as the block that the belt lets go of reaches the belt's velocity again. Of its oscillation about
+/// sliding u(t), which begins with u k = (µ_s − µ) N − c v and u' = v, the velocity has its next maximum at the second
+/// zero of u''.
+#[test]
+fn a_motion_that_a_start_leads_to_at_some_values_is_followed_to_both_of_its_ends() {
+    let [velocity, static_friction, load, stiffness, damping] = [0.1, 0.6, 10.0, 100.0, 1.0];
+    let text = format!(
+        "[slider]\nvelocity = {velocity:?}\nangle = 0.0\n[friction]\ncoefficient = 0.4\nstatic = {static_friction:?}\n\
+         [[mass]]\nname = \"b\"\nmass = 1.0\nforce = [0.0, -{load:?}]\n\
+         [[spring]]\nname = \"k\"\nbetween = [\"b\", \"ground\"]\ndirection = \"x\"\nstiffness = {stiffness:?}\n\
+         [[damper]]\nname = \"c\"\nbetween = [\"b\", \"ground\"]\ndirection = \"x\"\ndamping = {damping:?}\n\
+         [[contact]]\nname = \"belt\"\nmass = \"b\"\n[[initial]]\nmass = \"b\"\nvx = 0.3\n\
+         [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 30.0\noutput_interval = 1e-2\n"
+    );
+    let block = parse("block", &text).unwrap();
+    let next_maximum = |friction: f64| {
+        let decay = 0.5 * damping;
+        let omega = f64::sqrt(stiffness - decay * decay);
+        let u = ((static_friction - friction) * load - damping * velocity) / stiffness;
+        let acceleration = -stiffness * u - damping * velocity;
+        let jerk = -stiffness * velocity - damping * acceleration;
+        let sine = (jerk + decay * acceleration) / omega;
+        let first = f64::atan2(-acceleration, sine).rem_euclid(std::f64::consts::PI);
+        let t = (first + std::f64::consts::PI) / omega;
+        // u' from u'' + c u' + k u = 0 with u'' = 0 is −k u/c; u by its own closed form.
+        let b = (velocity + decay * u) / omega;
+        let at = f64::exp(-decay * t) * (u * f64::cos(omega * t) + b * f64::sin(omega * t));
+        -stiffness * at / damping
+    };
+    let [mut low, mut high] = [0.3, 0.6];
+    assert!(next_maximum(low) > velocity && next_maximum(high) < velocity);
+    for _ in 0..50 {
+        let middle = f64::midpoint(low, high);
+        *(if next_maximum(middle) > velocity { &mut low } else { &mut high }) = middle;
+    }
+    // At the highest value the start decays.
+    let found = followed(&block, &[0.3, 0.4, 0.5, 0.6], 1e-4);
+    let [range] = &found.bistable[..] else { panic!("{:?} {:?}", found.bistable, found.jumps) };
+    assert!(range.rests && (range.range[1] - low).abs() < 1e-4, "{range:?} {low}");
+    assert_eq!((range.range[0], range.bounded), (0.3, [false, true]));
+}

@@ -91,6 +91,9 @@ pub struct Point {
 pub struct Jump {
     /// Which way µ goes.
     pub way: Way,
+    /// The way whose values it lies among. The falling way, too, has jumps of rising µ: upper ends of motions that it has
+    /// found below them.
+    pub among: Way,
     /// The last µ that still has the motion, and the first that has it no more.
     pub between: [f64; 2],
     /// The motion there, before and after.
@@ -132,7 +135,8 @@ pub struct Both {
 pub struct Continuation {
     /// By ascending µ.
     pub rising: Vec<Point>,
-    /// By ascending µ too.
+    /// By ascending µ too. The way begins from the scene's own start at the last value. As long as it rests, it is begun
+    /// anew at each further value; the first motion that this finds is followed upwards to its end, too.
     pub falling: Vec<Point>,
     /// By ascending µ, rising ones first.
     pub jumps: Vec<Jump>,
@@ -176,6 +180,7 @@ impl Reached {
 /// A way as far as it was followed.
 #[derive(Clone)]
 struct Followed {
+    way: Way,
     /// What the journal calls it.
     label: String,
     /// All values that it has passed, in its order, those between the asked ones included.
@@ -246,7 +251,9 @@ impl Run<'_> {
         let Some(first) = self.reach(&label, values[0], Start::Scene(way))? else {
             return Ok(None);
         };
-        let mut followed = Followed::from(label, first);
+        let mut followed = Followed::from(way, label, first);
+        // A scene that starts in its equilibrium finds nothing that the ways do not.
+        let mut may_begin = way == Way::Falling && Push::of_resting(self.plan.scene).is_none();
         step_done();
         for value in &values[1..] {
             if followed.passed.last().is_none_or(|last| last.progress.is_none()) {
@@ -255,9 +262,48 @@ impl Run<'_> {
             if !self.advance(way, &mut followed, *value)? {
                 return Ok(None);
             }
+            may_begin &=
+                followed.passed.iter().all(|reached| reached.ending().is_some_and(Ending::rests));
+            if may_begin {
+                let Some(begun) = self.reach(&followed.label, *value, Start::Scene(way))? else {
+                    return Ok(None);
+                };
+                if begun.ending().is_some_and(|ending| ending.kind.is_cycle())
+                    && !self.begin_at(&mut followed, begun)?
+                {
+                    return Ok(None);
+                }
+            }
             step_done();
         }
         Ok(Some(followed))
+    }
+
+    /// Takes a motion beside rest into a way that has rested so far, from its last value on: the motion is followed back,
+    /// and stands in place of rest up to where it ends. `false` if the watch ended it.
+    fn begin_at(&self, followed: &mut Followed, begun: Reached) -> Result<bool, Error> {
+        let label = format!("{}, back:", followed.label);
+        let mut back = Followed::from(followed.way, label, begun);
+        for value in self.plan.values {
+            let Some(last) = back.passed.last().filter(|last| last.progress.is_some()) else {
+                break;
+            };
+            if back.jumps.is_empty()
+                && *value > last.point.friction
+                && !self.advance(Way::Rising, &mut back, *value)?
+            {
+                return Ok(false);
+            }
+        }
+        let end = back.jumps.first().map_or(f64::INFINITY, |jump| jump.between[1]);
+        back.passed.retain(|reached| reached.point.friction <= end);
+        let Some(last) = back.passed.last().map(|last| last.point.friction) else {
+            return Ok(true);
+        };
+        followed.passed.retain(|reached| reached.point.friction > last);
+        followed.passed.extend(back.passed.into_iter().rev());
+        followed.jumps.extend(back.jumps.into_iter().take(1));
+        Ok(true)
     }
 
     /// Follows a way from the last value that it has passed to another one. The change of µ is halved wherever the
@@ -303,7 +349,7 @@ impl Run<'_> {
             if let (Some(before), Some(after)) = (here.ending(), next.ending()) {
                 if !stays {
                     let (between, endings) = ([from, target], [before.clone(), after.clone()]);
-                    followed.jumps.push(Jump { way, between, endings });
+                    followed.jumps.push(Jump { way, among: followed.way, between, endings });
                 }
                 // A motion that has left another one and not yet settled may become any motion.
                 followed.is_leaving = (followed.is_leaving || !stays)
@@ -461,7 +507,7 @@ impl Run<'_> {
             let Some(start) = followed.nearest(friction) else { return Ok(Some(None)) };
             let from = start.point.friction;
             let label = format!("{}, compared at {friction:?}:", way.name());
-            let mut there = Followed::from(label, start);
+            let mut there = Followed::from(way, label, start);
             if from != friction && !self.advance(way, &mut there, friction)? {
                 return Ok(None);
             }
@@ -490,8 +536,8 @@ impl Run<'_> {
 }
 
 impl Followed {
-    fn from(label: String, first: Reached) -> Self {
-        Self { label, passed: vec![first], jumps: Vec::new(), is_leaving: false }
+    fn from(way: Way, label: String, first: Reached) -> Self {
+        Self { way, label, passed: vec![first], jumps: Vec::new(), is_leaving: false }
     }
 
     /// The passed value nearest to another one with a motion, on the same side of all jumps; one with a settled motion

@@ -1,9 +1,9 @@
-//! This module tells whether the motion of a simulation is linear, and whether it then grows or decays: what eigenvalues
-//! know of it.
+//! This module tells what is known of a simulation's motion before one looks at it: whether it is linear, whether it then
+//! grows or decays, as its eigenvalues have it, and whether what drives it repeats itself.
 
 use crate::contact::ContactState;
 use crate::model::LumpedModel;
-use crate::scene::Scene;
+use crate::scene::{Scene, Shape, Sine};
 use crate::simulation::Simulation;
 use crate::stability::Spectrum;
 use crate::stability::candidates::resting_state;
@@ -46,6 +46,18 @@ pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
     let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
     let rate = spectrum.growth_rate();
     Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })
+}
+
+/// Do all signals that still change have one period, and is it no longer than a window (s)?
+pub(super) fn is_repeated(simulation: &Simulation, window: f64) -> bool {
+    let time = simulation.time();
+    let mut one = None;
+    simulation.scene().signals.iter().all(|signal| match &signal.shape {
+        Shape::Sine(Sine { frequency, start, end: None, .. }) if *start <= time => {
+            frequency * window >= 1.0 && *one.get_or_insert(*frequency) == *frequency
+        }
+        shape => shape.constant_until(time, 0.0) == f64::INFINITY,
+    })
 }
 
 /// Can friction take no other size than in proportion to the normal force?

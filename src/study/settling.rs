@@ -6,7 +6,7 @@
 
 use super::ending::{Ending, Kind};
 use super::linear::{
-    Growth, growth, has_linear_friction, has_states_of_rest, may_pull, stays_linear,
+    Growth, growth, has_linear_friction, has_states_of_rest, is_repeated, may_pull, stays_linear,
 };
 use super::look::{Look, output};
 use super::period::{OverPeriod, over_period};
@@ -100,6 +100,8 @@ struct Surroundings<'a> {
     at_rest: f64,
     /// `true` where signals still drive the motion.
     is_driven: bool,
+    /// `true` where what drives it does in each window what it has done in the last one ([`is_repeated`]).
+    is_repeated: bool,
     /// `true` where contacts are in states in which the scene can rest.
     may_rest: bool,
     /// `true` where no contact can change its state, so that motions are linear at any size.
@@ -207,6 +209,7 @@ impl Settling {
                 largest: largest(simulation.displacement()),
                 at_rest: largest(&simulation.reference().displacement),
                 is_driven: simulation.is_driven_on(),
+                is_repeated: is_repeated(simulation, self.look.window),
                 may_rest,
                 stays_linear: stays_linear(simulation),
                 growth: &|| growth(simulation),
@@ -264,7 +267,8 @@ impl Settling {
         // Against the equilibrium, too: what is left of a motion at rest is rounding of forces.
         let is_rounding = size <= ROUNDING * around.largest.max(around.at_rest);
         let is_free = !around.is_driven;
-        if size == 0.0 && is_free {
+        // What does not move at all while a sine pulls at it is held by friction, which is as it was after each period.
+        if size == 0.0 && !changed && around.is_repeated {
             return Course::Rests;
         }
         if is_free && around.may_rest && (is_rounding || rests(&self.seen) || is_calm(&self.seen)) {
@@ -504,6 +508,7 @@ mod tests {
         largest: 1.0,
         at_rest: 0.0,
         is_driven: false,
+        is_repeated: true,
         may_rest: true,
         stays_linear: false,
         growth: &|| None,
@@ -587,7 +592,7 @@ mod tests {
             let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;
             let decaying = |t: f64| (-0.5 * t).exp() * sine(40.0, t);
             settling.mixture = (0..look.rows()).map(time).map(decaying).collect();
-            let driven = Surroundings { is_driven: true, ..FREE };
+            let driven = Surroundings { is_driven: true, is_repeated: false, ..FREE };
             assert_eq!(settling.judge(false, driven), Course::Open);
         }
         let driven = builtin("den_hartog").unwrap().scene();

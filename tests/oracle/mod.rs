@@ -5,7 +5,7 @@
 //! first order at changes of contact state, so every comparison halves the step to know its error.
 
 use amontons::contact::Law;
-use amontons::scene::{Network, Scene, Structure};
+use amontons::scene::{Network, Scene, Shape, Signal, Structure};
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// The state of a contact, which the program abbreviates.
@@ -46,8 +46,17 @@ pub struct Oracle {
     stribeck_velocity: Option<f64>,
     sticking: bool,
     detachment: bool,
+    /// What signals add: to the velocity of contacts without one of their own, or to the load along a degree of freedom.
+    signals: Vec<(Driven, Shape)>,
     /// Displacements from the equilibrium, m, and velocities, m/s.
     pub start: [DVector<f64>; 2],
+}
+
+/// What a signal adds to.
+#[derive(Clone, Debug)]
+enum Driven {
+    Velocity(Vec<bool>),
+    Load(usize),
 }
 
 /// The motion that a long run ends in.
@@ -116,6 +125,7 @@ impl Oracle {
             stribeck_velocity: scene.stribeck_velocity,
             sticking: scene.effects.sticking,
             detachment: scene.effects.detachment,
+            signals: Vec::new(),
             start: [DVector::zeros(count), DVector::zeros(count)],
         }
     }
@@ -165,6 +175,18 @@ impl Oracle {
                 all.friction[i][1] = own;
             }
         }
+        let driven = |signal: &Signal| match signal.input.split('.').collect::<Vec<_>>()[..] {
+            ["slider", "velocity"] => Driven::Velocity(
+                network.contacts.iter().map(|contact| contact.velocity.is_none()).collect(),
+            ),
+            ["mass", name, axis @ ("fx" | "fy")] => {
+                let mass = network.masses.iter().position(|mass| mass.name == name).unwrap();
+                Driven::Load(rows.places[mass][usize::from(axis == "fy")].unwrap())
+            }
+            _ => panic!("the oracle does not know signals on {}", signal.input),
+        };
+        all.signals =
+            scene.signals.iter().map(|signal| (driven(signal), signal.shape.clone())).collect();
         all
     }
 
@@ -329,6 +351,21 @@ impl Oracle {
     }
 }
 
+/// What a signal adds at a time, s.
+fn signal(shape: &Shape, time: f64) -> f64 {
+    match shape {
+        Shape::Sine(sine) if time >= sine.start && sine.end.is_none_or(|end| time < end) => {
+            let turns = sine.frequency * (time - sine.start);
+            sine.amplitude * (std::f64::consts::TAU * turns + sine.phase).sin()
+        }
+        Shape::Pulse(pulse) if time >= pulse.start && pulse.end.is_none_or(|end| time < end) => {
+            pulse.value
+        }
+        Shape::Sine(_) | Shape::Pulse(_) => 0.0,
+        shape => panic!("the oracle does not know {shape:?}"),
+    }
+}
+
 /// An orthonormal basis of what is perpendicular to some vectors.
 fn complement(vectors: &[DVector<f64>], n: usize) -> DMatrix<f64> {
     if vectors.is_empty() {
@@ -348,7 +385,11 @@ fn complement(vectors: &[DVector<f64>], n: usize) -> DMatrix<f64> {
 
 /// A motion on its way.
 pub struct Motion {
+    /// With the velocities of now.
     scene: Oracle,
+    /// As it is without signals.
+    undriven: Oracle,
+    steps: u64,
     equilibrium: DVector<f64>,
     u: DVector<f64>,
     v: DVector<f64>,
@@ -376,6 +417,8 @@ impl Motion {
         let mut motion = Self {
             stuck: slip.iter().map(|slip| *slip == 0.0).collect(),
             scene: scene.clone(),
+            undriven: scene.clone(),
+            steps: 0,
             equilibrium,
             u,
             v,
@@ -415,13 +458,38 @@ impl Motion {
         (self.equilibrium, _) = self.scene.equilibrium();
     }
 
+    /// Sets the velocities at the end of a step and the loads in its middle.
+    fn drive(&mut self) {
+        let start = self.steps as f64 * self.h;
+        self.steps += 1;
+        self.scene.velocity.copy_from(&self.undriven.velocity);
+        self.scene.load.copy_from(&self.undriven.load);
+        for (driven, shape) in &self.undriven.signals {
+            match driven {
+                Driven::Velocity(contacts) => {
+                    let value = signal(shape, start + self.h);
+                    for (contact, _) in
+                        contacts.iter().enumerate().filter(|(_, is_driven)| **is_driven)
+                    {
+                        self.scene.velocity[contact] += value;
+                    }
+                }
+                Driven::Load(place) => {
+                    self.scene.load[*place] += signal(shape, start + 0.5 * self.h)
+                }
+            }
+        }
+    }
+
     fn step(&mut self) {
-        let (scene, h) = (&self.scene, self.h);
+        let h = self.h;
+        let slip = &self.scene.velocity - self.scene.tangent.transpose() * &self.v;
+        self.drive();
+        let scene = &self.scene;
         let force = &scene.load - &scene.stiffness * &self.u - &self.late * &self.v;
         let free = &self.v + h * (&self.inverse * force);
         let contacts = scene.velocity.len();
         let gap = scene.normal.transpose() * (&self.u + 0.5 * h * &self.v);
-        let slip = &scene.velocity - scene.tangent.transpose() * &self.v;
         let is_closed: Vec<bool> =
             gap.iter().map(|gap| !scene.detachment || *gap <= 1e-15).collect();
         for (i, is_closed) in is_closed.iter().enumerate() {

@@ -91,11 +91,11 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     write(&folder, &scene, &look, &found, known.ok())?;
     print(&scene, &look, &found);
     print_eigenvalues(&scene, &found, known);
-    let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
-    if found.falling.last().is_some_and(rests) {
+    if only_rests(&found) {
         eprintln!(
             "note: downwards it starts at rest too, so a cycle beside rest is not found: end --friction where sliding is \
-             unstable, or give a start that leads to the cycle with --set"
+             unstable, or give a start that leads into the cycle at one of the values, as --set initial.NAME=VALUE; \
+             `amontons study perturbation` looks for such starts"
         );
     }
     println!("\n{}", folder.path().display());
@@ -282,7 +282,7 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     };
     let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, seen)];
     let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
-    for jump in found.jumps.iter().filter(|jump| jump.way == way) {
+    for jump in found.jumps.iter().filter(|jump| jump.among == way) {
         let [before, after] = &jump.endings;
         curve.push([jump.between[0], seen(before)]);
         curve.push([jump.at(), f64::NAN]);
@@ -305,7 +305,7 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
     if found.jumps.is_empty() {
         println!("  none");
     }
-    for Jump { way, between, endings: [before, after] } in &found.jumps {
+    for Jump { way, between, endings: [before, after], .. } in &found.jumps {
         let told = |ending: &Ending| match ending.kind {
             Kind::Unbounded => "growth without bound".to_owned(),
             _ => format!("{} of {}", describe(ending), metres(ending.amplitude)),
@@ -334,9 +334,23 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
         );
     }
     if found.bistable.is_empty() && found.unknown.is_empty() {
-        println!(
-            "  none: both ways end in the same motion at each value at which they were compared"
-        );
+        println!("  {}", none(found));
+    }
+}
+
+/// Has the downward way, too, begun at rest, and no start of the scene's own led it to a motion beside that?
+fn only_rests(found: &Continuation) -> bool {
+    let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
+    let is_begun = |jump: &Jump| (jump.way, jump.among) == (Way::Rising, Way::Falling);
+    found.falling.last().is_some_and(rests) && !found.jumps.iter().any(is_begun)
+}
+
+/// What is known where both ways have ended in the same motions.
+fn none(found: &Continuation) -> &'static str {
+    if only_rests(found) {
+        "unknown: the downward way has begun at rest too, and a motion beside rest may exist that no start has led to"
+    } else {
+        "none: both ways end in the same motion at each value at which they were compared"
     }
 }
 
