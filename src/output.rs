@@ -21,6 +21,21 @@ pub fn check_folder(file: &Path) -> Result<(), Error> {
     }
 }
 
+/// Refuses an output that would replace a file that the same command reads.
+///
+/// # Errors
+/// It would.
+pub fn check_inputs_stay(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
+    let real = |path: &Path| path.canonicalize().ok();
+    match inputs.iter().find(|input| real(input).is_some_and(|input| real(output) == Some(input))) {
+        Some(input) => Err(Error::argument(format!(
+            "-o {} would replace what this command reads: give another name",
+            input.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
 /// A file that is written under another name until it is complete. What stood at its place stays
 /// until then; a run that is cut short leaves what it had in the file ending in `.partial`. What is
 /// not a regular file (a pipe, a device) is written to directly.

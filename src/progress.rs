@@ -3,7 +3,8 @@
 //! Both are told by a thread of their own, so that work which takes long between two calls of [`Progress::set`] is not
 //! silent either.
 
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
+use std::fmt;
 use std::io::{IsTerminal, Write, stderr};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -116,9 +117,15 @@ impl Drop for Progress {
 fn bar(what: &str, total: u64) -> ProgressBar {
     let (bar, template) = match total {
         0 => (ProgressBar::new_spinner(), "{spinner} {msg}  {elapsed}"),
-        total => (ProgressBar::new(total), "{bar:40} {percent:>3} %  {eta} left  {msg}"),
+        total => (ProgressBar::new(total), "{bar:40} {percent:>3} %  {left}  {msg}"),
     };
     let style = ProgressStyle::with_template(template).expect("the template is fixed");
+    // Nothing is known of what is left before anything is done.
+    let style = style.with_key("left", |state: &ProgressState, out: &mut dyn fmt::Write| {
+        if state.pos() > 0 {
+            let _ = write!(out, "{:#} left", HumanDuration(state.eta()));
+        }
+    });
     let bar = bar.with_style(style).with_message(what.to_owned());
     bar.enable_steady_tick(TICK);
     bar

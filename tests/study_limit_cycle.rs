@@ -227,7 +227,7 @@ fn a_cycle_begins_where_a_mode_of_sliding_begins_to_grow() {
     // It rests, and is pushed for that.
     scene.rest();
     let found = study(scene.clone(), "friction.coefficient", &[1.1, 1.3], None);
-    let begins = found.thresholds.iter().find(|found| found.changes.contains(&Change::CycleBegins));
+    let begins = found.thresholds.iter().find(|found| found.changes.contains(&Change::RestEnds));
     let [low, high] = begins.unwrap().between;
     let grows = amontons::stability::candidates::bistability(&scene, [1.0, 1.4], &|_| {}).unwrap();
     let onset = grows.uniform.iter().find(|crossing| crossing.becomes_unstable).unwrap().value;

@@ -28,6 +28,16 @@ pub(super) fn doubts(simulation: &Simulation) -> Vec<String> {
     doubts
 }
 
+/// The same of a scene that is not run, and that need not have an equilibrium: then all but what follows from that.
+#[cfg(feature = "tools")]
+#[must_use]
+pub fn doubts_of(scene: &Scene) -> Vec<String> {
+    match Simulation::new(scene.clone(), 0.0) {
+        Ok(simulation) => doubts(&simulation),
+        Err(_) => angles(scene).filter_map(doubtful_angle).chain(parted(scene)).collect(),
+    }
+}
+
 /// All angles of a scene, rad, by name.
 fn angles(scene: &Scene) -> impl Iterator<Item = (String, f64)> + '_ {
     let slider = scene.has_common_angle().then(|| ("slider.angle".to_owned(), scene.slider.angle));

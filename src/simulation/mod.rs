@@ -37,6 +37,8 @@ pub use catalogue::{Variable, variables};
 #[cfg(feature = "tools")]
 pub use derivatives::feedthrough;
 #[cfg(feature = "tools")]
+pub use doubts::doubts_of;
+#[cfg(feature = "tools")]
 pub use effects::{Effect, effects};
 pub use fingerprint::fingerprint;
 pub(crate) use given::Given;

@@ -34,7 +34,8 @@ pub struct Bistability {
 /// range, which only a transient can confirm.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Candidate {
-    /// The contact state; symmetry makes `alike` states equal to it, itself included.
+    /// The contact state; symmetry of masses and stiffnesses makes the modes of `alike` states equal, itself included. Where
+    /// loads are not symmetric, too, this is the one that needs least.
     pub states: Vec<ContactState>,
     /// How many states symmetry makes equal to this one.
     pub alike: usize,
@@ -150,8 +151,15 @@ pub fn bistability(
     let steps = (LOOKS / classes.representatives.len() as f64)
         .floor()
         .clamp(FEWEST_STEPS_OF_A_CLASS, FEWEST_STEPS);
+    // States whose modes are alike need the same where loads are alike, too.
+    let loads_are_alike = here.equilibrium().is_ok_and(|equilibrium| {
+        let forces = &equilibrium.normal_force;
+        forces.iter().all(|force| (force - forces[0]).abs() <= 1e-9 * forces[0].abs())
+    });
     let look = |class: usize| {
         let states = &classes.representatives[class];
+        let members: Vec<&Vec<ContactState>> =
+            if loads_are_alike { vec![states] } else { classes.members(class).collect() };
         let mut found = Vec::new();
         for &range in stable.iter().filter(|_| *states != uniform_state) {
             let growing = |mu: f64| {
@@ -163,7 +171,7 @@ pub fn bistability(
                 // rounding.
                 let [from, to] = growth.range;
                 if to - from > 1e-9 * to.abs() {
-                    found.push((least_reach(&at, growth.range, states)?, growth));
+                    found.push((least_reach(&at, growth.range, &members)?, growth));
                 }
             }
         }
@@ -171,11 +179,11 @@ pub fn bistability(
     };
     let found = parallel::collect(classes.representatives.len(), &look, done)?;
     let mut candidates = Vec::new();
-    for (class, (states, found)) in classes.representatives.iter().zip(found).enumerate() {
-        let alike = classes.size(class);
-        for (reach, growth) in found {
+    for (class, found) in found.into_iter().enumerate() {
+        let alike = classes.members(class).count();
+        for ((states, reach), growth) in found {
             candidates.push(Candidate {
-                states: states.clone(),
+                states,
                 alike,
                 reach,
                 range: growth.range,
@@ -191,17 +199,24 @@ pub fn bistability(
     Ok(Bistability { range: [first, last], equilibrium, uniform, stable, candidates, widest })
 }
 
-/// What a motion needs to reach a state at that end of a range of µ where it is less.
+/// What a motion needs to reach that one of some states, at that end of a range of µ, where it is least.
 fn least_reach(
     at: &dyn Fn(f64) -> Linearised,
     range: [f64; 2],
-    states: &[ContactState],
-) -> Result<Option<Reach>, Error> {
-    let [from, to] = range.map(|mu| reach(&at(mu), states));
-    Ok(match (from?, to?) {
-        (Some(a), Some(b)) => Some(if b.energy < a.energy { b } else { a }),
-        (one, other) => one.or(other),
-    })
+    members: &[&Vec<ContactState>],
+) -> Result<(Vec<ContactState>, Option<Reach>), Error> {
+    let mut least: (&Vec<ContactState>, Option<Reach>) = (members[0], None);
+    for here in range.map(at) {
+        for states in members {
+            let found = reach(&here, states)?;
+            let energy = |reach: Option<Reach>| reach.map_or(f64::INFINITY, |reach| reach.energy);
+            // States that symmetry makes equal differ by rounding.
+            if energy(found) < energy(least.1) * (1.0 - 1e-9) {
+                least = (states, found);
+            }
+        }
+    }
+    Ok((least.0.clone(), least.1))
 }
 
 /// The part of a range of µ that the scene's static friction leaves possible.
@@ -315,5 +330,29 @@ mod tests {
         }
         let nowhere = bistability(&scene, [to + 0.1, 6.0], &|_| {}).unwrap_err();
         assert!(nowhere.is_equilibrium(), "{nowhere}");
+    }
+
+    /// Equal modules of which one is pressed on less: what a push needs does not depend on which of them it is.
+    #[test]
+    fn a_loose_contact_of_a_ring_is_a_candidate_wherever_it_stands() {
+        let needs = |loose: usize| {
+            let mut scene = builtin("set1").unwrap().scene();
+            scene.modules_mut().extend_from_within(..);
+            scene.slider.velocity = 0.1;
+            scene.modules_mut()[loose].preload = -1e-3;
+            let found = bistability(&scene, [0.9, 1.18], &|_| {}).unwrap();
+            let needs = |candidate: &Candidate| (candidate.alike, candidate.reach.unwrap().energy);
+            found.candidates.iter().map(needs).collect::<Vec<_>>()
+        };
+        let first = needs(0);
+        // It opens at almost no load, and does so in one of its states at least.
+        assert!(first[0].1 < 1e-6 && first.last().unwrap().1 > 1e-3, "{first:?}");
+        for loose in 1..4 {
+            let other = needs(loose);
+            assert_eq!(other.len(), first.len());
+            for (a, b) in first.iter().zip(&other) {
+                assert!(a.0 == b.0 && (a.1 / b.1 - 1.0).abs() < 1e-6, "{a:?} {b:?}");
+            }
+        }
     }
 }

@@ -49,10 +49,9 @@ impl StateClasses {
         Ok(classes)
     }
 
-    /// How many states a class has.
-    #[must_use]
-    pub fn size(&self, class: usize) -> usize {
-        self.states.iter().filter(|(_, other)| *other == class).count()
+    /// The states of a class.
+    pub fn members(&self, class: usize) -> impl Iterator<Item = &Vec<ContactState>> {
+        self.states.iter().filter(move |(_, other)| *other == class).map(|(states, _)| states)
     }
 
     /// The spectrum of each class, on all cores; `done` hears how many are done.
@@ -81,7 +80,7 @@ mod tests {
         let mut scene = builtin("set2").unwrap().scene();
         let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
         assert_eq!((classes.representatives.len(), classes.states.len()), (10, 16));
-        assert_eq!((0..10).map(|class| classes.size(class)).sum::<usize>(), 16);
+        assert_eq!((0..10).map(|class| classes.members(class).count()).sum::<usize>(), 16);
         scene.modules_mut()[0].mass[0] *= 1.5;
         let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
         assert_eq!(classes.representatives.len(), 16);

@@ -86,6 +86,23 @@ struct Known {
     habits: Vec<[f64; 2]>,
 }
 
+/// A plane of more points would take days.
+const MOST_POINTS: usize = 1_000_000;
+
+/// Refuses a plane of too many points, before the work on it.
+///
+/// # Errors
+/// It has more than a million.
+pub fn check_points([x, y]: [&Axis; 2]) -> Result<(), Error> {
+    let [columns, rows] = [x, y].map(|axis| axis.values.len());
+    match columns * rows {
+        points if points > MOST_POINTS => Err(Error::argument(format!(
+            "{columns} by {rows} are {points} points, and a plane has at most {MOST_POINTS}; take fewer values"
+        ))),
+        _ => Ok(()),
+    }
+}
+
 /// Finds what each point of the plane ends in. The scene's other initial values stay as they are. With
 /// `early` false all points are followed until they are settled. `None` if the watch ended it: what was finished
 /// is in the journal.
@@ -101,6 +118,7 @@ pub fn basin(
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<Basin>, Error> {
+    check_points([x, y])?;
     let names = [initial_value(scene, &x.name)?, initial_value(scene, &y.name)?];
     if names[0] == names[1] {
         return Err(Error::argument(format!(

@@ -7,14 +7,17 @@ use super::settling::settle;
 use super::visit::takes;
 use crate::Error;
 use crate::contact::ContactState;
+use crate::model::Contact;
 use crate::scene::Scene;
 use crate::simulation::Simulation;
 use crate::stability::candidates::Candidate;
 use crate::stability::parallel::collect;
 use crate::stability::{Linearised, modes};
 
-/// Pushes in parts of the least one that a candidate's state asks for.
-pub const PUSHES: [f64; 5] = [1.0, 3.0, 10.0, 30.0, 100.0];
+/// The fewest pushes: up to a hundred times the least one that a candidate's state asks for.
+pub const FEWEST_PUSHES: usize = 5;
+/// The largest push is no less than so many times the velocity of the fastest surface.
+const FAST: f64 = 10.0;
 /// Places in the candidate's range of µ, from its end, where the mode grows most, to its start.
 pub const PLACES: [f64; 3] = [0.98, 0.6, 0.2];
 
@@ -106,8 +109,7 @@ fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Optio
         let look = Look::paced(&mut scene, &Wish::default())?;
         (found.longest, found.of) = (found.longest.max(look.longest), look.of.clone());
         let Some(along) = direction(&scene, candidate)? else { continue };
-        for part in PUSHES {
-            let push = part * reach.push;
+        for push in pushes(reach.push, &scene) {
             let attempt = match run(&scene, candidate, &along, push, &look, watch) {
                 Ok(None) => return Ok(None),
                 Ok(Some((ending, takes))) => Attempt { friction, push, ending: Ok(ending), takes },
@@ -122,6 +124,20 @@ fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Optio
         }
     }
     Ok(Some(found))
+}
+
+/// Pushes, m/s: 1, 3, 10, 30, … times the least one.
+fn pushes(least: f64, scene: &Scene) -> Vec<f64> {
+    let here = Linearised::of(scene);
+    let speed = |contact: &Contact| contact.velocity(here.velocity()).abs();
+    let fastest = here.model().contacts.iter().map(speed).fold(0.0, f64::max);
+    let mut pushes = vec![least];
+    while pushes.len() < FEWEST_PUSHES || least > 0.0 && pushes[pushes.len() - 1] < FAST * fastest {
+        let factor = if pushes.len() % 2 == 1 { 3.0 } else { 10.0 };
+        let before = pushes[(pushes.len() - 1) / 2 * 2];
+        pushes.push(factor * before);
+    }
+    pushes
 }
 
 /// The velocities of the candidate's growing mode, the largest 1, in the sense that brings contacts into the state: along
@@ -221,11 +237,20 @@ mod tests {
             attempt.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle() && ending.taken[2])
         };
         assert!(tried.attempts.iter().any(squeals), "{tried:?}");
-        // Nothing is met where the push is too small to leave sliding.
-        let reach = candidate.reach.map(|reach| crate::stability::Reach { push: 1e-6, ..reach });
-        let small = Candidate { reach, ..candidate.clone() };
-        let tried = super::tried(&scene, &small, Watch::IDLE).unwrap().unwrap();
-        assert!(tried.met().is_none());
-        assert_eq!(tried.count(), [PUSHES.len() * PLACES.len(), 0, 0, 0]);
+    }
+
+    #[test]
+    fn pushes_go_on_until_they_are_fast_beside_the_surface() {
+        // Its slider moves with 0.025 m/s.
+        let scene = builtin("set2").unwrap().scene();
+        let near = |found: Vec<f64>, wanted: &[f64]| {
+            assert_eq!(found.len(), wanted.len(), "{found:?}");
+            assert!(
+                found.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-12),
+                "{found:?}"
+            );
+        };
+        near(pushes(0.02, &scene), &[0.02, 0.06, 0.2, 0.6, 2.0]);
+        near(pushes(1e-4, &scene), &[1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3]);
     }
 }

@@ -126,7 +126,7 @@ impl Ending {
             }
             (Kind::Undecided, Some(period), Some(closure), _) => Some(format!(
                 "the state comes back after {period:.6e} s to within {closure:.1e} of its size, and no nearer; a longer \
-                 --longest may decide"
+                 --window or --longest may decide"
             )),
             (Kind::Undecided, ..) if self.linear => Some(
                 "contacts stay in one state and modes neither grow nor decay: the motion is a sum of those modes, of any \
@@ -134,8 +134,8 @@ impl Ending {
                     .to_owned(),
             ),
             (Kind::Undecided, ..) => Some(
-                "the state does not come back within 64 periods, and neither are neighbouring motions seen to part nor its \
-                 lines to combine two frequencies; a longer --window or, of the paper's scheme, a smaller --step may decide"
+                "neither is the state known to come back, nor neighbouring motions to part, nor all lines to combine two \
+                 frequencies; a longer --window or, of the paper's scheme, a smaller --step may decide"
                     .to_owned(),
             ),
             _ => None,

@@ -83,9 +83,9 @@ impl Outcome {
 #[serde(rename_all = "kebab-case")]
 pub enum Change {
     /// Below it the motion comes to rest, above it it does not.
-    CycleBegins,
+    RestEnds,
     /// The other way round.
-    CycleEnds,
+    RestBegins,
     /// Contacts take this state above it and not below.
     Appears(ContactState),
     /// The other way round.
@@ -95,8 +95,8 @@ pub enum Change {
 impl fmt::Display for Change {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::CycleBegins => f.write_str("cycle begins"),
-            Self::CycleEnds => f.write_str("cycle ends"),
+            Self::RestEnds => f.write_str("rest ends"),
+            Self::RestBegins => f.write_str("rest begins"),
             Self::Appears(state) => write!(f, "{state} appears"),
             Self::Vanishes(state) => write!(f, "{state} vanishes"),
         }
@@ -212,8 +212,8 @@ fn parts(question: &Question) -> [f64; 2] {
 /// What changes from one motion to the next, as far as both are known.
 fn changes(before: &Outcome, after: &Outcome) -> Vec<Change> {
     let cycle = match (before.moves(), after.moves()) {
-        (Some(false), Some(true)) => Some(Change::CycleBegins),
-        (Some(true), Some(false)) => Some(Change::CycleEnds),
+        (Some(false), Some(true)) => Some(Change::RestEnds),
+        (Some(true), Some(false)) => Some(Change::RestBegins),
         _ => None,
     };
     let (took, takes) = before.taken().zip(after.taken()).unwrap_or_default();
@@ -320,7 +320,7 @@ impl Runs<'_> {
                 }
                 let Some(outcome) = self.outcome(middle)? else { return Ok(None) };
                 let is_known = match change {
-                    Change::CycleBegins | Change::CycleEnds => outcome.moves().is_some(),
+                    Change::RestEnds | Change::RestBegins => outcome.moves().is_some(),
                     Change::Appears(_) | Change::Vanishes(_) => outcome.taken().is_some(),
                 };
                 if !is_known {

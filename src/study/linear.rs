@@ -2,7 +2,7 @@
 //! grows or decays, as its eigenvalues have it, and whether what drives it repeats itself.
 
 use crate::contact::ContactState;
-use crate::model::LumpedModel;
+use crate::model::{Contact, LumpedModel};
 use crate::scene::{Scene, Shape, Sine};
 use crate::simulation::Simulation;
 use crate::stability::Spectrum;
@@ -76,6 +76,22 @@ pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
     let at_rest = resting_state(&LumpedModel::from(scene), scene.slider.velocity);
     let states = simulation.contact_states().iter().zip(&at_rest);
     states.into_iter().all(|(state, at_rest)| state == at_rest || *state == ContactState::Detached)
+}
+
+/// Is a motion so large that what loads and moves the surfaces no longer matters? Its equations are then homogeneous: what
+/// they do with a motion they do with one that is larger by any factor.
+pub(super) fn is_far(simulation: &Simulation) -> bool {
+    const FAR: f64 = 1e6;
+    let scene = simulation.acting();
+    let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+    let at_rest = largest(&simulation.reference().displacement);
+    let contacts = LumpedModel::from(scene).contacts;
+    let speed = |contact: &Contact| contact.velocity(scene.slider.velocity).abs();
+    // Without sticking only the direction of a surface's velocity matters.
+    let speeds = contacts.iter().filter(|_| scene.effects.sticking).map(speed);
+    at_rest > 0.0
+        && largest(simulation.displacement()) > FAR * at_rest
+        && largest(simulation.velocity()) > FAR * speeds.fold(0.0, f64::max)
 }
 
 /// `true` where no contact can stick, open or slip the other way, so that motions are linear at any size.

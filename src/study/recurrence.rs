@@ -130,7 +130,8 @@ struct Return {
 
 /// Finds the shortest period after which the motion of a simulation comes back. The search ends after [`MOST_PERIODS`]
 /// periods of the strongest line, of `frequency` (Hz), or after [`MOST_WINDOWS`] windows, if that is sooner: a window has
-/// `rows` rows that are `interval` (s) apart. The result is `None` where the motion does not come back in that time.
+/// `rows` rows that are `interval` (s) apart. The result is `None` where the motion does not come back in that time, or
+/// where it `is_over` that anyone waits for it.
 ///
 /// # Errors
 /// A step fails.
@@ -139,6 +140,7 @@ pub(super) fn closure(
     interval: f64,
     frequency: f64,
     rows: u64,
+    is_over: &dyn Fn() -> bool,
 ) -> Result<Option<Closure>, Error> {
     let mut start = Simulation::resume(simulation.save())?;
     let scale = begin_fast(&mut start, interval, frequency, rows)?;
@@ -156,6 +158,9 @@ pub(super) fn closure(
     let mut row = 0.0;
     while row < rows {
         row += 1.0;
+        if row % 256.0 == 0.0 && is_over() {
+            return Ok(None);
+        }
         course.bring(&mut start, row * interval)?;
         let (distance, passed) = (scale.distance(&start, &origin), origin.passed(&start));
         let had_left = has_left;

@@ -6,7 +6,8 @@
 
 use super::ending::{Ending, Kind};
 use super::linear::{
-    Growth, growth, has_linear_friction, has_states_of_rest, is_repeated, may_pull, stays_linear,
+    Growth, growth, has_linear_friction, has_states_of_rest, is_far, is_repeated, may_pull,
+    stays_linear,
 };
 use super::look::{Look, output};
 use super::period::{OverPeriod, over_period};
@@ -102,6 +103,8 @@ struct Surroundings<'a> {
     is_driven: bool,
     /// `true` where what drives it does in each window what it has done in the last one ([`is_repeated`]).
     is_repeated: bool,
+    /// `true` where loads and surfaces no longer matter ([`is_far`]).
+    is_far: bool,
     /// `true` where contacts are in states in which the scene can rest.
     may_rest: bool,
     /// `true` where no contact can change its state, so that motions are linear at any size.
@@ -210,6 +213,7 @@ impl Settling {
                 at_rest: largest(&simulation.reference().displacement),
                 is_driven: simulation.is_driven_on(),
                 is_repeated: is_repeated(simulation, self.look.window),
+                is_far: is_far(simulation),
                 may_rest,
                 stays_linear: stays_linear(simulation),
                 growth: &|| growth(simulation),
@@ -271,17 +275,19 @@ impl Settling {
         if size == 0.0 && !changed && around.is_repeated {
             return Course::Rests;
         }
-        if is_free && around.may_rest && (is_rounding || rests(&self.seen) || is_calm(&self.seen)) {
+        // What a sine keeps pushing gets no smaller, so only what rests already does.
+        let is_resting = is_rounding || is_free && rests(&self.seen);
+        if around.is_repeated && around.may_rest && (is_resting || is_free && is_calm(&self.seen)) {
             let growth = (around.growth)();
             let is_growing = growth.is_some_and(Growth::is_growing);
             let is_decaying = growth.is_some_and(Growth::is_decaying);
             // A calm motion has only its eigenvalues to say that it decays.
-            if is_decaying || !is_growing && (is_rounding || rests(&self.seen)) {
+            if is_decaying || !is_growing && is_resting {
                 return Course::Rests;
             }
         }
         let sizes: Vec<f64> = self.seen.iter().map(|seen| seen.size).collect();
-        if is_free && is_unbounded(around) {
+        if is_free && (is_unbounded(around) || around.is_far && grows_evenly(&sizes)) {
             return Course::Unbounded;
         }
         if is_steady(&sizes) && self.has_steady_lines() {
@@ -308,7 +314,7 @@ impl Settling {
         if is_too_coarse(simulation, main) {
             return Ok(Some((Kind::Undecided, None)));
         }
-        if let Some(found) = closure(simulation, interval, main, self.look.rows())? {
+        if let Some(found) = closure(simulation, interval, main, self.look.rows(), is_over)? {
             self.closures.push(found);
             let is_near = is_closed(simulation, main, found) || is_closing(&self.closures);
             if is_near && has_no_shorter_period(&self.closures) {
@@ -433,6 +439,17 @@ fn is_calm(seen: &[Seen]) -> bool {
     matches!(seen, [.., before, last] if !before.changed && !last.changed && last.size < before.size)
 }
 
+/// Has a motion grown by about the same factor over each of the last windows?
+fn grows_evenly(sizes: &[f64]) -> bool {
+    const FACTOR: f64 = 1.01;
+    const SAME: f64 = 1.2;
+    let Some(first) = sizes.len().checked_sub(4) else { return false };
+    let factors: Vec<f64> = sizes[first..].windows(2).map(|two| two[1] / two[0]).collect();
+    let least = factors.iter().copied().fold(f64::INFINITY, f64::min);
+    let most = factors.iter().copied().fold(0.0, f64::max);
+    least > FACTOR && libm::log(most) <= SAME * libm::log(least)
+}
+
 /// Does a motion grow that nothing can stop, since its contacts cannot change their states?
 fn is_unbounded(around: Surroundings<'_>) -> bool {
     around.stays_linear && (around.growth)().is_some_and(Growth::is_growing)
@@ -509,6 +526,7 @@ mod tests {
         at_rest: 0.0,
         is_driven: false,
         is_repeated: true,
+        is_far: false,
         may_rest: true,
         stays_linear: false,
         growth: &|| None,
@@ -580,6 +598,27 @@ mod tests {
         ];
         let ending = ending("set1", &values);
         assert!(!ending.rests() && ending.taken[2], "{ending:?}");
+    }
+
+    #[test]
+    fn what_grows_evenly_far_beyond_all_loads_grows_without_bound() {
+        let scene = builtin("set1").unwrap().scene();
+        let look = Look::of(&scene, &Wish::default()).unwrap();
+        let simulation = Simulation::new(scene, 0.0).unwrap();
+        let last = |is_far: bool, rate: &dyn Fn(f64) -> f64| {
+            let mut settling = Settling::new(&simulation, &look).unwrap();
+            let mut course = Course::Open;
+            for window in 0..6 {
+                let time = |row: u64| (window * look.rows() + row) as f64 * look.interval;
+                let growing = |t: f64| rate(t).exp() * sine(40.0, t);
+                settling.mixture = (0..look.rows()).map(time).map(growing).collect();
+                course = settling.judge(true, Surroundings { is_far, ..FREE });
+            }
+            course
+        };
+        assert_eq!(last(true, &|t| 0.5 * t), Course::Unbounded);
+        assert_eq!(last(false, &|t| 0.5 * t), Course::Open);
+        assert_eq!(last(true, &|t| 2.0 * (0.3 * t).sin()), Course::Open);
     }
 
     #[test]

@@ -4,6 +4,7 @@
 
 pub mod observed;
 mod possible;
+mod quarters;
 pub mod range;
 pub(crate) mod steady;
 
@@ -15,12 +16,12 @@ use crate::integrator::Width;
 use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Kind;
 use crate::simulation::{Batch, Simulation, Variable, assign, attempt, variables};
-use crate::spectral::Window;
 use crate::stability::parallel::collect;
 use observed::{frequencies, interval};
+use quarters::Quarters;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
-use steady::{ROUNDING, drifts, is_steady, mixture, weighted_deviation};
+use steady::ROUNDING;
 
 /// A parameter's name with its unit, for an axis.
 #[must_use]
@@ -61,8 +62,9 @@ pub struct Summary {
     /// Half of the difference between the largest and the smallest value of each output, turns between the rows
     /// included, in its unit.
     pub amplitudes: Vec<f64>,
-    /// `true` if the size of the motion of all degrees of freedom together stays over the four quarters of the window;
-    /// `None` where a quarter is too short to tell.
+    /// `true` if the size of each displacement stays over the four quarters of the window, `false` if those that do not
+    /// all grow, or all decay, from each quarter to the next; `None` where it is neither, as of a beat, or where a quarter
+    /// is too short to tell.
     pub settled: Option<bool>,
     /// Energies at the end, J, in the order of [`ENERGIES`]; empty unless the scene asks for them.
     pub energies: Vec<f64>,
@@ -156,18 +158,20 @@ fn run(
             Err(error) => failures.push(Some(error)),
         }
     }
+    let begin = view.begin(experiment);
+    let is_seen = |(time, is_whole): &(f64, bool)| *is_whole && *time >= begin;
+    let rows = experiment.row_times().filter(is_seen).count();
     let slowest = |simulation: &Simulation| frequencies(simulation.scene()).map(|both| both[0]);
     let mut records: Vec<Record> =
-        simulations.iter().map(|one| Record::new(view, slowest(one))).collect();
+        simulations.iter().map(|one| Record::new(view, rows, slowest(one))).collect();
     let mut batch = Batch::new(simulations, width);
-    let begin = view.begin(experiment);
-    for (time, is_whole) in experiment.row_times() {
+    for row in experiment.row_times() {
         if watch().is_break() {
             return vec![None; count];
         }
-        batch.advance_to(time);
+        batch.advance_to(row.0);
         // A row at the end that closes no whole interval would be out of step with the others.
-        if is_whole && time >= begin {
+        if is_seen(&row) {
             for (simulation, record) in batch.simulations().iter_mut().zip(&mut records) {
                 attempt(simulation, |simulation| record.note(simulation, view));
             }
@@ -193,8 +197,7 @@ fn smallest(simulation: &Simulation) -> f64 {
 struct Record {
     /// One history an output, in its unit.
     histories: Vec<Vec<f64>>,
-    /// Of all displacements together, m.
-    mixture: Vec<f64>,
+    displacements: Quarters,
     /// Frequency of the slowest mode, Hz; `None` where nothing oscillates.
     slowest: Option<f64>,
     /// How often contacts were in each state.
@@ -202,9 +205,9 @@ struct Record {
 }
 
 impl Record {
-    fn new(view: &View, slowest: Option<f64>) -> Self {
+    fn new(view: &View, rows: usize, slowest: Option<f64>) -> Self {
         let histories = vec![Vec::new(); view.outputs.len()];
-        Self { histories, mixture: Vec::new(), slowest, states: [0; 4] }
+        Self { histories, displacements: Quarters::new(rows), slowest, states: [0; 4] }
     }
 
     /// Takes note of a row.
@@ -212,7 +215,7 @@ impl Record {
         for (history, output) in self.histories.iter_mut().zip(&view.outputs) {
             history.push(simulation.read(output)?);
         }
-        self.mixture.push(mixture(simulation.displacement()));
+        self.displacements.note(simulation.displacement());
         for force in simulation.contact_forces()? {
             self.states[force.state as usize - 1] += 1;
         }
@@ -227,7 +230,8 @@ impl Record {
             (0..amplitudes.len()).rev().max_by(|&a, &b| amplitudes[a].total_cmp(&amplitudes[b]));
         let cycle = largest.map(|i| Cycle::over(&self.histories[i], interval));
         let all = self.states.iter().sum::<u64>().max(1);
-        let window = self.mixture.len() as f64 * interval;
+        let rows = self.histories.first().map_or(0, Vec::len);
+        let window = rows as f64 * interval;
         let is_clear = |frequency: &f64| frequency * window >= FEWEST_PERIODS;
         Summary {
             amplitudes,
@@ -238,23 +242,12 @@ impl Record {
         }
     }
 
-    /// Does the size stay over the quarters of the window? What is smaller than `least` (m) rests. `None` where the size
-    /// neither stays nor goes one way, as that of a beat.
+    /// As [`Summary::settled`]. What is smaller than `least` (m) rests.
     #[allow(clippy::cast_precision_loss)]
     fn settled(&self, interval: f64, least: f64) -> Option<bool> {
-        let count = self.mixture.len() / 4;
-        let is_long = |slowest: f64| slowest * count as f64 * interval >= PERIODS_TO_SETTLE;
-        if !self.slowest.is_some_and(is_long) {
-            return None;
-        }
-        let weights = Window::BlackmanHarris.weights(count);
-        let last = self.mixture.len() - 4 * count;
-        let quarters = self.mixture[last..].chunks(count);
-        let sizes: Vec<f64> =
-            quarters.map(|quarter| weighted_deviation(quarter, &weights)).collect();
-        if sizes.iter().all(|size| *size <= least) || is_steady(&sizes) {
-            return Some(true);
-        }
-        drifts(&sizes).then_some(false)
+        let quarter = self.displacements.rows() as f64 * interval;
+        let is_long = |slowest: f64| slowest * quarter >= PERIODS_TO_SETTLE;
+        self.slowest.filter(|slowest| is_long(*slowest))?;
+        self.displacements.settled(least)
     }
 }

@@ -158,6 +158,11 @@ fn stepped([first, last]: [f64; 2], step: f64) -> Result<Vec<f64>, String> {
     if step <= 0.0 || count > MAX_VALUES {
         return Err(format!("the step must be above zero and give at most {MAX_VALUES:e} values"));
     }
+    if step > (last - first) * (1.0 + 1e-9) {
+        return Err(format!(
+            "the step {step} is longer than the way from {first} to {last}: write {first}:{last}/N for N values"
+        ));
+    }
     let mut values: Vec<f64> =
         (0..=count as usize).map(|i| decimal(first + i as f64 * step)).collect();
     if let Some(end) = values.last_mut().filter(|end| last - **end < 1e-9 * step) {
@@ -212,6 +217,7 @@ mod tests {
                 ("0:1/1", "from 2 to 1000000"),
                 ("0:1/2.5", "whole number"),
                 ("0:1:0", "above zero"),
+                ("0:1:20.5", "longer than the way from 0 to 1: write 0:1/N"),
                 ("0:1:1e-9", "at most 1e6 values"),
                 ("0,5:1:0.1", "0,5 is not a number; write 0.5"),
                 ("0:1:x", "x is not a number"),

@@ -89,7 +89,11 @@ fn print_candidates(
         "\nCandidates: states that grow where uniform sliding does not (a transient confirms)"
     )?;
     if candidates.is_empty() {
-        writeln!(out, "  none")?;
+        writeln!(
+            out,
+            "  none, which does not say that there is no second motion: stick and slip, for one, need no state that grows; \
+             `amontons study continuation` looks for motions"
+        )?;
         return print_width(widest, out);
     }
     writeln!(
@@ -139,7 +143,7 @@ fn print_candidates(
     print_width(widest, out)
 }
 
-/// The most candidates that are confirmed: each takes up to fifteen runs.
+/// The most candidates that are confirmed: each takes fifteen runs, or more where small pushes may do.
 const MOST_CONFIRMED: usize = 20;
 
 fn confirm_candidates(

@@ -12,7 +12,7 @@ mod states;
 use amontons::Error;
 use amontons::contact::{ContactState, Friction, parse_states};
 use amontons::scene::{self, Scene};
-use amontons::simulation::{assign, at_instant, require_undriven, signals_left_out};
+use amontons::simulation::{assign, at_instant, doubts_of, require_undriven, signals_left_out};
 use amontons::stability::Linearised;
 use amontons::sweep::FRICTION;
 use amontons::sweep::range::check_once;
@@ -104,6 +104,9 @@ fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result
         assign(&mut scene, FRICTION, friction)?;
     }
     scene.check()?;
+    for doubt in doubts_of(&scene) {
+        eprintln!("warning: {doubt}");
+    }
     varied.iter().try_for_each(|name| require_undriven(&scene, name))?;
     let time = common.at.unwrap_or(0.0);
     let left_out = signals_left_out(&scene, time);

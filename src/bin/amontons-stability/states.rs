@@ -103,7 +103,7 @@ fn spectra(
     let found = classes.states.iter().map(|(states, class)| {
         let (states, class) = (states.clone(), *class);
         let is_first = states == classes.representatives[class];
-        let alike = if is_first { classes.size(class) } else { 0 };
+        let alike = if is_first { classes.members(class).count() } else { 0 };
         (states, spectra[class].clone(), alike)
     });
     Ok(found.collect())

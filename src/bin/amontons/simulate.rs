@@ -2,7 +2,7 @@
 
 use crate::arguments::Simulate;
 use crate::{scenes, sweep};
-use amontons::output::Pending;
+use amontons::output::{Pending, check_inputs_stay};
 use amontons::progress::Progress;
 use amontons::scene::{self, Experiment, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
@@ -12,9 +12,14 @@ use amontons::simulation::{
 use amontons::sweep::range::check_once;
 use std::error::Error;
 use std::io::{BufWriter, ErrorKind, Write, stdout};
+use std::path::Path;
 
 pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
     let (mut scene, experiment) = configured(arguments)?;
+    if let Some(output) = &arguments.output {
+        let files = [Some(Path::new(&arguments.scene)), arguments.input.as_deref()];
+        check_inputs_stay(output, &files.into_iter().flatten().collect::<Vec<_>>())?;
+    }
     if let Some((name, values)) = &arguments.sweep {
         return sweep::run(arguments, scene, experiment, name, &values.0);
     }

@@ -10,14 +10,14 @@ use amontons::accuracy::Choice;
 use amontons::documentation::{Subject, counted, documentation, first_forces};
 use amontons::integrator::tidy;
 use amontons::model::{Equilibrium, LumpedModel};
-use amontons::output::check_folder;
+use amontons::output::{check_folder, check_inputs_stay};
 use amontons::package::{self, Library};
 use amontons::scene::{self, Method, Scene, Selection, Structure};
 use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::critical_step;
 use measured::Measured;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     let (mut scene, mut source) = scene::find(&arguments.scene)?;
@@ -28,6 +28,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     // Before the work: what cannot be written, and what cannot be run. A step that is to be replaced may be
     // what it likes.
     check_folder(&path)?;
+    check_inputs_stay(&path, &[Path::new(&arguments.scene)])?;
     if arguments.tolerance.is_none() {
         scenes::check(&scene)?;
     }

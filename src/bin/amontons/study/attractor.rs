@@ -24,6 +24,9 @@ pub fn print(attractors: &[Ending], of: &str, unit: &str) {
     println!("\nattractors (amplitude and strongest frequency of {of})");
     for (place, ending) in attractors.iter().enumerate() {
         println!("  {}  {}", place + 1, words(ending, unit));
+        if let Some(evidence) = ending.evidence().filter(|_| ending.kind == Kind::Undecided) {
+            println!("     {evidence}");
+        }
     }
     if !attractors.iter().any(|ending| ending.kind.is_cycle()) {
         println!("  no limit cycle was found");

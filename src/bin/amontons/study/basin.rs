@@ -7,7 +7,7 @@ use super::{heading, interrupted, prepared_with, watched};
 use crate::arguments::{Values, named_values};
 use amontons::picture::{Class, Map};
 use amontons::scene::Scene;
-use amontons::study::basin::{Axis, Basin as Found, Cell, SHORT_WINDOWS, basin};
+use amontons::study::basin::{Axis, Basin as Found, Cell, SHORT_WINDOWS, basin, check_points};
 use amontons::study::{Look, initial_value};
 use clap::Args;
 use serde_json::json;
@@ -38,6 +38,7 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
         })
     };
     let (x, y) = (axis(x)?, axis(y)?);
+    check_points([&x, &y])?;
     for axis in [&x, &y] {
         if common.set.iter().any(|(set, _)| *set == axis.name) {
             eprintln!("note: {} takes the values of its axis, not that of --set", axis.name);

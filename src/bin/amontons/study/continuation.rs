@@ -299,6 +299,12 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
         for run in points.chunk_by(|a, b| kind(a) == kind(b)) {
             let (first, last) = (&run[0], &run[run.len() - 1]);
             println!("  {} to {}: {}", first.friction, last.friction, described(first, last));
+            if let Ok(ending) = &first.ending
+                && ending.kind == Kind::Undecided
+                && let Some(evidence) = ending.evidence()
+            {
+                println!("    {evidence}");
+            }
         }
     }
     println!("\nJumps: where one motion gives way to another");
@@ -342,7 +348,9 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
 fn only_rests(found: &Continuation) -> bool {
     let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
     let is_begun = |jump: &Jump| (jump.way, jump.among) == (Way::Rising, Way::Falling);
-    found.falling.last().is_some_and(rests) && !found.jumps.iter().any(is_begun)
+    found.bistable.is_empty()
+        && found.falling.last().is_some_and(rests)
+        && !found.jumps.iter().any(is_begun)
 }
 
 /// What is known where both ways have ended in the same motions.

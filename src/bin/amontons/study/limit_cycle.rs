@@ -389,14 +389,31 @@ impl Told<'_> {
         if !left.is_empty() {
             let longest = over(left.iter().map(|(_, look)| look.longest));
             let values: Vec<String> = left.iter().map(|(value, _)| format!("{value:?}")).collect();
-            writeln!(out, "not settled within {longest} s: {}", values.join(", "))?;
+            writeln!(
+                out,
+                "not settled within {longest} s: {}; a longer --longest or, of a beat, a --window that holds more of it may \
+                 decide",
+                values.join(", ")
+            )?;
+        }
+        let stands = |(value, outcome): (f64, &Outcome)| {
+            let ending = outcome.settled().filter(|ending| ending.kind.is_cycle())?;
+            (ending.amplitude == 0.0).then_some(value)
+        };
+        if let Some(value) = self.outcomes().find_map(stands) {
+            writeln!(
+                out,
+                "{} does not move at {value:?}, where others do: look at another output with --of",
+                self.of
+            )?;
         }
         Ok(())
     }
 }
 
 impl Told<'_> {
-    /// How the kinds are known: once for values in a row of one kind, by the value that is known least well.
+    /// How the kinds are known: once for values in a row that come back or combine two frequencies, by the value that is known
+    /// least well; of other kinds for each value.
     fn print_evidence(&self, out: &mut dyn Write) -> std::io::Result<()> {
         let endings: Vec<(f64, &Ending)> = self
             .outcomes()
@@ -405,7 +422,10 @@ impl Told<'_> {
                 Outcome::Failure(_) => None,
             })
             .collect();
-        for run in endings.chunk_by(|a, b| a.1.kind == b.1.kind) {
+        let is_alike = |a: &Ending, b: &Ending| {
+            a.kind == b.kind && matches!(a.kind, Kind::Periodic | Kind::QuasiPeriodic)
+        };
+        for run in endings.chunk_by(|a, b| is_alike(a.1, b.1)) {
             let closure = |ending: &Ending| ending.closure.unwrap_or(0.0);
             let least = run.iter().max_by(|a, b| closure(a.1).total_cmp(&closure(b.1)));
             let Some((value, ending)) = least else { continue };

@@ -14,7 +14,7 @@ use amontons::documentation::counted;
 use amontons::integrator::select;
 use amontons::progress::Progress;
 use amontons::scene::{self, Method, Scene, Selection, Source};
-use amontons::simulation::assign;
+use amontons::simulation::{assign, doubts_of};
 use amontons::study::{Look, Watch, pace};
 use amontons::sweep::range::check_once;
 use arguments::{Common, Looking, Study};
@@ -40,6 +40,9 @@ fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
         assign(&mut scene, name, *value)?;
     }
     scene.check()?;
+    for doubt in doubts_of(&scene) {
+        eprintln!("warning: {doubt}");
+    }
     Ok((scene, source))
 }
 

@@ -100,7 +100,11 @@ fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbation
         println!("  between {below} and {above} {unit}: below {}, above {}", from + 1, to + 1);
     }
     if found.thresholds.is_empty() {
-        println!("  none: no neighbours end in different attractors");
+        println!("  none: no neighbours that have settled end in different attractors");
+    }
+    let left = found.runs.iter().filter(|run| run.attractor.is_none()).count();
+    if left > 0 {
+        println!("  unknown beside the runs that have not ended in an attractor, {left} of them");
     }
 }
 

@@ -1,0 +1,105 @@
+//! The size of each displacement over the four quarters of a window, and what it says of a motion.
+
+use super::steady::{ROUNDING, drifts, is_steady};
+use crate::spectral::Window;
+
+/// Weighted sums over the rows of a quarter, of what a displacement is more than in the quarter's first row.
+#[derive(Clone, Copy, Default)]
+struct Sums {
+    first: f64,
+    linear: f64,
+    square: f64,
+}
+
+/// The displacements of a run, row by row, as far as their sizes ask for it.
+#[derive(Clone)]
+pub(super) struct Quarters {
+    /// Rows that come before the first quarter, since a window need not have a multiple of four.
+    before: usize,
+    row: usize,
+    /// Of the rows in a quarter.
+    weights: Vec<f64>,
+    /// For each displacement the sums of its quarters.
+    sums: Vec<[Sums; 4]>,
+}
+
+impl Quarters {
+    /// Of a window with so many rows.
+    pub fn new(rows: usize) -> Self {
+        let weights = Window::BlackmanHarris.weights(rows / 4);
+        Self { before: rows % 4, row: 0, weights, sums: Vec::new() }
+    }
+
+    /// How many rows a quarter has.
+    pub fn rows(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// Takes the displacements (m) of the next row.
+    pub fn note(&mut self, displacement: &[f64]) {
+        self.sums.resize(displacement.len(), <[Sums; 4]>::default());
+        let row = self.row.checked_sub(self.before);
+        self.row += 1;
+        let Some(row) = row.filter(|row| *row < 4 * self.rows()) else { return };
+        let (quarter, place) = (row / self.rows(), row % self.rows());
+        for (x, sums) in displacement.iter().zip(&mut self.sums) {
+            let sums = &mut sums[quarter];
+            if place == 0 {
+                sums.first = *x;
+            }
+            let off = x - sums.first;
+            sums.linear += self.weights[place] * off;
+            sums.square += self.weights[place] * off * off;
+        }
+    }
+
+    /// Does the size of each displacement stay? `false` where some do not and all of these grow, or all of them decay, from
+    /// each quarter to the next; `None` where neither is so, as of a beat. What is smaller than `least` (m) rests.
+    pub fn settled(&self, least: f64) -> Option<bool> {
+        let whole: f64 = self.weights.iter().sum();
+        let size = |sums: &Sums| {
+            let mean = sums.linear / whole;
+            (sums.square / whole - mean * mean).max(0.0).sqrt()
+        };
+        let sizes: Vec<[f64; 4]> =
+            self.sums.iter().map(|quarters| quarters.each_ref().map(size)).collect();
+        let largest = sizes.iter().flatten().copied().fold(0.0, f64::max);
+        let least = least.max(ROUNDING * largest);
+        let stays =
+            |sizes: &&[f64; 4]| sizes.iter().all(|size| *size <= least) || is_steady(&sizes[..]);
+        let mut moving = sizes.iter().filter(|sizes| !stays(sizes)).peekable();
+        let Some(first) = moving.peek() else { return Some(true) };
+        let grows = |sizes: &[f64; 4]| sizes[3] > sizes[0];
+        let way = grows(first);
+        moving.all(|sizes| drifts(sizes) && grows(sizes) == way).then_some(false)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::f64::consts::TAU;
+
+    /// What is said of two displacements over 4003 rows.
+    fn said(motion: impl Fn(f64) -> [f64; 2]) -> Option<bool> {
+        let mut quarters = Quarters::new(4003);
+        (0..4003).for_each(|row| quarters.note(&motion(f64::from(row) / 1000.0)));
+        quarters.settled(1e-15)
+    }
+
+    #[test]
+    fn a_small_displacement_that_grows_beside_a_large_one_has_not_settled() {
+        let fast = |t: f64| (TAU * 50.0 * t).sin();
+        assert_eq!(said(|t| [1.0 + fast(t), 1e-6 * fast(t + 0.3)]), Some(true));
+        assert_eq!(said(|t| [1.0 + fast(t), 1e-6 * (0.4 * t).exp() * fast(t)]), Some(false));
+        assert_eq!(said(|t| [(-0.1 * t).exp() * fast(t), (-0.4 * t).exp() * fast(t)]), Some(false));
+    }
+
+    #[test]
+    fn one_that_falls_while_another_rises_may_be_a_beat() {
+        let fast = |t: f64| (TAU * 50.0 * t).sin();
+        let slow = |t: f64| 0.2 * t;
+        assert_eq!(said(|t| [slow(t).cos() * fast(t), slow(t).sin() * fast(t)]), None);
+        assert_eq!(said(|_| [1.0, 0.0]), Some(true));
+    }
+}
