@@ -28,7 +28,7 @@ fn set1() -> Scene {
 }
 
 /// A study by exact motion, or by the paper's scheme with a step, s.
-fn study(scene: Scene, name: &str, values: &[f64], step: Option<f64>) -> LimitCycles {
+fn study(scene: &Scene, name: &str, values: &[f64], step: Option<f64>) -> LimitCycles {
     let prepare = |scene: &mut Scene| {
         if let Some(step) = step {
             (scene.method, scene.step) = (Method::ForwardIncrement, step);
@@ -43,7 +43,7 @@ fn study(scene: Scene, name: &str, values: &[f64], step: Option<f64>) -> LimitCy
         portraits: None,
         contacts: 2,
     };
-    limit_cycles(&scene, &prepare, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+    limit_cycles(scene, &prepare, &question, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
 fn endings(found: &LimitCycles) -> Vec<&Ending> {
@@ -105,15 +105,15 @@ fn assert_three_regimes(found: &LimitCycles, kind: Kind) {
 #[test]
 fn set_1_has_the_papers_three_regimes_over_the_sliders_velocity() {
     assert_three_regimes(
-        &study(set1(), "slider.velocity", &[0.05, 0.15, 0.25], None),
+        &study(&set1(), "slider.velocity", &[0.05, 0.15, 0.25], None),
         Kind::Periodic,
     );
 }
 
 #[test]
 fn the_papers_scheme_has_them_too() {
-    let exact = study(set1(), "slider.velocity", &[0.05, 0.15, 0.25], None);
-    let scheme = study(set1(), "slider.velocity", &[0.05, 0.15, 0.25], Some(1e-5));
+    let exact = study(&set1(), "slider.velocity", &[0.05, 0.15, 0.25], None);
+    let scheme = study(&set1(), "slider.velocity", &[0.05, 0.15, 0.25], Some(1e-5));
     // A step is a 70th of the way round, too long to tell a motion that comes back from one that nearly does.
     assert_three_regimes(&scheme, Kind::Undecided);
     // Of first order: 1e-5 s is 1.4 % of a radian of 219 Hz.
@@ -128,7 +128,7 @@ fn the_papers_scheme_has_them_too() {
 
 #[test]
 fn without_stick_the_cycle_does_not_depend_on_the_sliders_velocity() {
-    let found = study(set1(), "slider.velocity", &[0.25, 0.3, 0.4], None);
+    let found = study(&set1(), "slider.velocity", &[0.25, 0.3, 0.4], None);
     assert!(found.thresholds.is_empty() && found.regimes.len() == 1);
     let endings = endings(&found);
     for ending in &endings {
@@ -142,7 +142,7 @@ fn without_stick_the_cycle_does_not_depend_on_the_sliders_velocity() {
 /// proportional to it, and so is what the contact force lacks.
 #[test]
 fn without_detachment_the_cycle_is_proportional_to_the_velocity_until_the_force_reaches_zero() {
-    let found = study(set1(), "slider.velocity", &[0.02, 0.04, 0.08], None);
+    let found = study(&set1(), "slider.velocity", &[0.02, 0.04, 0.08], None);
     let ends = endings(&found);
     assert_takes(ends[1], &[Slide, Stick]);
     assert_near(ends[1].amplitude, 2.0 * ends[0].amplitude, 1e-4);
@@ -171,7 +171,7 @@ fn without_detachment_the_cycle_is_proportional_to_the_velocity_until_the_force_
 
 #[test]
 fn a_run_below_a_threshold_differs_from_one_above_it() {
-    let found = study(set1(), "slider.velocity", &[0.05, 0.15, 0.25], None);
+    let found = study(&set1(), "slider.velocity", &[0.05, 0.15, 0.25], None);
     let entered = |velocity: f64| {
         let mut scene = set1();
         scene.slider.velocity = velocity;
@@ -192,7 +192,7 @@ fn a_run_below_a_threshold_differs_from_one_above_it() {
 fn stick_and_slip_on_a_belt_have_the_amplitude_and_period_of_their_closed_form() {
     let values = [0.02, 0.04, 0.06, 0.08];
     let scene = builtin("stick_slip").unwrap().scene();
-    let found = study(scene, "slider.velocity", &values, None);
+    let found = study(&scene, "slider.velocity", &values, None);
     assert!(found.thresholds.is_empty());
     // k = 100 N/m, m = 1 kg, N = 10 N; µ_s − µ = 0.2.
     let (omega, d) = (10.0, 0.02);
@@ -212,7 +212,7 @@ fn stick_and_slip_on_a_belt_have_the_amplitude_and_period_of_their_closed_form()
 fn a_scene_that_always_comes_to_rest_has_an_answer() {
     // Fig. 2(a): no mode of Set 1 grows up to µ of more than 1.
     let scene = builtin("set1").unwrap().scene();
-    let found = study(scene, "friction.coefficient", &[0.3, 0.6, 0.9], None);
+    let found = study(&scene, "friction.coefficient", &[0.3, 0.6, 0.9], None);
     for ending in endings(&found) {
         assert_eq!(ending.kind, Kind::Equilibrium);
         assert_takes(ending, &[Slide]);
@@ -226,7 +226,7 @@ fn a_cycle_begins_where_a_mode_of_sliding_begins_to_grow() {
     let mut scene = builtin("set1").unwrap().scene();
     // It rests, and is pushed for that.
     scene.rest();
-    let found = study(scene.clone(), "friction.coefficient", &[1.1, 1.3], None);
+    let found = study(&scene, "friction.coefficient", &[1.1, 1.3], None);
     let begins = found.thresholds.iter().find(|found| found.changes.contains(&Change::RestEnds));
     let [low, high] = begins.unwrap().between;
     let grows = amontons::stability::candidates::bistability(&scene, [1.0, 1.4], &|_| {}).unwrap();
@@ -239,7 +239,7 @@ fn a_value_without_a_motion_is_told_and_the_others_go_on() {
     // At this angle Set 1 jams from 3.577 on.
     let mut scene = builtin("set1").unwrap().scene();
     assign(&mut scene, "slider.angle", -0.5).unwrap();
-    let found = study(scene.clone(), "friction.coefficient", &[0.2, 3.6], None);
+    let found = study(&scene, "friction.coefficient", &[0.2, 3.6], None);
     let failure = serde_json::to_value(&found.outcomes[1]).unwrap();
     assert!(failure["failure"].as_str().unwrap().contains("jams"), "{failure}");
     assert!(found.outcomes[0].settled().is_some() && found.thresholds.is_empty());

@@ -475,7 +475,7 @@ impl Motion {
                     }
                 }
                 Driven::Load(place) => {
-                    self.scene.load[*place] += signal(shape, start + 0.5 * self.h)
+                    self.scene.load[*place] += signal(shape, start + 0.5 * self.h);
                 }
             }
         }
