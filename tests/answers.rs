@@ -205,8 +205,12 @@ fn swept(case: &Case, folder: &Path) -> Result<Answer, String> {
     for row in &table[1..] {
         let mu = number(&row[0]);
         let end = case.oracle(folder, &[("friction.coefficient", mu)]).end(case.time, case.step);
-        if !end.rests {
-            case.compare_end(&format!("sweep at {mu}"), "periodic", number(&row[1]), end);
+        let amplitude = number(&row[1]);
+        // What grows for ever is larger the later one looks.
+        if end.amplitude > 1.0 {
+            assert!(row[settled] == "no" && amplitude > 1.0, "{}: {row:?} {end:?}", case.name);
+        } else if !end.rests {
+            case.compare_end(&format!("sweep at {mu}"), "periodic", amplitude, end);
         }
     }
     Ok(match table[1..].iter().find(|row| row[settled] != "yes") {

@@ -454,7 +454,9 @@ fn candidates_are_confirmed_or_it_is_said_what_was_tried() {
     let below = self::printed(&["bistable", "set2", "--friction", "1.5:1.6", "--confirm"]);
     let line = below.lines().find(|line| line.contains("Sl-St (")).unwrap();
     // Stick-slip needs more friction there, as continuation shows.
-    for words in ["not met: pushes of", "m/s at µ = 1.52", "for 120 s", "came to rest"] {
+    for words in
+        ["not met by what was tried: pushes of", "m/s at µ = 1.52", "for 120 s", "came to rest"]
+    {
         assert!(line.contains(words), "{words}: {below}");
     }
 }

@@ -286,7 +286,7 @@ fn a_candidate_is_not_met_by_contacts_that_take_its_states_one_by_one() {
     let [tried] = &confirm(&brake, &[candidate], Watch::IDLE).unwrap().unwrap()[..] else {
         panic!()
     };
-    assert!(tried.met().is_none(), "{tried:?}");
+    assert!(tried.met.is_none(), "{tried:?}");
 }
 
 /// A block on a belt so slow that it is carried along for minutes before its spring pulls it off: no rest.

@@ -4,7 +4,7 @@ use super::Watch;
 use super::ending::{Ending, Kind};
 use super::look::{Look, Wish};
 use super::settling::settle;
-use super::visit::takes;
+use super::visit::{Visited, visited};
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::Contact;
@@ -30,8 +30,8 @@ pub struct Attempt {
     pub push: f64,
     /// The motion that it ended in, or why it failed.
     pub ending: Result<Ending, String>,
-    /// `true` where contacts took the candidate's states together in that motion, or states that symmetry makes equal.
-    pub takes: bool,
+    /// The states that contacts took together in that motion, where it goes on.
+    pub visited: Option<Visited>,
 }
 
 impl Attempt {
@@ -41,18 +41,23 @@ impl Attempt {
         self.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle())
     }
 
-    /// `true` where the motion does not come to rest and contacts take the candidate's states.
+    /// `true` where the motion is one at a µ of the candidate's range, does not come to rest, and contacts take the
+    /// candidate's states in it.
     #[must_use]
-    pub fn meets(&self) -> bool {
-        self.takes && self.moves()
+    pub fn meets(&self, candidate: &Candidate) -> bool {
+        let [from, to] = candidate.range;
+        (from..=to).contains(&self.friction)
+            && self.visited.as_ref().is_some_and(|visited| visited.has(&candidate.states))
     }
 }
 
-/// What was tried of a candidate, up to the first push that met it.
+/// What was tried of a candidate, up to the first push that met it. Another candidate's push may have met it, too.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tried {
     /// In the order in which they were made.
     pub attempts: Vec<Attempt>,
+    /// The push that met the candidate.
+    pub met: Option<Attempt>,
     /// s that a motion may take to settle.
     pub longest: f64,
     /// The output whose amplitude is told.
@@ -60,12 +65,6 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// The push that met the candidate.
-    #[must_use]
-    pub fn met(&self) -> Option<&Attempt> {
-        self.attempts.last().filter(|attempt| attempt.meets())
-    }
-
     /// How many attempts ended in rest, in another motion, had not settled, and failed.
     #[must_use]
     pub fn count(&self) -> [usize; 4] {
@@ -95,11 +94,20 @@ pub fn confirm(
     #[allow(clippy::cast_precision_loss)]
     let done = |done: usize| (watch.progress)(done as f64 / candidates.len() as f64);
     let found = collect(candidates.len(), &|i| tried(scene, candidates[i], watch), &done)?;
-    Ok(found.into_iter().collect())
+    let Some(mut found) = found.into_iter().collect::<Option<Vec<Tried>>>() else {
+        return Ok(None);
+    };
+    let all: Vec<Attempt> = found.iter().flat_map(|tried| tried.attempts.clone()).collect();
+    for (tried, candidate) in found.iter_mut().zip(candidates) {
+        if tried.met.is_none() {
+            tried.met = all.iter().find(|attempt| attempt.meets(candidate)).cloned();
+        }
+    }
+    Ok(Some(found))
 }
 
 fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Option<Tried>, Error> {
-    let mut found = Tried { attempts: Vec::new(), longest: 0.0, of: String::new() };
+    let mut found = Tried { attempts: Vec::new(), met: None, longest: 0.0, of: String::new() };
     let Some(reach) = candidate.reach else { return Ok(Some(found)) };
     let [from, to] = candidate.range;
     for place in PLACES {
@@ -110,15 +118,18 @@ fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Optio
         (found.longest, found.of) = (found.longest.max(look.longest), look.of.clone());
         let Some(along) = direction(&scene, candidate)? else { continue };
         for push in pushes(reach.push, &scene) {
-            let attempt = match run(&scene, candidate, &along, push, &look, watch) {
+            let attempt = match run(&scene, &along, push, &look, watch) {
                 Ok(None) => return Ok(None),
-                Ok(Some((ending, takes))) => Attempt { friction, push, ending: Ok(ending), takes },
+                Ok(Some((ending, visited))) => {
+                    Attempt { friction, push, ending: Ok(ending), visited }
+                }
                 Err(error) => {
-                    Attempt { friction, push, ending: Err(error.to_string()), takes: false }
+                    Attempt { friction, push, ending: Err(error.to_string()), visited: None }
                 }
             };
+            found.met = attempt.meets(candidate).then(|| attempt.clone());
             found.attempts.push(attempt);
-            if found.met().is_some() {
+            if found.met.is_some() {
                 return Ok(Some(found));
             }
         }
@@ -176,24 +187,23 @@ fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, E
     Ok((largest > 0.0).then_some(along))
 }
 
-/// One push: the motion that it ends in, and whether contacts take the candidate's states in it.
+/// One push: the motion that it ends in, and the states that contacts take in it together if it goes on.
 fn run(
     scene: &Scene,
-    candidate: &Candidate,
     along: &[f64],
     push: f64,
     look: &Look,
     watch: Watch<'_>,
-) -> Result<Option<(Ending, bool)>, Error> {
+) -> Result<Option<(Ending, Option<Visited>)>, Error> {
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
     for (dof, part) in along.iter().enumerate().filter(|(_, part)| **part != 0.0) {
         simulation.push(dof, push * part);
     }
     let is_over = || watch.is_over();
     let Some(ending) = settle(&mut simulation, look, &is_over)? else { return Ok(None) };
-    let takes =
-        ending.kind.is_cycle() && takes(&simulation, look, ending.period, &candidate.states)?;
-    Ok(Some((ending, takes)))
+    let goes_on = ending.kind.is_cycle();
+    let visited = goes_on.then(|| visited(&simulation, look, ending.period)).transpose()?;
+    Ok(Some((ending, visited)))
 }
 
 #[cfg(test)]
@@ -218,7 +228,7 @@ mod tests {
         let [tried] = &confirm(&scene, &[candidate], Watch::IDLE).unwrap().unwrap()[..] else {
             panic!()
         };
-        let met = tried.met().unwrap_or_else(|| panic!("{tried:?}"));
+        let met = tried.met.as_ref().unwrap_or_else(|| panic!("{tried:?}"));
         assert!(met.push >= candidate.reach.unwrap().push && met.friction > 1.0);
     }
 
@@ -232,7 +242,7 @@ mod tests {
         let [tried] = &confirm(&scene, &[candidate], Watch::IDLE).unwrap().unwrap()[..] else {
             panic!()
         };
-        assert!(tried.met().is_none());
+        assert!(tried.met.is_none());
         let squeals = |attempt: &Attempt| {
             attempt.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle() && ending.taken[2])
         };

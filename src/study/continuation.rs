@@ -17,7 +17,7 @@ use super::journal::Journal;
 use super::look::Look;
 use super::push::Push;
 use super::settling::settle;
-use super::visit::takes;
+use super::visit::visited;
 use crate::Error;
 use crate::contact::ContactState;
 use crate::scene::Scene;
@@ -523,7 +523,7 @@ impl Run<'_> {
             taken.push(match (states, progress) {
                 (Some(states), Some(progress)) if ending.kind.is_cycle() => {
                     let simulation = self.resume(friction, progress)?;
-                    takes(&simulation, self.plan.look, ending.period, states)?
+                    visited(&simulation, self.plan.look, ending.period)?.has(states)
                 }
                 _ => false,
             });

@@ -52,6 +52,7 @@ pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold,
 pub use look::{Look, Prepare, Wish, output, pace, unit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;
+pub use visit::Visited;
 
 use std::ops::ControlFlow;
 

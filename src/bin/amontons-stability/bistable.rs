@@ -170,7 +170,7 @@ fn confirm_candidates(
     for (candidate, tried) in first.iter().zip(&tried) {
         let (states, hz) = (Joined(&candidate.states), candidate.frequency_hz);
         write!(out, "  {states} ({hz:.2} Hz): ")?;
-        match tried.met() {
+        match &tried.met {
             Some(Attempt { friction, push, ending: Ok(ending), .. }) => writeln!(
                 out,
                 "met at µ = {} by a push of {} m/s: {}, {:.4e} of {}{}",
@@ -213,7 +213,7 @@ fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
         });
     writeln!(
         out,
-        "not met: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; {rested} came to rest, \
+        "not met by what was tried: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; {rested} came to rest, \
          {other} ended in a motion that has not all of these states at one time, {unsettled} had not settled, {failed} \
          failed{second}",
         list(|attempt| attempt.push, 3),

@@ -403,9 +403,9 @@ fn print_eigenvalues(
         let [from, to] = candidate.range;
         let met = met(compared);
         let found = match (&met[..], compared.is_empty()) {
-            ([], true) => "not met: no cycle beside rest was found in this range".to_owned(),
+            ([], true) => "not known: no cycle beside rest was found in this range".to_owned(),
             ([], false) => format!(
-                "not met: contacts do not take these states together in the cycles beside rest at {}",
+                "not met by the cycle beside rest that was followed, at {}; another one may meet it",
                 listed(compared.iter().map(|both| both.friction))
             ),
             (values, _) => {
