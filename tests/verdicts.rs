@@ -2,6 +2,7 @@
 //! output that is looked at.
 #![cfg(feature = "tools")]
 
+use amontons::Error;
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::{Simulation, assign};
 use amontons::stability::candidates::{Candidate, bistability};
@@ -27,6 +28,11 @@ fn scene(name: &str, values: &[(&str, f64)]) -> Scene {
 fn cycles(scene: &Scene, wish: &Wish<'_>, values: &[f64]) -> LimitCycles {
     let prepare = |scene: &mut Scene| Look::paced(scene, wish);
     cycles_over(scene, &prepare, "friction.coefficient", values)
+}
+
+/// Motion is computed and looked at as studies do unless told otherwise.
+fn paced(scene: &mut Scene) -> Result<Look, Error> {
+    Look::paced(scene, &Wish::default())
 }
 
 /// The same over any parameter, of motion that is computed and looked at as wished.
@@ -134,10 +140,9 @@ fn a_motion_has_the_same_kind_period_and_amplitude_however_its_rows_fall() {
 /// Δ = (µ_s − µ) N. A stiffness 10,000 times larger makes it a hundred times faster.
 #[test]
 fn a_motion_is_looked_at_as_often_as_each_value_of_a_parameter_asks_for() {
-    let prepare = |scene: &mut Scene| Look::paced(scene, &Wish::default());
     let stiffnesses = [100.0, 1e4, 1e6];
     let scene = scene("stick_slip", &[]);
-    let found = cycles_over(&scene, &prepare, "spring.hold.stiffness", &stiffnesses);
+    let found = cycles_over(&scene, &paced, "spring.hold.stiffness", &stiffnesses);
     let (mass, velocity, excess) = (1.0, 0.1, (0.6 - 0.4) * 10.0);
     for (outcome, stiffness) in found.outcomes.iter().zip(stiffnesses) {
         let omega = f64::sqrt(stiffness / mass);
@@ -321,8 +326,7 @@ fn driven(damping: f64, signal: &str) -> Scene {
 #[test]
 fn a_force_that_is_faster_than_every_mode_is_followed_at_its_own_frequency() {
     let scene = driven(10.0, "sine = { amplitude = 1000.0, frequency = 130.0 }");
-    let prepare = |scene: &mut Scene| Look::paced(scene, &Wish::default());
-    let found = cycles_over(&scene, &prepare, "damper.d.damping", &[10.0]);
+    let found = cycles_over(&scene, &paced, "damper.d.damping", &[10.0]);
     let ending = ending(&found);
     let omega = TAU * 130.0;
     assert_near(ending.frequency.unwrap(), 130.0, 1e-9);
@@ -333,8 +337,7 @@ fn a_force_that_is_faster_than_every_mode_is_followed_at_its_own_frequency() {
 fn what_waits_for_a_signal_does_not_rest_before_it_comes() {
     let mut scene = driven(0.5, "pulse = { value = 100.0, start = 60.0, end = 60.1 }");
     scene.rest();
-    let prepare = |scene: &mut Scene| Look::paced(scene, &Wish::default());
-    let found = cycles_over(&scene, &prepare, "damper.d.damping", &[0.5]);
+    let found = cycles_over(&scene, &paced, "damper.d.damping", &[0.5]);
     assert!(ending(&found).rests() && ending(&found).time > 60.0, "{:?}", ending(&found).time);
 }
 

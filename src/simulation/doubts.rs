@@ -28,7 +28,8 @@ pub(super) fn doubts(simulation: &Simulation) -> Vec<String> {
     doubts
 }
 
-/// The same of a scene that is not run, and that need not have an equilibrium: then all but what follows from that.
+/// What is doubtful in a scene that is not run, a sentence each. Without an equilibrium nothing is said of springs that it
+/// would strain.
 #[cfg(feature = "tools")]
 #[must_use]
 pub fn doubts_of(scene: &Scene) -> Vec<String> {

@@ -199,7 +199,8 @@ pub fn bistability(
     Ok(Bistability { range: [first, last], equilibrium, uniform, stable, candidates, widest })
 }
 
-/// What a motion needs to reach that one of some states, at that end of a range of µ, where it is least.
+/// Finds the state that is easiest to reach, at the end of a range of µ where that is easiest, and what a motion needs to
+/// reach it.
 fn least_reach(
     at: &dyn Fn(f64) -> Linearised,
     range: [f64; 2],

@@ -15,8 +15,8 @@ use crate::stability::parallel::collect;
 use crate::stability::{Linearised, modes};
 
 /// The fewest pushes: up to a hundred times the least one that a candidate's state asks for.
-pub const FEWEST_PUSHES: usize = 5;
-/// The largest push is no less than so many times the velocity of the fastest surface.
+const FEWEST_PUSHES: usize = 5;
+/// Pushes go on until one is this many times as fast as the fastest surface.
 const FAST: f64 = 10.0;
 /// Places in the candidate's range of µ, from its end, where the mode grows most, to its start.
 pub const PLACES: [f64; 3] = [0.98, 0.6, 0.2];
@@ -30,7 +30,7 @@ pub struct Attempt {
     pub push: f64,
     /// The motion that it ended in, or why it failed.
     pub ending: Result<Ending, String>,
-    /// The states that contacts took together in that motion, where it goes on.
+    /// The states that contacts took together in that motion; `None` of a motion that rests or has not settled.
     pub visited: Option<Visited>,
 }
 
@@ -51,12 +51,12 @@ impl Attempt {
     }
 }
 
-/// What was tried of a candidate, up to the first push that met it. Another candidate's push may have met it, too.
+/// The pushes that were tried for a candidate. They end with the first one that met it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tried {
     /// In the order in which they were made.
     pub attempts: Vec<Attempt>,
-    /// The push that met the candidate.
+    /// The push that met the candidate: one of its own or, where none of those did, one of another candidate.
     pub met: Option<Attempt>,
     /// s that a motion may take to settle.
     pub longest: f64,
@@ -187,7 +187,8 @@ fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, E
     Ok((largest > 0.0).then_some(along))
 }
 
-/// One push: the motion that it ends in, and the states that contacts take in it together if it goes on.
+/// Pushes the scene and follows the motion to its end. Gives that motion and, if it goes on, the states that contacts
+/// take together in it.
 fn run(
     scene: &Scene,
     along: &[f64],

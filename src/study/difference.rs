@@ -9,7 +9,8 @@ pub(super) const OTHER_EXTENT: f64 = 0.05;
 const OTHER_IRREGULAR: f64 = 0.25;
 /// Frequencies that differ by more than this part may.
 const OTHER_FREQUENCY: f64 = 0.02;
-/// What another kind adds: with nothing else it is no other motion, as a second frequency may come and go gently.
+/// Another kind adds this to the distance of two motions. Alone it does not make them different, since a second frequency
+/// may come and go gently.
 const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
 /// Displacements with less than this part of the largest extent do not tell motions apart.
 const SEEN: f64 = 1e-2;

@@ -85,13 +85,14 @@ pub(super) fn is_far(simulation: &Simulation) -> bool {
     let scene = simulation.acting();
     let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
     let at_rest = largest(&simulation.reference().displacement);
+    if at_rest == 0.0 || largest(simulation.displacement()) <= FAR * at_rest {
+        return false;
+    }
     let contacts = LumpedModel::from(scene).contacts;
     let speed = |contact: &Contact| contact.velocity(scene.slider.velocity).abs();
     // Without sticking only the direction of a surface's velocity matters.
     let speeds = contacts.iter().filter(|_| scene.effects.sticking).map(speed);
-    at_rest > 0.0
-        && largest(simulation.displacement()) > FAR * at_rest
-        && largest(simulation.velocity()) > FAR * speeds.fold(0.0, f64::max)
+    largest(simulation.velocity()) > FAR * speeds.fold(0.0, f64::max)
 }
 
 /// `true` where no contact can stick, open or slip the other way, so that motions are linear at any size.

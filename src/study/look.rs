@@ -108,7 +108,7 @@ impl Look {
         Ok(Self { of, interval, window, longest: windows * window })
     }
 
-    /// As [`of`](Self::of), and gives the scene the method and step that [`pace`] does.
+    /// Looks at a scene as [`of`](Self::of) does, and gives it the method and step of [`pace`].
     ///
     /// # Errors
     /// As of [`of`](Self::of).

@@ -109,7 +109,7 @@ struct Surroundings<'a> {
     may_rest: bool,
     /// `true` where no contact can change its state, so that motions are linear at any size.
     stays_linear: bool,
-    /// As [`growth`] has it in the present contact states.
+    /// Computes the [`growth`] in the present contact states.
     growth: &'a dyn Fn() -> Option<Growth>,
 }
 

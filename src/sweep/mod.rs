@@ -242,7 +242,7 @@ impl Record {
         }
     }
 
-    /// As [`Summary::settled`]. What is smaller than `least` (m) rests.
+    /// Computes [`Summary::settled`]. A displacement that moves by less than `least` (m) rests.
     #[allow(clippy::cast_precision_loss)]
     fn settled(&self, interval: f64, least: f64) -> Option<bool> {
         let quarter = self.displacements.rows() as f64 * interval;

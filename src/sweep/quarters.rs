@@ -24,7 +24,7 @@ pub(super) struct Quarters {
 }
 
 impl Quarters {
-    /// Of a window with so many rows.
+    /// Begins a window that will have `rows` rows.
     pub fn new(rows: usize) -> Self {
         let weights = Window::BlackmanHarris.weights(rows / 4);
         Self { before: rows % 4, row: 0, weights, sums: Vec::new() }

@@ -213,8 +213,8 @@ fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
         });
     writeln!(
         out,
-        "not met by what was tried: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; {rested} came to rest, \
-         {other} ended in a motion that has not all of these states at one time, {unsettled} had not settled, {failed} \
+        "not met by what was tried: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; \
+         {rested} came to rest, {other} ended in a motion that has not all of these states at one time, {unsettled} had not settled, {failed} \
          failed{second}",
         list(|attempt| attempt.push, 3),
         list(|attempt| attempt.friction, 4),

@@ -353,7 +353,7 @@ fn only_rests(found: &Continuation) -> bool {
         && !found.jumps.iter().any(is_begun)
 }
 
-/// What is known where both ways have ended in the same motions.
+/// Says what is known of second motions after both ways have ended in the same motion at every compared value.
 fn none(found: &Continuation) -> &'static str {
     if only_rests(found) {
         "unknown: the downward way has begun at rest too, and a motion beside rest may exist that no start has led to"
