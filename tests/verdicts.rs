@@ -419,3 +419,25 @@ fn a_motion_that_a_start_leads_to_at_some_values_is_followed_to_both_of_its_ends
     assert!(range.rests && (range.range[1] - low).abs() < 1e-4, "{range:?} {low}");
     assert_eq!((range.range[0], range.bounded), (0.3, [false, true]));
 }
+
+/// A damped block on a belt whose friction falls with the slip, N (µ_s − µ)/v_s e^(−v/v_s) against c: sliding is stable
+/// from µ = µ_s − c v_s/N e^(v/v_s) on. Beside it stick-slip lives up to 0.385, as a time stepper of Moreau and Jean's kind
+/// finds. The way upwards begins in stick-slip; the scene's own start leads there too, which is no reason to leave rest.
+#[test]
+fn rest_is_followed_beside_a_cycle_that_the_scenes_own_start_leads_to() {
+    let text = "[slider]\nvelocity = 0.3\nangle = 0.0\n\
+         [friction]\ncoefficient = 0.2\nstatic = 0.5\nstribeck_velocity = 0.1\n\
+         [[mass]]\nname = \"b\"\nmass = 1.0\nforce = [0.0, -10.0]\n\
+         [[spring]]\nname = \"k\"\nbetween = [\"b\", \"ground\"]\ndirection = \"x\"\nstiffness = 100.0\n\
+         [[damper]]\nname = \"c\"\nbetween = [\"b\", \"ground\"]\ndirection = \"x\"\ndamping = 1.5\n\
+         [[contact]]\nname = \"c\"\nmass = \"b\"\n[[initial]]\nmass = \"b\"\nvx = 0.6\n\
+         [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 20.0\noutput_interval = 1e-2\n";
+    let block = parse("block", text).unwrap();
+    let onset = 0.5 - 1.5 * 0.1 / 10.0 * f64::exp(3.0);
+    let resolution = 5e-3;
+    let found = followed(&block, &[0.05, 0.2, 0.35, 0.45], resolution);
+    let [range] = &found.bistable[..] else { panic!("{:?} {:?}", found.bistable, found.jumps) };
+    assert!(range.rests && range.bounded == [true, true], "{range:?}");
+    assert!((range.range[0] - onset).abs() < resolution, "{range:?} {onset}");
+    assert!((range.range[1] - 0.385).abs() < resolution, "{range:?}");
+}

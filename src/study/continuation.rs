@@ -135,8 +135,9 @@ pub struct Both {
 pub struct Continuation {
     /// By ascending µ.
     pub rising: Vec<Point>,
-    /// By ascending µ too. The way begins from the scene's own start at the last value. As long as it rests, it is begun
-    /// anew at each further value; the first motion that this finds is followed upwards to its end, too.
+    /// By ascending µ too. The way begins from the scene's own start at the last value. Where both ways rest, the scene's
+    /// start is tried as well, from high values to low ones; the first motion that it leads to stands in place of rest,
+    /// as far as it can be followed.
     pub falling: Vec<Point>,
     /// By ascending µ, rising ones first.
     pub jumps: Vec<Jump>,
@@ -190,6 +191,20 @@ struct Followed {
     is_leaving: bool,
 }
 
+/// All that was followed.
+struct Found {
+    /// Upwards and downwards.
+    ways: Vec<Followed>,
+    /// A motion that the scene's own start leads to where both ways rest.
+    begun: Option<Followed>,
+}
+
+impl Found {
+    fn all(&self) -> impl Iterator<Item = &Followed> {
+        self.ways.iter().chain(&self.begun)
+    }
+}
+
 /// Follows both ways, each on a core. `None` if the watch ended it; what was finished is in the journal.
 ///
 /// # Errors
@@ -216,20 +231,30 @@ pub fn continuation(
     if let [Err(failure), Err(_)] = [0, 1].map(|way: usize| &ways[way].passed[0].point.ending) {
         return Err(Error::scene(failure.clone()));
     }
-    let Some((bistable, unknown)) = run.compare_ways(&ways)? else { return Ok(None) };
+    let Some(begun) = run.begin(&ways)? else { return Ok(None) };
+    let found = Found { ways, begun };
+    let Some((bistable, unknown)) = run.compare_ways(&found)? else { return Ok(None) };
     let mut compared = Vec::new();
     for candidate in plan.candidates {
-        let Some(both) = run.compare_inside(candidate, &bistable, &ways)? else { return Ok(None) };
+        let Some(both) = run.compare_inside(candidate, &bistable, &found)? else { return Ok(None) };
         compared.push(both);
     }
-    let mut jumps: Vec<Jump> = ways.iter().flat_map(|way| way.jumps.clone()).collect();
+    let mut jumps: Vec<Jump> = found.all().flat_map(|way| way.jumps.clone()).collect();
     jumps.sort_by(|a, b| (a.way as u8).cmp(&(b.way as u8)).then(a.at().total_cmp(&b.at())));
-    let asked = |way: &Followed| -> Vec<Point> {
-        let points = way.passed.iter().map(|reached| &reached.point);
-        points.filter(|point| plan.values.contains(&point.friction)).cloned().collect()
+    let at = |way: &Followed, value: f64| -> Option<Point> {
+        let there = way.passed.iter().find(|reached| reached.point.friction == value);
+        there.map(|reached| reached.point.clone())
     };
-    let rising = asked(&ways[0]);
-    let falling = asked(&ways[1]).into_iter().rev().collect();
+    let asked = |way: Way| {
+        let point = |value: &f64| {
+            let point = at(&found.ways[way as usize], *value)?;
+            let rests = point.ending.as_ref().is_ok_and(Ending::rests);
+            let begun = found.begun.as_ref().filter(|_| way == Way::Falling && rests);
+            Some(begun.and_then(|begun| at(begun, *value)).unwrap_or(point))
+        };
+        plan.values.iter().filter_map(point).collect()
+    };
+    let (rising, falling) = (asked(Way::Rising), asked(Way::Falling));
     Ok(Some(Continuation { rising, falling, jumps, bistable, unknown, compared }))
 }
 
@@ -252,58 +277,73 @@ impl Run<'_> {
             return Ok(None);
         };
         let mut followed = Followed::from(way, label, first);
-        // A scene that starts in its equilibrium finds nothing that the ways do not.
-        let mut may_begin = way == Way::Falling && Push::of_resting(self.plan.scene).is_none();
         step_done();
         for value in &values[1..] {
-            if followed.passed.last().is_none_or(|last| last.progress.is_none()) {
+            if !followed.has_state() {
                 break;
             }
             if !self.advance(way, &mut followed, *value)? {
                 return Ok(None);
-            }
-            may_begin &=
-                followed.passed.iter().all(|reached| reached.ending().is_some_and(Ending::rests));
-            if may_begin {
-                let Some(begun) = self.reach(&followed.label, *value, Start::Scene(way))? else {
-                    return Ok(None);
-                };
-                if begun.ending().is_some_and(|ending| ending.kind.is_cycle())
-                    && !self.begin_at(&mut followed, begun)?
-                {
-                    return Ok(None);
-                }
             }
             step_done();
         }
         Ok(Some(followed))
     }
 
-    /// Takes a motion beside rest into a way that has rested so far, from its last value on: the motion is followed back,
-    /// and stands in place of rest up to where it ends. `false` if the watch ended it.
-    fn begin_at(&self, followed: &mut Followed, begun: Reached) -> Result<bool, Error> {
-        let label = format!("{}, back:", followed.label);
-        let mut back = Followed::from(followed.way, label, begun);
-        for value in self.plan.values {
-            let Some(last) = back.passed.last().filter(|last| last.progress.is_some()) else {
-                break;
-            };
-            if back.jumps.is_empty()
-                && *value > last.point.friction
-                && !self.advance(Way::Rising, &mut back, *value)?
-            {
-                return Ok(false);
-            }
+    /// A motion that the scene's own start leads to where both ways rest, from the highest value on: it is followed
+    /// upwards to its end, and downwards to its end or to where the way upwards does not rest. `None` inside if there is
+    /// none.
+    fn begin(&self, ways: &[Followed]) -> Result<Option<Option<Followed>>, Error> {
+        // A scene that starts in its equilibrium finds nothing that the ways do not.
+        if Push::of_resting(self.plan.scene).is_some() {
+            return Ok(Some(None));
         }
-        let end = back.jumps.first().map_or(f64::INFINITY, |jump| jump.between[1]);
-        back.passed.retain(|reached| reached.point.friction <= end);
-        let Some(last) = back.passed.last().map(|last| last.point.friction) else {
-            return Ok(true);
+        let rests = |way: &Followed, value: f64| {
+            let there = way.passed.iter().find(|reached| reached.point.friction == value);
+            there.and_then(Reached::ending).is_some_and(Ending::rests)
         };
-        followed.passed.retain(|reached| reached.point.friction > last);
-        followed.passed.extend(back.passed.into_iter().rev());
-        followed.jumps.extend(back.jumps.into_iter().take(1));
-        Ok(true)
+        // The way downwards has begun from the scene's start at the last value.
+        let values = &self.plan.values[..self.plan.values.len() - 1];
+        for (place, value) in values.iter().enumerate().rev() {
+            if !ways.iter().all(|way| rests(way, *value)) {
+                continue;
+            }
+            let label = Way::Falling.name().to_owned();
+            let Some(begun) = self.reach(&label, *value, Start::Scene(Way::Falling))? else {
+                return Ok(None);
+            };
+            if !begun.ending().is_some_and(|ending| ending.kind.is_cycle()) {
+                continue;
+            }
+            let mut down = Followed::from(Way::Falling, label, begun.clone());
+            for (lower, above) in values[..place].iter().zip(&values[1..]).rev() {
+                let goes_on = rests(&ways[0], *above) && down.jumps.is_empty() && down.has_state();
+                if goes_on && !self.advance(Way::Falling, &mut down, *lower)? {
+                    return Ok(None);
+                }
+            }
+            let label = format!("{}, back:", Way::Falling.name());
+            let mut up = Followed::from(Way::Falling, label, begun);
+            for higher in &self.plan.values[place + 1..] {
+                let goes_on = up.jumps.is_empty() && up.has_state();
+                if goes_on && !self.advance(Way::Rising, &mut up, *higher)? {
+                    return Ok(None);
+                }
+            }
+            // What comes after a jump is another motion.
+            for way in [&mut down, &mut up] {
+                way.jumps.truncate(1);
+                if let Some(jump) = way.jumps.first() {
+                    let end = jump.between[0];
+                    let ended = way.passed.iter().position(|reached| reached.point.friction == end);
+                    way.passed.truncate(ended.map_or(1, |ended| ended + 1));
+                }
+            }
+            down.passed.extend(up.passed.into_iter().skip(1));
+            down.jumps.extend(up.jumps);
+            return Ok(Some(Some(down)));
+        }
+        Ok(Some(None))
     }
 
     /// Follows a way from the last value that it has passed to another one. The change of µ is halved wherever the
@@ -436,13 +476,10 @@ impl Run<'_> {
     /// The ranges of µ in which both ways end in different motions, and those in which that is not known: between each
     /// two neighbouring jumps both ways are run at a value in the middle.
     #[allow(clippy::type_complexity)]
-    fn compare_ways(
-        &self,
-        ways: &[Followed],
-    ) -> Result<Option<(Vec<Bistable>, Vec<[f64; 2]>)>, Error> {
+    fn compare_ways(&self, found: &Found) -> Result<Option<(Vec<Bistable>, Vec<[f64; 2]>)>, Error> {
         let values = self.plan.values;
         let ends = [values[0], values[values.len() - 1]];
-        let jumps = ways.iter().flat_map(|way| way.jumps.iter().map(Jump::at));
+        let jumps = found.all().flat_map(|way| way.jumps.iter().map(Jump::at));
         let mut bounds: Vec<f64> = jumps.chain(ends).collect();
         bounds.sort_by(f64::total_cmp);
         // Jumps of both ways at the same place have nothing between them.
@@ -450,7 +487,7 @@ impl Run<'_> {
         let (mut bistable, mut unknown): (Vec<Bistable>, Vec<[f64; 2]>) = Default::default();
         for range in bounds.windows(2).map(|two| [two[0], two[1]]) {
             let middle = f64::midpoint(range[0], range[1]);
-            let Some(both) = self.both(middle, ways, None)? else {
+            let Some(both) = self.both(middle, found, None)? else {
                 return Ok(None);
             };
             let Some(Both { endings: [up, down], .. }) = both else {
@@ -477,67 +514,97 @@ impl Run<'_> {
         &self,
         candidate: &Candidate,
         bistable: &[Bistable],
-        ways: &[Followed],
+        found: &Found,
     ) -> Result<Option<Vec<Both>>, Error> {
-        let mut found = Vec::new();
+        let mut compared = Vec::new();
         let [from, to] = candidate.range;
         for range in bistable.iter().filter(|range| range.rests) {
             let [from, to] = [from.max(range.range[0]), to.min(range.range[1])];
             for part in COMPARED.into_iter().filter(|_| from < to) {
                 let friction = from + part * (to - from);
-                let Some(both) = self.both(friction, ways, Some(&candidate.states))? else {
+                let Some(both) = self.both(friction, found, Some(&candidate.states))? else {
                     return Ok(None);
                 };
-                found.extend(both);
+                compared.extend(both);
             }
         }
-        Ok(Some(found))
+        Ok(Some(compared))
     }
 
     /// The motions of both ways at a value, and whether contacts take some states in them; `None` inside where one of them
-    /// is not known there.
+    /// is not known there. Where both ways have the same motion, the one that the scene's own start has led to, if there
+    /// is one, takes the place of the second.
     fn both(
         &self,
         friction: f64,
-        ways: &[Followed],
+        found: &Found,
         states: Option<&[ContactState]>,
     ) -> Result<Option<Option<Both>>, Error> {
-        let (mut endings, mut taken) = (Vec::new(), Vec::new());
-        for (way, followed) in Way::ALL.into_iter().zip(ways) {
-            let Some(start) = followed.nearest(friction) else { return Ok(Some(None)) };
-            let from = start.point.friction;
-            let label = format!("{}, compared at {friction:?}:", way.name());
-            let mut there = Followed::from(way, label, start);
-            if from != friction && !self.advance(way, &mut there, friction)? {
-                return Ok(None);
-            }
-            let Some(Reached { point: Point { ending: Ok(ending), .. }, progress }) =
-                there.passed.pop()
-            else {
-                return Ok(Some(None));
-            };
-            let is_known = ending.kind != Kind::Unsettled || ending.is_known();
-            if !is_known || !there.jumps.is_empty() {
-                return Ok(Some(None));
-            }
-            taken.push(match (states, progress) {
-                (Some(states), Some(progress)) if ending.kind.is_cycle() => {
-                    let simulation = self.resume(friction, progress)?;
-                    visited(&simulation, self.plan.look, ending.period)?.has(states)
-                }
-                _ => false,
-            });
-            endings.push(ending);
+        let mut pair = Vec::new();
+        for (way, followed) in Way::ALL.into_iter().zip(&found.ways) {
+            let Some(there) = self.at(friction, way, followed)? else { return Ok(None) };
+            let Some(there) = there else { return Ok(Some(None)) };
+            pair.push(there);
         }
-        let endings = <[Ending; 2]>::try_from(endings).ok();
-        let takes = [taken[0], taken[1]];
-        Ok(Some(endings.map(|endings| Both { friction, endings, takes })))
+        let are_alike = distance(&pair[0].0, &pair[1].0) <= OTHER_EXTENT;
+        if let Some(begun) =
+            found.begun.as_ref().filter(|begun| are_alike && begun.covers(friction))
+        {
+            let Some(there) = self.at(friction, Way::Falling, begun)? else { return Ok(None) };
+            let Some(there) = there else { return Ok(Some(None)) };
+            pair[1] = there;
+        }
+        let mut takes = [false; 2];
+        for (takes, (ending, progress)) in takes.iter_mut().zip(&pair) {
+            if let Some(states) = states.filter(|_| ending.kind.is_cycle()) {
+                let simulation = self.resume(friction, progress.clone())?;
+                *takes = visited(&simulation, self.plan.look, ending.period)?.has(states);
+            }
+        }
+        let endings =
+            <[Ending; 2]>::try_from(pair.into_iter().map(|(ending, _)| ending).collect::<Vec<_>>());
+        Ok(Some(endings.ok().map(|endings| Both { friction, endings, takes })))
+    }
+
+    /// The motion of a way at a value, from the nearest one that it has passed; `None` inside where it is not known.
+    #[allow(clippy::type_complexity)]
+    fn at(
+        &self,
+        friction: f64,
+        way: Way,
+        followed: &Followed,
+    ) -> Result<Option<Option<(Ending, Progress)>>, Error> {
+        let Some(start) = followed.nearest(friction) else { return Ok(Some(None)) };
+        let from = start.point.friction;
+        let label = format!("{}, compared at {friction:?}:", way.name());
+        let mut there = Followed::from(way, label, start);
+        if from != friction && !self.advance(way, &mut there, friction)? {
+            return Ok(None);
+        }
+        let Some(Reached { point: Point { ending: Ok(ending), .. }, progress: Some(progress) }) =
+            there.passed.pop()
+        else {
+            return Ok(Some(None));
+        };
+        let is_known = ending.kind != Kind::Unsettled || ending.is_known();
+        Ok(Some((is_known && there.jumps.is_empty()).then_some((ending, progress))))
     }
 }
 
 impl Followed {
     fn from(way: Way, label: String, first: Reached) -> Self {
         Self { way, label, passed: vec![first], jumps: Vec::new(), is_leaving: false }
+    }
+
+    /// Can it be followed further from where it is?
+    fn has_state(&self) -> bool {
+        self.passed.last().is_some_and(|last| last.progress.is_some())
+    }
+
+    /// Does a value lie among those that it has passed?
+    fn covers(&self, friction: f64) -> bool {
+        let passed = || self.passed.iter().map(|reached| reached.point.friction);
+        passed().any(|value| value <= friction) && passed().any(|value| value >= friction)
     }
 
     /// The passed value nearest to another one with a motion, on the same side of all jumps; one with a settled motion

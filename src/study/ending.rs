@@ -130,7 +130,7 @@ impl Ending {
             )),
             (Kind::Undecided, ..) if self.linear => Some(
                 "contacts stay in one state and modes neither grow nor decay: the motion is a sum of those modes, of any \
-                 size"
+                 size; a --window that holds more of their periods may show whether it comes back"
                     .to_owned(),
             ),
             (Kind::Undecided, ..) => Some(

@@ -76,8 +76,14 @@ pub(super) fn questions(
     end: f64,
 ) -> Vec<Open> {
     let lasts = |span: [f64; 2]| span[1] >= end * (1.0 - 1e-2);
+    // The last of many short stretches between changes of state ends with the run by chance.
+    let is_by_chance =
+        |phase: &Phase| unexplained.iter().any(|span| span[0] < phase.span[0] && lasts(*span));
     let less = slow.into_iter().filter_map(|phase| {
         if lasts(phase.span) {
+            if is_by_chance(&phase) {
+                return None;
+            }
             let stop_time = phase.span[0] + MARGIN * LN_10 / phase.rate.abs();
             return Some(Open::LessThanTenfold { phase, stop_time });
         }
@@ -109,6 +115,29 @@ mod tests {
         assert_eq!(unexplained(&explained, 1.0, Some(100.0)), [[0.1, 0.4], [0.9, 1.0]]);
         assert_eq!(unexplained(&[[0.0, 1.0]], 1.0, Some(100.0)), Vec::<[f64; 2]>::new());
         assert_eq!(unexplained(&[], 1.0, None), [[0.0, 1.0]]);
+    }
+
+    #[test]
+    fn a_short_stretch_that_the_end_of_the_run_cuts_off_asks_for_nothing() {
+        let growth = Growth { dominant: Some(100.0), ..Growth::default() };
+        let phase = |span| Phase {
+            band: None,
+            span,
+            amplitude: [1e-6; 2],
+            displacement: None,
+            rate: -2.0,
+            rate_error: 1e-6,
+            frequency: 150.0,
+            frequency_error: 1e-6,
+            combination: None,
+        };
+        // Contacts change their states from 0.5 s on.
+        let asked = |span| questions(vec![phase(span)], &[[0.5, 1.0]], &growth, 1.0);
+        assert!(
+            !asked([0.995, 1.0]).iter().any(|open| matches!(open, Open::LessThanTenfold { .. }))
+        );
+        let open = questions(vec![phase([0.0, 1.0])], &[], &growth, 1.0);
+        assert!(matches!(open[..], [Open::LessThanTenfold { .. }]), "{open:?}");
     }
 
     #[test]
