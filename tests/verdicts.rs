@@ -418,6 +418,11 @@ fn a_motion_that_a_start_leads_to_at_some_values_is_followed_to_both_of_its_ends
     let [range] = &found.bistable[..] else { panic!("{:?} {:?}", found.bistable, found.jumps) };
     assert!(range.rests && (range.range[1] - low).abs() < 1e-4, "{range:?} {low}");
     assert_eq!((range.range[0], range.bounded), (0.3, [false, true]));
+    // The way downwards has gone from 0.5 to 0.4 before, at rest: that is other work than the cycle's way there, which a
+    // resolution wider than the steps would show at once.
+    let coarse = followed(&block, &[0.3, 0.4, 0.5, 0.6], 0.2);
+    let rests = |way| coarse.jumps.iter().any(|jump| jump.way == way && jump.endings[1].rests());
+    assert!(rests(Way::Rising) && !rests(Way::Falling), "{:?}", coarse.jumps);
 }
 
 /// A damped block on a belt whose friction falls with the slip, N (µ_s − µ)/v_s e^(−v/v_s) against c: sliding is stable

@@ -182,7 +182,7 @@ impl Reached {
 #[derive(Clone)]
 struct Followed {
     way: Way,
-    /// What the journal calls it.
+    /// What the journal calls it, and nothing else: it knows a piece of work by that and the values of µ.
     label: String,
     /// All values that it has passed, in its order, those between the asked ones included.
     passed: Vec<Reached>,
@@ -202,6 +202,12 @@ struct Found {
 impl Found {
     fn all(&self) -> impl Iterator<Item = &Followed> {
         self.ways.iter().chain(&self.begun)
+    }
+
+    /// What the scene's own start has led to at a value at which the way downwards rests.
+    fn begun_at(&self, friction: f64) -> Option<&Reached> {
+        let begun = self.begun.as_ref().filter(|_| self.ways[1].rests_at(friction));
+        begun.and_then(|begun| begun.at(friction))
     }
 }
 
@@ -241,21 +247,16 @@ pub fn continuation(
     }
     let mut jumps: Vec<Jump> = found.all().flat_map(|way| way.jumps.clone()).collect();
     jumps.sort_by(|a, b| (a.way as u8).cmp(&(b.way as u8)).then(a.at().total_cmp(&b.at())));
-    let at = |way: &Followed, value: f64| -> Option<Point> {
-        let there = way.passed.iter().find(|reached| reached.point.friction == value);
-        there.map(|reached| reached.point.clone())
-    };
-    let asked = |way: Way| {
-        let point = |value: &f64| {
-            let point = at(&found.ways[way as usize], *value)?;
-            let rests = point.ending.as_ref().is_ok_and(Ending::rests);
-            let begun = found.begun.as_ref().filter(|_| way == Way::Falling && rests);
-            Some(begun.and_then(|begun| at(begun, *value)).unwrap_or(point))
-        };
-        plan.values.iter().filter_map(point).collect()
-    };
-    let (rising, falling) = (asked(Way::Rising), asked(Way::Falling));
+    let rising = plan.values.iter().filter_map(|value| found.ways[0].at(*value));
+    let falling = plan.values.iter();
+    let falling =
+        falling.filter_map(|value| found.begun_at(*value).or_else(|| found.ways[1].at(*value)));
+    let (rising, falling) = (points(rising), points(falling));
     Ok(Some(Continuation { rising, falling, jumps, bistable, unknown, compared }))
+}
+
+fn points<'a>(reached: impl Iterator<Item = &'a Reached>) -> Vec<Point> {
+    reached.map(|reached| reached.point.clone()).collect()
 }
 
 /// A plan on its way.
@@ -298,17 +299,13 @@ impl Run<'_> {
         if Push::of_resting(self.plan.scene).is_some() {
             return Ok(Some(None));
         }
-        let rests = |way: &Followed, value: f64| {
-            let there = way.passed.iter().find(|reached| reached.point.friction == value);
-            there.and_then(Reached::ending).is_some_and(Ending::rests)
-        };
         // The way downwards has begun from the scene's start at the last value.
         let values = &self.plan.values[..self.plan.values.len() - 1];
         for (place, value) in values.iter().enumerate().rev() {
-            if !ways.iter().all(|way| rests(way, *value)) {
+            if !ways.iter().all(|way| way.rests_at(*value)) {
                 continue;
             }
-            let label = Way::Falling.name().to_owned();
+            let label = "begun".to_owned();
             let Some(begun) = self.reach(&label, *value, Start::Scene(Way::Falling))? else {
                 return Ok(None);
             };
@@ -316,34 +313,46 @@ impl Run<'_> {
                 continue;
             }
             let mut down = Followed::from(Way::Falling, label, begun.clone());
-            for (lower, above) in values[..place].iter().zip(&values[1..]).rev() {
-                let goes_on = rests(&ways[0], *above) && down.jumps.is_empty() && down.has_state();
-                if goes_on && !self.advance(Way::Falling, &mut down, *lower)? {
-                    return Ok(None);
-                }
-            }
-            let label = format!("{}, back:", Way::Falling.name());
-            let mut up = Followed::from(Way::Falling, label, begun);
-            for higher in &self.plan.values[place + 1..] {
-                let goes_on = up.jumps.is_empty() && up.has_state();
-                if goes_on && !self.advance(Way::Rising, &mut up, *higher)? {
-                    return Ok(None);
-                }
-            }
-            // What comes after a jump is another motion.
-            for way in [&mut down, &mut up] {
-                way.jumps.truncate(1);
-                if let Some(jump) = way.jumps.first() {
-                    let end = jump.between[0];
-                    let ended = way.passed.iter().position(|reached| reached.point.friction == end);
-                    way.passed.truncate(ended.map_or(1, |ended| ended + 1));
-                }
+            // Where the way upwards does not rest, it has a motion beside rest itself.
+            let below = (0..place).rev().take_while(|below| ways[0].rests_at(values[below + 1]));
+            let below = below.map(|below| values[below]);
+            let mut up = Followed::from(Way::Falling, "begun, back:".to_owned(), begun);
+            let above = self.plan.values[place + 1..].iter().copied();
+            if !self.follow_to_its_end(Way::Falling, &mut down, below)?
+                || !self.follow_to_its_end(Way::Rising, &mut up, above)?
+            {
+                return Ok(None);
             }
             down.passed.extend(up.passed.into_iter().skip(1));
             down.jumps.extend(up.jumps);
             return Ok(Some(Some(down)));
         }
         Ok(Some(None))
+    }
+
+    /// Follows a motion over some values up to its first jump; what comes after that is another motion. `false` if the
+    /// watch ended it.
+    fn follow_to_its_end(
+        &self,
+        way: Way,
+        followed: &mut Followed,
+        values: impl Iterator<Item = f64>,
+    ) -> Result<bool, Error> {
+        for value in values {
+            if !followed.jumps.is_empty() || !followed.has_state() {
+                break;
+            }
+            if !self.advance(way, followed, value)? {
+                return Ok(false);
+            }
+        }
+        followed.jumps.truncate(1);
+        if let Some(jump) = followed.jumps.first() {
+            let end = jump.between[0];
+            let last = followed.passed.iter().position(|reached| reached.point.friction == end);
+            followed.passed.truncate(last.map_or(1, |last| last + 1));
+        }
+        Ok(true)
     }
 
     /// Follows a way from the last value that it has passed to another one. The change of µ is halved wherever the
@@ -540,20 +549,18 @@ impl Run<'_> {
         found: &Found,
         states: Option<&[ContactState]>,
     ) -> Result<Option<Option<Both>>, Error> {
-        let mut pair = Vec::new();
-        for (way, followed) in Way::ALL.into_iter().zip(&found.ways) {
-            let Some(there) = self.at(friction, way, followed)? else { return Ok(None) };
+        let [rising, falling] = &found.ways[..] else { return Ok(Some(None)) };
+        let Some(up) = self.reached(friction, Way::Rising, rising)? else { return Ok(None) };
+        let Some(down) = self.reached(friction, Way::Falling, falling)? else { return Ok(None) };
+        let (Some(up), Some(mut down)) = (up, down) else { return Ok(Some(None)) };
+        let are_alike = distance(&up.0, &down.0) <= OTHER_EXTENT;
+        let begun = found.begun.as_ref().filter(|begun| are_alike && begun.covers(friction));
+        if let Some(begun) = begun {
+            let Some(there) = self.reached(friction, Way::Falling, begun)? else { return Ok(None) };
             let Some(there) = there else { return Ok(Some(None)) };
-            pair.push(there);
+            down = there;
         }
-        let are_alike = distance(&pair[0].0, &pair[1].0) <= OTHER_EXTENT;
-        if let Some(begun) =
-            found.begun.as_ref().filter(|begun| are_alike && begun.covers(friction))
-        {
-            let Some(there) = self.at(friction, Way::Falling, begun)? else { return Ok(None) };
-            let Some(there) = there else { return Ok(Some(None)) };
-            pair[1] = there;
-        }
+        let pair = [up, down];
         let mut takes = [false; 2];
         for (takes, (ending, progress)) in takes.iter_mut().zip(&pair) {
             if let Some(states) = states.filter(|_| ending.kind.is_cycle()) {
@@ -561,14 +568,13 @@ impl Run<'_> {
                 *takes = visited(&simulation, self.plan.look, ending.period)?.has(states);
             }
         }
-        let endings =
-            <[Ending; 2]>::try_from(pair.into_iter().map(|(ending, _)| ending).collect::<Vec<_>>());
-        Ok(Some(endings.ok().map(|endings| Both { friction, endings, takes })))
+        let endings = pair.map(|(ending, _)| ending);
+        Ok(Some(Some(Both { friction, endings, takes })))
     }
 
     /// The motion of a way at a value, from the nearest one that it has passed; `None` inside where it is not known.
     #[allow(clippy::type_complexity)]
-    fn at(
+    fn reached(
         &self,
         friction: f64,
         way: Way,
@@ -576,7 +582,7 @@ impl Run<'_> {
     ) -> Result<Option<Option<(Ending, Progress)>>, Error> {
         let Some(start) = followed.nearest(friction) else { return Ok(Some(None)) };
         let from = start.point.friction;
-        let label = format!("{}, compared at {friction:?}:", way.name());
+        let label = format!("{}, compared at {friction:?}:", followed.label);
         let mut there = Followed::from(way, label, start);
         if from != friction && !self.advance(way, &mut there, friction)? {
             return Ok(None);
@@ -594,6 +600,15 @@ impl Run<'_> {
 impl Followed {
     fn from(way: Way, label: String, first: Reached) -> Self {
         Self { way, label, passed: vec![first], jumps: Vec::new(), is_leaving: false }
+    }
+
+    /// What it has reached at a value that it has passed.
+    fn at(&self, friction: f64) -> Option<&Reached> {
+        self.passed.iter().find(|reached| reached.point.friction == friction)
+    }
+
+    fn rests_at(&self, friction: f64) -> bool {
+        self.at(friction).and_then(Reached::ending).is_some_and(Ending::rests)
     }
 
     /// Can it be followed further from where it is?
