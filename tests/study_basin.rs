@@ -3,7 +3,7 @@
 
 mod program;
 
-use amontons::scene::{Scene, builtin};
+use amontons::scene::{Scene, builtin, parse};
 use amontons::simulation::assign;
 use amontons::study::basin::{Axis, Basin, basin};
 use amontons::study::perturbation::{Direction, perturbation};
@@ -59,7 +59,43 @@ fn what_is_decided_early_is_what_settling_says() {
     // Else the comparison would say little.
     let count = |attractor| cells().filter(|(cell, _)| cell.attractor == Some(attractor)).count();
     assert!(count(0) > 10 && count(1) > 10, "{:?}", [count(0), count(1)]);
-    assert!(cells().filter(|(cell, _)| cell.early).count() > 100);
+    // All but the 36 that were followed first.
+    assert!(cells().filter(|(cell, _)| cell.early).count() > 90);
+}
+
+/// Two masses on springs with five motions that go on for ever, two of them with nearly one frequency (4.48 and 4.52 Hz)
+/// and, root mean square, one size: 6.33 and 9.28 mm at the most.
+#[test]
+fn a_motion_on_its_way_to_one_cycle_is_not_taken_for_another_of_nearly_its_size_and_frequency() {
+    let scene = parse(
+        "two",
+        "slider = { velocity = 0.2, angle = 0.0 }\n\
+         friction = { coefficient = 0.25, static = 0.5 }\n\
+         integrator = { method = \"event-driven\", step = 2e-3 }\n\
+         mass = [{ name = \"m\", mass = 1.0, force = [0.0, -20.0] },\n\
+         { name = \"p\", mass = 0.6, force = [0.0, -25.0] }]\n\
+         spring = [{ name = \"k\", between = [\"m\", \"ground\"], direction = \"x\", stiffness = 1.0e3 },\n\
+         { name = \"kk\", between = [\"m\", \"p\"], direction = \"x\", stiffness = 1.2e3 },\n\
+         { name = \"kp\", between = [\"p\", \"ground\"], direction = \"x\", stiffness = 0.4e3 }]\n\
+         damper = [{ name = \"d\", between = [\"m\", \"ground\"], direction = \"x\", damping = 3.0 }]\n\
+         contact = [{ name = \"c\", mass = \"m\" }, { name = \"cp\", mass = \"p\" }]\n",
+    )
+    .unwrap();
+    let x = axis("initial.mass.m.x", 0.012, 13);
+    let y = axis("initial.mass.p.vx", 0.3, 2);
+    let (early, settled) = (of(&scene, [&x, &y], true), of(&scene, [&x, &y], false));
+    let amplitude = |basin: &Basin, row: usize, column: usize| {
+        basin.attractors[basin.rows[row][column].attractor.unwrap()].amplitude
+    };
+    for row in 0..2 {
+        for column in 0..13 {
+            let [found, expected] = [&early, &settled].map(|basin| amplitude(basin, row, column));
+            assert!((found - expected).abs() <= 1e-2 * expected.max(1e-6), "{row} {column}");
+        }
+    }
+    // From x = −2 mm with 0.3 m/s: 9.276 mm by a Runge–Kutta method of order 8 that looks for events.
+    assert!((amplitude(&early, 1, 5) - 9.276e-3).abs() < 1e-5);
+    assert!(early.rows.iter().flatten().filter(|cell| cell.early).count() > 8);
 }
 
 #[test]
@@ -157,7 +193,7 @@ fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
     let csv = fs::read_to_string(folder.path().join("cut/results.csv")).unwrap();
     assert_eq!(
         (csv.lines().next(), csv.lines().count()),
-        (Some("x,y,attractor,kind"), 1 + 24 * 24)
+        (Some("x,y,attractor,kind,decided"), 1 + 24 * 24)
     );
 }
 

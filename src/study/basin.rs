@@ -1,8 +1,8 @@
 //! Basins: which points of a plane of two initial values end in which attractor.
 //!
 //! First a few points, spread over the plane, are followed until they are settled. What they end in has habits: how
-//! much each displacement and each velocity varies over short windows. A point is decided as soon as it has the
-//! habits of one attractor, or as it slides without a change of contact state and decays where nothing can grow; one
+//! much each displacement and each velocity varies over short windows. Any other point is decided as soon as it has the
+//! habits of one attractor and of no other, or as it slides without a change of contact state and decays where nothing can grow; one
 //! that never does is followed until it is settled. Points move together in the lanes of a [`Batch`], and those that
 //! are decided make room.
 
@@ -19,21 +19,24 @@ use crate::integrator::{EventDriven, Width};
 use crate::model::LumpedModel;
 use crate::scene::Scene;
 use crate::simulation::{Batch, Simulation, attempt};
+use crate::spectral::Window;
 use crate::stability::Spectrum;
 use crate::stability::candidates::resting_state;
 use crate::stability::parallel::collect;
 use serde::{Deserialize, Serialize};
-use std::collections::VecDeque;
+use std::collections::{HashMap, VecDeque};
 
 /// Points along each axis that are followed until they are settled, first of all.
 const FIRST: usize = 6;
 /// Short windows in a window: with a window of 50 periods of the slowest mode one has ten of them.
 pub const SHORT_WINDOWS: u32 = 5;
-/// Short windows whose habits are an attractor's: those of the four windows in which a motion was found settled.
+/// Short windows whose habits are an attractor's: those of the four windows in which a motion was found settled. In the
+/// first of them what comes to a cycle may still be on its way; then those of the last window.
 const HABITUAL: usize = 4 * SHORT_WINDOWS as usize;
+const OF_A_CYCLE: usize = SHORT_WINDOWS as usize;
 /// A point has the habits of an attractor if it keeps to them, up to this part of the largest displacement or
-/// velocity, over so many short windows.
-const ALIKE: f64 = 2e-2;
+/// velocity, over so many short windows. Cycles of one size and nearly one frequency differ by more.
+const ALIKE: f64 = 2e-3;
 const KEPT: usize = 2;
 /// The part of the longest time that a point takes which is decided early, as a guess for what is left.
 const EARLY: f64 = 0.05;
@@ -86,6 +89,17 @@ struct Known {
     habits: Vec<[f64; 2]>,
 }
 
+/// What is known before a point is followed.
+#[derive(Default)]
+struct Knowledge {
+    /// The first points, by the bits of their values, and what they end in.
+    points: HashMap<[u64; 2], Found>,
+    /// What attractors they end in.
+    attractors: Vec<Known>,
+    /// The states of all contacts at rest, where they end there and it is stable.
+    resting: Option<Vec<ContactState>>,
+}
+
 /// A plane of more points would take days.
 const MOST_POINTS: usize = 1_000_000;
 
@@ -128,7 +142,7 @@ pub fn basin(
     }
     let plane = Plane { scene, names, look, width: Width::available().into_iter().next(), watch };
     let all = x.values.len() * y.values.len();
-    let mut known = Vec::new();
+    let mut knowledge = Knowledge::default();
     let mut part = 0.0;
     if early {
         let (columns, rows) = (spread(x.values.len()), spread(y.values.len()));
@@ -147,20 +161,15 @@ pub fn basin(
         let work = |i: usize| {
             meter.piece(pieces[i].len(), |told| {
                 journal.piece(&format!("first {:?}", pieces[i]), || {
-                    plane.endings(pieces[i], &[], &None, told)
+                    plane.endings(pieces[i], &Knowledge::default(), told)
                 })
             })
         };
         let found: Option<Vec<_>> = collect(pieces.len(), &work, &|_| {})?.into_iter().collect();
         let Some(found) = found else { return Ok(None) };
-        known = what_is_known(found.into_iter().flatten());
+        knowledge = Knowledge::of(scene, &points, found.into_iter().flatten().collect());
     }
 
-    let resting = known
-        .iter()
-        .any(|known| known.ending.kind == Kind::Equilibrium)
-        .then(|| stable_rest(scene))
-        .flatten();
     let rows = y.values.iter().map(|&y| x.values.iter().map(move |&x| [x, y]).collect());
     let rows: Vec<Vec<[f64; 2]>> = rows.collect();
     let pieces: Vec<&[[f64; 2]]> = rows.iter().flat_map(|row| row.chunks(PIECE)).collect();
@@ -170,7 +179,7 @@ pub fn basin(
         let way = if early { "from" } else { "all from" };
         let key = format!("{way} {first:?} to {last:?}, {}", pieces[i].len());
         meter.piece(pieces[i].len(), |told| {
-            journal.piece(&key, || plane.endings(pieces[i], &known, &resting, told))
+            journal.piece(&key, || plane.endings(pieces[i], &knowledge, told))
         })
     };
     let found: Option<Vec<_>> = collect(pieces.len(), &work, &|_| {})?.into_iter().collect();
@@ -181,7 +190,7 @@ pub fn basin(
     {
         return Err(Error::scene(format!("no point of the plane can run: {reason}")));
     }
-    Ok(Some(told(&known, &found, x.values.len())))
+    Ok(Some(told(&knowledge.attractors, &found, x.values.len())))
 }
 
 /// The plane and how its points are followed.
@@ -212,13 +221,17 @@ impl Plane<'_> {
     fn endings(
         &self,
         points: &[[f64; 2]],
-        known: &[Known],
-        resting: &Option<Vec<ContactState>>,
+        knowledge: &Knowledge,
         told: &dyn Fn(f64),
     ) -> Result<Option<Vec<Found>>, Error> {
         let mut found: Vec<Option<Found>> = vec![None; points.len()];
         let mut moving = Vec::new();
         for (place, &[x, y]) in points.iter().enumerate() {
+            if let Some(known) = knowledge.points.get(&[x.to_bits(), y.to_bits()]) {
+                found[place] = Some(known.clone());
+                told(1.0);
+                continue;
+            }
             let start = starting_from(self.scene, &[(&self.names[0], x), (&self.names[1], y)])
                 .and_then(|scene| Simulation::new(scene, 0.0))
                 .and_then(|simulation| Ok((Settling::new(&simulation, self.look)?, simulation)));
@@ -234,6 +247,7 @@ impl Plane<'_> {
         let rows = self.look.rows() as usize / SHORT_WINDOWS as usize;
         #[allow(clippy::cast_precision_loss)]
         let short = rows as f64 * self.look.interval;
+        let weights = Window::Hann.weights(rows);
         while !moving.is_empty() {
             let mut going = Vec::new();
             let mut left = std::mem::take(&mut moving).into_iter();
@@ -243,7 +257,7 @@ impl Plane<'_> {
                     break;
                 }
                 let mut batch = Batch::new(simulations, self.width);
-                for row in 0..rows {
+                for (row, weight) in weights.iter().enumerate() {
                     if row % 256 == 0 && self.watch.is_over() {
                         return Ok(None);
                     }
@@ -252,7 +266,7 @@ impl Plane<'_> {
                     batch.advance_to(time);
                     for (simulation, traveller) in batch.simulations().iter_mut().zip(&mut group) {
                         attempt(simulation, |simulation| {
-                            traveller.note(simulation, &|| self.watch.is_over())
+                            traveller.note(simulation, *weight, &|| self.watch.is_over())
                         });
                     }
                 }
@@ -263,7 +277,7 @@ impl Plane<'_> {
                         }
                         Ok(simulation) => {
                             if traveller.found.is_none() {
-                                traveller.judge(&simulation, known, resting);
+                                traveller.judge(&simulation, knowledge);
                             }
                             match traveller.found.take() {
                                 None => {
@@ -308,18 +322,20 @@ impl Traveller {
         }
     }
 
-    /// Takes note of a row.
+    /// Takes note of a row, which has this weight in its short window.
     fn note(
         &mut self,
         simulation: &mut Simulation,
+        weight: f64,
         is_over: &dyn Fn() -> bool,
     ) -> Result<(), Error> {
         if self.found.is_some() {
             return Ok(());
         }
-        self.meter.note(simulation.displacement(), simulation.velocity());
+        self.meter.note(simulation.displacement(), simulation.velocity(), weight);
         if let Some(ending) = self.settling.note(simulation, is_over)? {
-            let habits = habits(self.sizes.iter());
+            let last = if ending.kind == Kind::Periodic { OF_A_CYCLE } else { HABITUAL };
+            let habits = habits(self.sizes.iter().rev().take(last));
             self.found = Some(Found::Settled(Box::new(ending), habits));
         }
         Ok(())
@@ -329,8 +345,7 @@ impl Traveller {
     fn judge(
         &mut self,
         simulation: &Simulation,
-        known: &[Known],
-        resting: &Option<Vec<ContactState>>,
+        Knowledge { attractors, resting, .. }: &Knowledge,
     ) {
         let sizes = self.meter.take();
         let changes = simulation.statistics().state_changes();
@@ -341,9 +356,11 @@ impl Traveller {
         let before = std::mem::replace(&mut self.calm, is_calm.then_some(size));
         let alike = if self.calm.is_some_and(|size| before.is_some_and(|before| size < before)) {
             self.kept.1 = KEPT;
-            known.iter().position(|known| known.ending.kind == Kind::Equilibrium)
+            attractors.iter().position(|known| known.ending.kind == Kind::Equilibrium)
         } else {
-            let alike = known.iter().position(|known| known.has(&sizes));
+            // Two that have the same habits are not told apart by them.
+            let mut alike = (0..attractors.len()).filter(|place| attractors[*place].has(&sizes));
+            let alike = alike.next().filter(|_| alike.next().is_none());
             self.kept.1 = if alike == self.kept.0 { self.kept.1 + 1 } else { 1 };
             alike
         };
@@ -375,29 +392,30 @@ impl Known {
     }
 }
 
-/// How much displacements and velocities vary: sums over a short window.
+/// How much displacements and velocities vary: weighted sums over a short window. What begins and ends at zero hardly
+/// knows where in its period the window began.
 #[derive(Default)]
 struct Meter {
-    count: f64,
+    weight: f64,
     sums: Vec<[f64; 2]>,
 }
 
 impl Meter {
-    fn note(&mut self, displacement: &[f64], velocity: &[f64]) {
+    fn note(&mut self, displacement: &[f64], velocity: &[f64], weight: f64) {
         self.sums.resize(displacement.len() + velocity.len(), [0.0; 2]);
-        self.count += 1.0;
+        self.weight += weight;
         for (sum, value) in self.sums.iter_mut().zip(displacement.iter().chain(velocity)) {
-            sum[0] += value;
-            sum[1] += value * value;
+            sum[0] += weight * value;
+            sum[1] += weight * value * value;
         }
     }
 
     /// From the mean, root mean square, of each displacement and then each velocity; begins anew.
     fn take(&mut self) -> Vec<f64> {
-        let Self { count, sums } = std::mem::take(self);
+        let Self { weight, sums } = std::mem::take(self);
         let size = |[sum, squares]: &[f64; 2]| {
-            let mean = sum / count;
-            (squares / count - mean * mean).max(0.0).sqrt()
+            let mean = sum / weight;
+            (squares / weight - mean * mean).max(0.0).sqrt()
         };
         sums.iter().map(size).collect()
     }
@@ -415,22 +433,35 @@ fn habits<'a>(windows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<[f64; 2]> {
     habits
 }
 
+impl Knowledge {
+    /// What these points tell that end so.
+    fn of(scene: &Scene, points: &[[f64; 2]], found: Vec<Found>) -> Self {
+        let attractors = what_is_known(&found);
+        let rests = attractors.iter().any(|known| known.ending.kind == Kind::Equilibrium);
+        let points = points.iter().map(|point| point.map(f64::to_bits));
+        Self {
+            points: points.zip(found).collect(),
+            attractors,
+            resting: rests.then(|| stable_rest(scene)).flatten(),
+        }
+    }
+}
+
 /// The attractors that points have ended in, with the habits of all that ended in each.
-fn what_is_known(found: impl Iterator<Item = Found>) -> Vec<Known> {
-    let settled: Vec<(Ending, Vec<[f64; 2]>)> = found
-        .filter_map(|found| match found {
-            Found::Settled(ending, habits) => Some((*ending, habits)),
-            _ => None,
-        })
-        .collect();
-    let (endings, places) = attractors(settled.iter().map(|(ending, _)| Some(ending)));
+fn what_is_known(found: &[Found]) -> Vec<Known> {
+    let settled = found.iter().filter_map(|found| match found {
+        Found::Settled(ending, habits) => Some((&**ending, habits)),
+        _ => None,
+    });
+    let settled: Vec<(&Ending, &Vec<[f64; 2]>)> = settled.collect();
+    let (endings, places) = attractors(settled.iter().map(|(ending, _)| Some(*ending)));
     let mut known: Vec<Known> =
         endings.into_iter().map(|ending| Known { ending, habits: Vec::new() }).collect();
     for ((_, habits), place) in settled.iter().zip(places) {
         let Some(place) = place else { continue };
         let own = &mut known[place].habits;
         own.resize(habits.len(), [f64::INFINITY, 0.0]);
-        for (own, habit) in own.iter_mut().zip(habits) {
+        for (own, habit) in own.iter_mut().zip(*habits) {
             *own = [own[0].min(habit[0]), own[1].max(habit[1])];
         }
     }

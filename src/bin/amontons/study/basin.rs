@@ -51,10 +51,16 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
     let points = y.values.iter().zip(&found.rows);
     let points = points.flat_map(|(y, row)| x.values.iter().zip(row).map(move |(x, c)| (x, y, c)));
     folder.write_csv(
-        &["x", "y", "attractor", "kind"],
+        &["x", "y", "attractor", "kind", "decided"],
         points.map(|(x, y, cell)| {
             let kind = class(&found, cell);
-            [format!("{x:?}"), format!("{y:?}"), number(cell.attractor), kind.to_owned()]
+            let decided = match cell {
+                Cell { early: true, .. } => "early",
+                Cell { attractor: Some(_), .. } => "settled",
+                Cell { .. } => "no",
+            };
+            let [x, y] = [x, y].map(|value| format!("{value:?}"));
+            [x, y, number(cell.attractor), kind.to_owned(), decided.to_owned()]
         }),
     )?;
     // Where each point ends is in the table.
