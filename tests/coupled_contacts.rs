@@ -1,10 +1,8 @@
-//! Gauss–Seidel over contacts that masses couple, against a brute-force search of all contact
+//! Contacts that masses couple, against a brute-force search of all contact
 //! states, and the general integrator against the one for rings.
 
 use amontons::contact::{ContactLaw, ContactState, Friction, all_states};
-use amontons::integrator::{
-    Drive, Integrator, Motion, RingForwardIncrement, Statistics, StepFailure, sparse,
-};
+use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement, Statistics, sparse};
 use amontons::model::{Contact, Damping, Direction, Entry, LumpedModel, SparseMatrix};
 use amontons::scene::builtin;
 use nalgebra::{DMatrix, DVector};
@@ -109,26 +107,23 @@ fn by_enumeration(model: &LumpedModel, motion: &Motion, drive: &Drive) -> Vec<DV
 }
 
 proptest! {
-    // With strong friction on masses that are coupled almost singularly the iteration may not converge, which is an
-    // error: one problem in some thousands, and no more than two here.
-    #![proptest_config(ProptestConfig { max_global_rejects: 2, ..ProptestConfig::with_cases(2000) })]
+    // Also with strong friction on masses that are coupled almost singularly, where Gauss–Seidel does not converge.
+    #![proptest_config(ProptestConfig::with_cases(2000))]
 
     #[test]
-    fn gauss_seidel_finds_the_state_that_brute_force_finds(
+    fn the_step_finds_the_state_that_brute_force_finds(
         contacts in 2_usize..=3,
         coupling in prop::collection::vec(-1.0..1.0, 15),
         velocity in prop::collection::vec(-0.02..0.02, 6),
         force in prop::collection::vec(-100.0..60.0, 6),
-        friction in 0.0..1.5,
+        friction in 0.0..3.0,
     ) {
         let model = model(contacts, &coupling);
         let mut motion = closed(contacts, &velocity);
         let drive = Drive::uniform(force[..2 * contacts].to_vec(), contacts, 0.005, friction);
         let candidates = by_enumeration(&model, &motion, &drive);
         let mut integrator = sparse(&model).unwrap();
-        let outcome = integrator.advance(&mut motion, &drive, STEP, 1);
-        prop_assume!(!matches!(outcome, Err(StepFailure::NoConvergence { .. })));
-        outcome.unwrap();
+        integrator.advance(&mut motion, &drive, STEP, 1).unwrap();
         let found = DVector::from(motion.velocity.clone());
         prop_assert!(
             candidates.iter().any(|candidate| (candidate - &found).amax() < 1e-11),
@@ -144,8 +139,7 @@ proptest! {
         velocity in prop::collection::vec(-0.02..0.02, 6),
         stuck in any::<bool>(),
         force in prop::collection::vec(-100.0..60.0, 6),
-        // Where more friction couples them, Gauss–Seidel may not converge, and says so.
-        kinetic in 0.0..0.5,
+        kinetic in 0.0..3.0,
         part in 1.0..3.0,
     ) {
         let model = model(contacts, &coupling);

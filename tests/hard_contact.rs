@@ -181,19 +181,20 @@ fn a_contact_that_stands_twice_changes_no_motion() {
 }
 
 #[test]
-fn pads_on_a_disc_ten_thousand_times_lighter_are_solved_or_it_is_said_that_they_are_not() {
-    // Gauss–Seidel leaves (1 + m/M)⁻² of an error in a sweep, for pads m on a disc M: 1e-13 is reached
-    // after 15 m/M sweeps, of which there may be 10,000.
-    let run = |mass: f64| {
+fn pads_on_a_disc_ten_thousand_times_lighter_obey_the_law() {
+    // Gauss–Seidel leaves (1 + m/M)⁻² of an error in a sweep, for pads m on a disc M: it would take 15 m/M sweeps.
+    for mass in [0.3e-2, 0.3e-4] {
         let scene = with(builtin("disc_brake").unwrap().scene(), &[("mass.disc.mass", mass)]);
         let step = 0.1 * critical_step(&LumpedModel::from(&scene), 0.6).unwrap().step;
-        let mut simulation = Simulation::new(Scene { step, ..scene }, 0.0).unwrap();
-        simulation.advance_to(100.0 * step).map(|()| simulation.statistics().most_sweeps)
-    };
-    let sweeps = run(0.3e-2).unwrap();
-    assert!((500..1700).contains(&sweeps), "{sweeps}");
-    let error = run(0.3e-4).unwrap_err();
-    assert!(error.is_step() && error.to_string().contains("did not converge in 10000 sweeps"));
+        for method in METHODS {
+            let mut run = Run::new(Scene { step, ..scene.clone() }, method);
+            for _ in 0..100 {
+                run.step();
+                run.judge_step();
+                run.judge_report();
+            }
+        }
+    }
 }
 
 /// Two blocks in space, the upper on the lower along an oblique line, far from anything that stops them.

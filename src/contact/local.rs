@@ -2,6 +2,9 @@
 
 use super::{ContactState, FrictionRange};
 
+/// A determinant of W that is smaller than this part of its first term is nothing but rounding.
+const SINGULAR: f64 = 1e-13;
+
 /// Block of the Delassus matrix G M⁻¹ Gᵀ that belongs to one contact, 1/kg: normal–normal,
 /// normal–tangential, tangential–tangential.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -35,16 +38,20 @@ impl LocalProblem {
     /// a = W (N, T) + `free`,
     ///
     /// where `free` holds the normal and tangential accelerations (m/s²) without this contact.
-    /// The cases are tried in turn: open, stick, slide. W is positive definite, so one of them holds.
+    /// The cases are tried in turn: open, stick, slide. Where W is positive definite, one of them holds. Where it
+    /// is singular (the mass has one degree of freedom), friction may jam the contact: `None`.
     #[inline]
     #[must_use]
-    pub fn solve(&self, free: [f64; 2], range: &FrictionRange) -> LocalSolution {
+    pub fn solve(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
         let [free_normal, free_tangential] = free;
         if free_normal >= 0.0 {
-            return LocalSolution::OPEN;
+            return Some(LocalSolution::OPEN);
+        }
+        if self.is_singular() {
+            return self.solve_along_line(free, range);
         }
         if let Some(held) = self.stick(free, range) {
-            return held;
+            return Some(held);
         }
         // A mass that lags behind the slider (a_T < 0) is dragged along (T > 0), and the other way
         // round. Where rounding lets neither pass, friction opposes what the free motion would do.
@@ -58,7 +65,33 @@ impl LocalProblem {
         slides(1.0)
             .or_else(|| slides(-1.0))
             .or_else(|| self.slide(free_normal, range.limit(against), against))
-            .unwrap_or(LocalSolution { force: [f64::NAN; 2], state: ContactState::Stick })
+    }
+
+    /// Has the mass one degree of freedom for both normal and tangent, or none along the tangent? Then forces
+    /// along both do the same, but for a factor.
+    #[inline]
+    #[must_use]
+    pub fn is_singular(&self) -> bool {
+        self.nn * self.tt - self.nt * self.nt <= SINGULAR * self.nn * self.tt
+    }
+
+    /// T/N of a contact that sticks where W is singular. Its forces are then not unique: of those within the
+    /// cone of friction that do the same, the smallest N² + T².
+    #[must_use]
+    pub fn stuck_slope(&self, range: &FrictionRange) -> f64 {
+        (self.nt / self.nn).max(-range.backward).min(range.forward)
+    }
+
+    /// Solves a contact whose W is singular. There a_N = 0 determines a_T, whatever the forces are.
+    fn solve_along_line(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
+        let carried = self.nt / self.nn * free[0];
+        let acceleration = free[1] - carried;
+        if acceleration.abs() <= SINGULAR * (free[1].abs() + carried.abs()) {
+            let slope = self.stuck_slope(range);
+            return self.guide(free[0], slope, ContactState::Stick);
+        }
+        let direction = -acceleration.signum();
+        self.slide(free[0], range.limit(direction), direction)
     }
 
     /// The multipliers of a contact that does slip, with `friction` = µ_k in the given direction (±1);
@@ -134,6 +167,11 @@ impl LocalProblem {
 
     /// (N, T) that keep the contact closed and stuck.
     fn hold(&self, [free_normal, free_tangential]: [f64; 2]) -> [f64; 2] {
+        if self.is_singular() {
+            // What is not unique: the smallest of those that do.
+            let normal = -free_normal * self.nn / (self.nn * self.nn + self.nt * self.nt);
+            return [normal, self.nt / self.nn * normal];
+        }
         let determinant = self.nn * self.tt - self.nt * self.nt;
         let normal = (self.nt * free_tangential - self.tt * free_normal) / determinant;
         [normal, (self.nt * free_normal - self.nn * free_tangential) / determinant]
@@ -159,13 +197,9 @@ mod tests {
 
     const W: LocalProblem = LocalProblem { nn: 2.0, nt: 0.0, tt: 4.0 };
 
-    fn coulomb(friction: f64) -> FrictionRange {
-        FrictionRange { backward: friction, forward: friction, kinetic: friction }
-    }
-
     #[test]
     fn a_contact_that_opens_carries_nothing() {
-        assert_eq!(W.solve([0.1, 5.0], &coulomb(0.3)), LocalSolution::OPEN);
+        assert_eq!(W.solve([0.1, 5.0], &FrictionRange::of(0.3)), Some(LocalSolution::OPEN));
     }
 
     #[test]
@@ -175,17 +209,44 @@ mod tests {
             ([-4.0, 8.0], [2.0, -1.0], ReverseSlide),
             ([-4.0, -8.0], [2.0, 1.0], Slide),
         ] {
-            assert_eq!(W.solve(free, &coulomb(0.5)), LocalSolution { force, state });
+            assert_eq!(
+                W.solve(free, &FrictionRange::of(0.5)),
+                Some(LocalSolution { force, state })
+            );
         }
     }
 
     #[test]
     fn what_static_friction_lets_go_is_at_its_limit() {
-        let range = FrictionRange { kinetic: 0.25, ..coulomb(0.5) };
+        let range = FrictionRange { kinetic: 0.25, ..FrictionRange::of(0.5) };
         let held = LocalSolution { force: [2.0, -1.0], state: Stick };
-        assert_eq!(W.solve([-4.0, 4.0], &range), held);
+        assert_eq!(W.solve([-4.0, 4.0], &range), Some(held));
         let slips = LocalSolution { force: [2.0, -1.0], state: ReverseSlide };
-        assert_eq!(W.solve([-4.0, 4.1], &range), slips);
+        assert_eq!(W.solve([-4.0, 4.1], &range), Some(slips));
+    }
+
+    #[test]
+    fn a_mass_on_a_line_is_stopped_by_the_sum_along_the_line() {
+        // 1 kg that moves along (cos α, sin α) of normal and tangent, α = 0.5, and closes with 3 m/s.
+        let (cos, sin) = (0.5_f64.cos(), 0.5_f64.sin());
+        let line = LocalProblem { nn: cos * cos, nt: cos * sin, tt: sin * sin };
+        let free = [-3.0 * cos, -3.0 * sin];
+        // On a surface at rest it sticks: the smallest forces lie along the line, or at the edge of the cone.
+        let LocalSolution { force, state } = line.solve(free, &FrictionRange::of(0.6)).unwrap();
+        assert_eq!(state, Stick);
+        assert!((force[0] - 3.0 * cos).abs() < 1e-14 && (force[1] - 3.0 * sin).abs() < 1e-14);
+        let LocalSolution { force, state } = line.solve(free, &FrictionRange::of(0.1)).unwrap();
+        assert_eq!(state, Stick);
+        assert!((force[1] / force[0] - 0.1).abs() < 1e-15);
+        assert!((cos * force[0] + sin * force[1] - 3.0).abs() < 1e-14);
+        // A surface that moves lets it slip: N = m |v| / (cos α ± µ sin α), which must be positive.
+        for (surface, slope) in [(0.4, 0.6), (-0.4, -0.6)] {
+            let LocalSolution { force, .. } =
+                line.solve([free[0], free[1] - surface], &FrictionRange::of(0.6)).unwrap();
+            assert!((force[0] - 3.0 / (cos + slope * sin)).abs() < 1e-13);
+            assert!((force[1] - slope * force[0]).abs() < 1e-14);
+        }
+        assert_eq!(line.solve([free[0], free[1] + 0.4], &FrictionRange::of(2.0)), None);
     }
 
     #[test]
@@ -197,7 +258,7 @@ mod tests {
             let angle = f64::from(angle).to_radians();
             let free = [angle.cos(), angle.sin()];
             let LocalSolution { force: [normal, tangential], state } =
-                wedge.solve(free, &coulomb(2.0));
+                wedge.solve(free, &FrictionRange::of(2.0)).unwrap();
             let normal_acceleration = free[0] + wedge.nn * normal + wedge.nt * tangential;
             let tangential_acceleration = free[1] + wedge.nt * normal + wedge.tt * tangential;
             assert!(normal >= 0.0 && normal_acceleration > -1e-12);

@@ -1,9 +1,7 @@
 //! The equation of motion with its contacts, on sparse matrices: what integrators share that take any
 //! structure.
 
-use super::delassus::Delassus;
-use super::freedom::{Freedom, FreedomOf, freedom_of};
-use super::multipliers::Multipliers;
+use super::contact_problem::{ContactProblem, Delassus, Freedom, FreedomOf, freedom_of};
 use super::{Drive, Kept, Motion, Push, Response, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactLaw, ContactState};
@@ -24,7 +22,7 @@ pub(super) struct Dynamics {
     pub(super) inverse_mass: SparseMatrix,
     /// M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
     pub(super) responses: Vec<[Direction; 2]>,
-    pub(super) multipliers: Multipliers,
+    pub(super) problem: ContactProblem,
     force: Vec<f64>,
     pub(super) acceleration: Vec<f64>,
 }
@@ -58,7 +56,7 @@ impl Dynamics {
             stiffness: model.stiffness.clone(),
             damping: model.damping,
             dampers: model.dampers.clone(),
-            multipliers: Multipliers::new(delassus),
+            problem: ContactProblem::new(delassus),
             contacts: model.contacts.clone(),
             law: model.law,
             freedom_of: freedom_of(model.law),
@@ -99,7 +97,7 @@ impl Dynamics {
             let slip = surface - contact.tangent.dot(velocity);
             let is_closed = motion.contacts[i] != ContactState::Detached;
             let is_reversed = has_direction && is_closed && slip * surface < 0.0;
-            let is_pulled = !detachment && self.multipliers.forces[i][0] < 0.0;
+            let is_pulled = !detachment && self.problem.forces[i][0] < 0.0;
             motion.statistics.reversed_slips += u64::from(is_reversed);
             motion.statistics.pulled_contacts += u64::from(is_pulled);
         }
@@ -117,18 +115,18 @@ impl Dynamics {
     ) -> Result<(), StepFailure> {
         self.push(push, response);
         for (i, contact) in self.contacts.iter().enumerate() {
-            self.multipliers.freedom[i] = match kept.states[i] {
+            self.problem.freedom[i] = match kept.states[i] {
                 ContactState::Detached => Freedom::Open,
                 ContactState::Stick => Freedom::Fixed,
                 state => Freedom::Guided { slope: kept.slopes[i], state },
             };
-            self.multipliers.free[i] = [
+            self.problem.free[i] = [
                 contact.normal.dot(&response.acceleration),
                 contact.tangent.dot(&response.acceleration) - push.slider_acceleration[i],
             ];
         }
-        self.multipliers.solve()?;
-        response.forces.copy_from_slice(&self.multipliers.forces);
+        self.problem.solve(kept.states)?;
+        response.forces.copy_from_slice(&self.problem.forces);
         self.carry(response);
         Ok(())
     }
@@ -165,7 +163,7 @@ impl Dynamics {
             let before = if slip == 0.0 { ContactState::Stick } else { motion.contacts[i] };
             let held = (self.freedom_of)(drive.friction[i], slip, drive.slider_velocity[i], before);
             let slipping = |direction| held.slipping(direction);
-            self.multipliers.freedom[i] =
+            self.problem.freedom[i] =
                 match (motion.contacts[i], motion.contacts[i].sliding_direction()) {
                     (ContactState::Detached, _) => Freedom::Open,
                     (ContactState::Stick, _) => held,
@@ -178,20 +176,20 @@ impl Dynamics {
                     }
                     _ => slipping(slip.signum()),
                 };
-            self.multipliers.free[i] = [
+            self.problem.free[i] = [
                 contact.normal.dot(&self.acceleration),
                 contact.tangent.dot(&self.acceleration) - drive.slider_acceleration[i],
             ];
         }
-        self.multipliers.solve()?;
+        self.problem.solve(&motion.contacts)?;
         for (i, out) in forces.iter_mut().enumerate() {
-            let [normal_force, friction_force] = self.multipliers.forces[i];
+            let [normal_force, friction_force] = self.problem.forces[i];
             let slip = match motion.contacts[i] {
                 ContactState::Stick => 0.0,
                 _ => drive.slider_velocity[i] - self.contacts[i].tangent.dot(&motion.velocity),
             };
             *out = ContactForce {
-                state: self.multipliers.states[i],
+                state: self.problem.states[i],
                 normal_force,
                 // Nothing has no direction.
                 friction_force: friction_force + 0.0,

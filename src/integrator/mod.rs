@@ -3,14 +3,12 @@
 //! [`choose`] picks the integrator once, from the structure of the model; from then on a step
 //! tests no option.
 
+mod contact_problem;
 mod cost;
-mod delassus;
 mod dynamics;
 mod event_driven;
 mod forward_increment;
-mod freedom;
 mod ledger;
-mod multipliers;
 mod select;
 
 pub use cost::Cost;

@@ -97,9 +97,9 @@ impl Run {
         others.fold(0.0, |most: f64, column| most.max(delassus.column(column).amax())) > 0.0
     }
 
-    /// The least distance of a vector, as forces on the masses, from what contacts can give that are not open
-    /// and slip as told, each with the limits of its friction backward and forward: a distance from a cone,
-    /// to which the nearest point is a sum of at most as many of its edges as there are degrees of freedom.
+    /// The distance of a vector, as forces on the masses, from what contacts can give that are not open and slip as
+    /// told, each with the limits of its friction backward and forward: a distance from a cone, by the active set of
+    /// Lawson and Hanson (Solving Least Squares Problems, 1974, ch. 23).
     pub(super) fn distance_from_cone(
         &self,
         vector: &DVector<f64>,
@@ -115,22 +115,36 @@ impl Run {
                 }
             }
         }
-        assert!(edges.len() < 16, "too many contacts to try all");
-        let mut least = vector.amax();
-        for chosen in 1..1_u32 << edges.len() {
-            let count = chosen.count_ones() as usize;
-            if count > vector.len() {
-                continue;
+        let mut parts = vec![0.0; edges.len()];
+        let mut used: Vec<usize> = Vec::new();
+        let mut rest = vector.clone();
+        // More edges than these are rounding.
+        for _ in 0..10 * edges.len() {
+            let unused = (0..edges.len()).filter(|edge| !used.contains(edge));
+            let gained = unused.map(|edge| (edge, edges[edge].dot(&rest)));
+            let best = gained.max_by(|a, b| a.1.total_cmp(&b.1));
+            let Some((edge, _)) = best.filter(|best| best.1 > 1e-14 * vector.norm()) else { break };
+            used.push(edge);
+            while !used.is_empty() {
+                let columns: Vec<_> = used.iter().map(|&edge| edges[edge].clone()).collect();
+                let wanted =
+                    DMatrix::from_columns(&columns).pseudo_inverse(1e-12).unwrap() * vector;
+                let to_zero = used.iter().zip(&wanted).filter(|(_, wanted)| **wanted <= 0.0);
+                let step = to_zero.map(|(&edge, wanted)| parts[edge] / (parts[edge] - wanted));
+                let step = step.fold(1.0, f64::min);
+                for (&edge, wanted) in used.iter().zip(&wanted) {
+                    parts[edge] += step * (wanted - parts[edge]);
+                }
+                let count = used.len();
+                used.retain(|&edge| parts[edge] > 0.0);
+                if used.len() == count {
+                    break;
+                }
             }
-            let all = edges.iter().enumerate();
-            let columns = all.filter(|(i, _)| chosen >> i & 1 == 1).map(|(_, edge)| edge.clone());
-            let matrix = DMatrix::from_columns(&columns.collect::<Vec<_>>());
-            let Ok(inverse) = matrix.clone().pseudo_inverse(1e-12) else { continue };
-            let parts = inverse * vector;
-            if parts.iter().all(|part| *part >= 0.0) {
-                least = least.min((vector - matrix * parts).amax());
-            }
+            (0..edges.len()).filter(|edge| !used.contains(edge)).for_each(|edge| parts[edge] = 0.0);
+            let sum = edges.iter().zip(&parts).map(|(edge, part)| edge * *part);
+            rest = vector - sum.fold(DVector::zeros(vector.len()), |sum, edge| sum + edge);
         }
-        least
+        rest.amax()
     }
 }

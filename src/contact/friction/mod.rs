@@ -125,8 +125,7 @@ pub trait FrictionLaw<V: Lanes = f64>: Copy {
     #[inline(always)]
     #[must_use]
     fn range(self, _before: V::States, one: V) -> FrictionRange<V> {
-        let limit = self.limit(one);
-        FrictionRange { backward: limit, forward: limit, kinetic: limit }
+        FrictionRange::of(self.limit(one))
     }
 }
 

@@ -14,6 +14,15 @@ pub struct FrictionRange<V = f64> {
     pub kinetic: V,
 }
 
+impl<V: Copy> FrictionRange<V> {
+    /// The range of Coulomb's law: one coefficient in both directions and for what slips.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(coefficient: V) -> Self {
+        Self { backward: coefficient, forward: coefficient, kinetic: coefficient }
+    }
+}
+
 impl FrictionRange {
     /// The most that T/N may be in this direction (±1).
     #[must_use]

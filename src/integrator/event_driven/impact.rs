@@ -5,8 +5,8 @@ use super::rounding::THROWN;
 use super::watch::Event;
 use super::{Drive, EventDriven, Motion, StepFailure};
 use crate::contact::ContactState;
+use crate::integrator::contact_problem::Freedom;
 use crate::integrator::dynamics::Dynamics;
-use crate::integrator::freedom::Freedom;
 
 impl<W: Witness> EventDriven<W> {
     /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
@@ -34,7 +34,7 @@ impl<W: Witness> EventDriven<W> {
     /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
     /// there: else two that throw each other off would go on to do so.
     pub(super) fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
-        let Dynamics { contacts, multipliers, responses, freedom_of, .. } = &mut self.dynamics;
+        let Dynamics { contacts, problem, responses, freedom_of, .. } = &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
             let state = motion.contacts[i];
             if self.events[i] == Some(Event::Touch) {
@@ -42,14 +42,14 @@ impl<W: Witness> EventDriven<W> {
                 motion.statistics.touch_downs += u64::from(state == ContactState::Detached);
             }
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
-            multipliers.freedom[i] = match self.closed[i] {
+            problem.freedom[i] = match self.closed[i] {
                 ContactState::Detached => Freedom::Open,
                 _ => freedom_of(drive.friction[i], -tangential, self.surface[i], state),
             };
-            multipliers.free[i] = [contact.normal.dot(&motion.velocity), tangential];
+            problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
-        motion.statistics.count_sweeps(multipliers.solve()?);
-        for (impulse, responses) in multipliers.forces.iter().zip(&*responses) {
+        motion.statistics.count_sweeps(problem.solve(&motion.contacts)?);
+        for (impulse, responses) in problem.forces.iter().zip(&*responses) {
             for (&impulse, response) in impulse.iter().zip(responses) {
                 response.add_to(&mut motion.velocity, impulse);
             }
@@ -68,7 +68,7 @@ impl<W: Witness> EventDriven<W> {
             let is_closed = self.closed[i] != ContactState::Detached;
             let is_kept = is_closed && contact.normal.dot(&motion.velocity) <= least;
             // Those that the impact has stopped have no slip either, not even that of rounding.
-            self.kept[i] = match self.dynamics.multipliers.states[i] {
+            self.kept[i] = match self.dynamics.problem.states[i] {
                 ContactState::Stick if is_kept => ContactState::Stick,
                 _ => frictionless(is_kept),
             };

@@ -1,7 +1,7 @@
 //! The equation of motion of given contact states: accelerations and multipliers in one row.
 
-use super::held::HeldContacts;
-use crate::contact::{ContactState, Friction};
+use crate::contact::{ContactState, Friction, FrictionRange};
+use crate::integrator::contact_problem::{Demand, GivenStates};
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::{Kept, Push, Response};
 use crate::model::{Contact, Direction};
@@ -26,7 +26,7 @@ pub(super) struct Acting<'a> {
 /// (of inclined contacts, and of a second one on the same degree of freedom) stand behind. So the row
 /// has the same places in all contact states.
 pub(super) struct StateLaw {
-    held: HeldContacts,
+    held: GivenStates,
     /// What `held` is set to.
     states: Vec<ContactState>,
     friction: Vec<Friction>,
@@ -63,7 +63,7 @@ impl StateLaw {
         let (dofs, contacts) = (dynamics.acceleration.len(), dynamics.contacts.len());
         let (places, width) = places(&dynamics.contacts, dofs);
         Self {
-            held: HeldContacts::new(dynamics),
+            held: GivenStates::new(&dynamics.problem.delassus),
             states: Vec::with_capacity(contacts),
             friction: Vec::with_capacity(contacts),
             places,
@@ -73,11 +73,6 @@ impl StateLaw {
             free: vec![[0.0; 2]; contacts],
             multipliers: vec![[0.0; 2]; contacts],
         }
-    }
-
-    /// The number of contacts in the largest group that shares masses.
-    pub(super) fn largest_group(&self) -> usize {
-        self.held.largest_group()
     }
 
     /// The number of places of a row.
@@ -107,7 +102,16 @@ impl StateLaw {
             self.states.extend_from_slice(states);
             self.friction.clear();
             self.friction.extend_from_slice(friction);
-            self.held.set(dynamics, states, friction);
+            let delassus = &dynamics.problem.delassus;
+            self.held.set_all(delassus, |contact| {
+                let friction = friction[contact];
+                let limit = match states[contact] {
+                    ContactState::Stick => friction.static_,
+                    _ => friction.kinetic,
+                };
+                let own = delassus.local(contact);
+                Demand::of(states[contact], &FrictionRange::of(limit), own)
+            });
         }
     }
 
@@ -120,7 +124,7 @@ impl StateLaw {
                 _ => contact.tangent.dot(&dynamics.acceleration) - slider[i],
             }
         };
-        self.held.forces(free, &mut self.multipliers);
+        self.held.all_forces(free, &mut self.multipliers);
         &self.multipliers
     }
 
@@ -132,8 +136,10 @@ impl StateLaw {
         push: Push<'_>,
         response: &mut Response,
     ) {
-        let along = |(state, slope): (&ContactState, &f64)| {
-            Friction::from(state.sliding_direction().unwrap_or(1.0) * slope)
+        let along = |(state, slope): (&ContactState, &f64)| match state.sliding_direction() {
+            Some(direction) => Friction::from(direction * slope),
+            // Held, whatever that takes.
+            None => Friction::from(f64::INFINITY),
         };
         let friction: Vec<Friction> = kept.states.iter().zip(kept.slopes).map(along).collect();
         self.set(dynamics, kept.states, &friction);
@@ -143,7 +149,7 @@ impl StateLaw {
             0 => dynamics.contacts[i].normal.dot(acceleration),
             _ => dynamics.contacts[i].tangent.dot(acceleration) - push.slider_acceleration[i],
         };
-        self.held.forces(free, forces);
+        self.held.all_forces(free, forces);
         dynamics.carry(response);
     }
 
@@ -152,7 +158,7 @@ impl StateLaw {
     pub(super) fn mend_gaps(&mut self, dynamics: &Dynamics, x: &mut [f64]) {
         let contacts = &dynamics.contacts;
         let gap = |i: usize, part| if part == 0 { contacts[i].normal.dot(x) } else { 0.0 };
-        self.held.forces(gap, &mut self.multipliers);
+        self.held.all_forces(gap, &mut self.multipliers);
         respond(dynamics, &self.multipliers, x);
     }
 
@@ -163,7 +169,7 @@ impl StateLaw {
             0 => contacts[i].normal.dot(v),
             _ => contacts[i].tangent.dot(v) - surface[i],
         };
-        self.held.forces(drift, &mut self.multipliers);
+        self.held.all_forces(drift, &mut self.multipliers);
         respond(dynamics, &self.multipliers, v);
     }
 
@@ -189,7 +195,7 @@ impl StateLaw {
                 contact.tangent.dot(&self.acceleration) - slider[i],
             ];
         }
-        self.held.forces(|contact, part| self.free[contact][part], &mut self.multipliers);
+        self.held.all_forces(|contact, part| self.free[contact][part], &mut self.multipliers);
         respond(dynamics, &self.multipliers, &mut self.acceleration);
         let dofs = self.acceleration.len();
         row[..dofs].copy_from_slice(&self.acceleration);

@@ -163,13 +163,13 @@ impl Witness for Writer {
 
     fn is_struck(&mut self, Strike { dynamics, surface }: Strike<'_>, motion: &mut Motion) {
         let Some(ledger) = &mut motion.ledger else { return };
-        let multipliers = &dynamics.multipliers;
+        let problem = &dynamics.problem;
         for (i, contact) in dynamics.contacts.iter().enumerate() {
-            let [approach, slip] = multipliers.free[i];
+            let [approach, slip] = problem.free[i];
             let before = [approach, slip + surface[i]];
             let after = [&contact.normal, &contact.tangent].map(|row| row.dot(&motion.velocity));
             let mean = [0, 1].map(|part| 0.5 * (before[part] + after[part]));
-            ledger.add_impulses(multipliers.forces[i], mean, surface[i]);
+            ledger.add_impulses(problem.forces[i], mean, surface[i]);
         }
     }
 }

@@ -10,7 +10,6 @@
 //! Errors are those of rounding, so the step decides how often inputs are looked at, not how accurate
 //! the motion is.
 
-mod held;
 mod impact;
 mod law;
 mod ledger;
@@ -21,13 +20,12 @@ mod rounding;
 mod series;
 mod watch;
 
+use super::contact_problem::Freedom;
 use super::dynamics::Dynamics;
-use super::freedom::Freedom;
 use super::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Contact, Damping, Direction, LumpedModel};
-use held::MAX_GROUP;
 use impact::frictionless;
 pub(super) use ledger::Writer;
 use ledger::{Passage, Witness};
@@ -36,10 +34,14 @@ use rounding::{NOISE, THROWN, pulls};
 use series::{ORDER, Polynomial, Series};
 use watch::Event;
 
+/// The most contacts that may share masses: their equations take the cube of their number.
+const MAX_GROUP: usize = 256;
 /// More events than this for each contact in one internal step are a loop that leads nowhere.
 const MAX_EVENTS: u64 = 10_000;
 /// And this many at one instant, or as near to it as [`NOISE`] of a step.
 const MAX_STANDSTILL: u64 = 16;
+/// A contact that has had more events than this at one instant opens no more there, unless its force falls.
+const MOST_OPENINGS: u32 = 5;
 /// More series than this in one internal step are more oscillations than anyone waits for: of the fastest, a
 /// series covers about three radians.
 const MAX_SERIES: u64 = 100_000;
@@ -75,7 +77,9 @@ pub struct EventDriven<W = ()> {
     /// What is held at one instant: what slips that stop become, or those that an impact does not throw off.
     kept: Vec<ContactState>,
     frictionless: Vec<Friction>,
-    /// What the outer forces would do in a step, m/s: beside it a velocity may be nothing.
+    /// What the outer forces would accelerate a mass by at the most, m/s², and what that does in a step, m/s: beside
+    /// it a velocity may be nothing.
+    driven: f64,
     gained: f64,
 }
 
@@ -113,7 +117,7 @@ impl<W: Witness> EventDriven<W> {
         let dynamics = Dynamics::new(model)?;
         let contacts = model.contacts.len();
         let series = Series::new(&dynamics);
-        let together = series.law.largest_group();
+        let together = dynamics.problem.delassus.largest_group();
         if together > MAX_GROUP {
             return Err(Error::scene(format!(
                 "{together} contacts share masses; the event-driven integrator takes up to {MAX_GROUP}"
@@ -135,6 +139,7 @@ impl<W: Witness> EventDriven<W> {
             closed: vec![ContactState::Detached; contacts],
             kept: vec![ContactState::Detached; contacts],
             frictionless: vec![Friction::from(0.0); contacts],
+            driven: 0.0,
             gained: 0.0,
             dynamics,
         })
@@ -231,7 +236,8 @@ impl<W: Witness> EventDriven<W> {
     fn follow_slider(&mut self, motion: &mut Motion, h: f64) {
         let rows = 0..self.force.len();
         let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &self.force).abs());
-        self.gained = h * driven.fold(0.0, f64::max);
+        self.driven = driven.fold(0.0, f64::max);
+        self.gained = h * self.driven;
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let old = motion.contacts[i];
             if old == ContactState::Detached {
@@ -321,13 +327,13 @@ impl<W: Witness> EventDriven<W> {
         self.dynamics.free_acceleration(motion, &self.force);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let slip = self.surface[i] - contact.tangent.dot(&motion.velocity);
-            let multipliers = &mut self.dynamics.multipliers;
+            let problem = &mut self.dynamics.problem;
             let surface = self.surface[i];
             let held =
                 (self.dynamics.freedom_of)(drive.friction[i], slip, surface, ContactState::Stick);
             let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
-            multipliers.freedom[i] = match (self.events[i], motion.contacts[i]) {
+            problem.freedom[i] = match (self.events[i], motion.contacts[i]) {
                 (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
                 // An impact may throw other contacts off, and changes the slip of all.
                 _ if landed && contact.normal.dot(&motion.velocity) > THROWN * speed => {
@@ -341,19 +347,28 @@ impl<W: Witness> EventDriven<W> {
                 (Some(Event::Stop), _) | (_, ContactState::Stick) => held,
                 (_, state) => sliding(state),
             };
-            multipliers.free[i] = [
+            problem.free[i] = [
                 contact.normal.dot(&self.dynamics.acceleration),
                 contact.tangent.dot(&self.dynamics.acceleration) - drive.slider_acceleration[i],
             ];
         }
-        motion.statistics.count_sweeps(self.dynamics.multipliers.solve()?);
+        motion.statistics.count_sweeps(self.dynamics.problem.solve(&motion.contacts)?);
         motion.statistics.events += 1;
-        for (i, (state, new)) in
-            motion.contacts.iter_mut().zip(&self.dynamics.multipliers.states).enumerate()
-        {
-            // Rounding may hide which way it goes: a slip that stops again where it went on sticks.
-            let slides_on = again && self.events[i] == Some(Event::Stop) && new == state;
-            *state = if slides_on { ContactState::Stick } else { *new };
+        for i in 0..self.events.len() {
+            let (state, new) = (motion.contacts[i], self.dynamics.problem.states[i]);
+            let event = self.events[i];
+            let is_closed = event == Some(Event::Touch)
+                || state != ContactState::Detached && event != Some(Event::Lift);
+            let opens = is_closed && new == ContactState::Detached;
+            motion.contacts[i] = match event {
+                // Rounding may hide which way it goes: a slip that stops again where it went on sticks.
+                Some(Event::Stop) if again && new == state => ContactState::Stick,
+                // And whether it opens: what closes again and again where it opened stays closed.
+                _ if opens && self.repeats[i] > MOST_OPENINGS => {
+                    self.dynamics.problem.freedom[i].closed_state()
+                }
+                _ => new,
+            };
         }
         let statistics = &mut motion.statistics;
         for (old, new) in self.before.iter().zip(&motion.contacts) {

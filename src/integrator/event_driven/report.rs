@@ -40,9 +40,7 @@ impl<W: Witness> EventDriven<W> {
             let slip = surface - along;
             // Of a slider that stands only the other masses say what rounding is.
             let still = NOISE * surface.abs().max(fastest);
-            let own = self.dynamics.multipliers.delassus.own(i);
-            let pulled = |row| self.pulled(i, row, &motion.displacement);
-            let size = normal_force.abs() + pulled(0) / own[0] + pulled(1) / own[3];
+            let size = normal_force.abs() + self.pulled_forces(i, &motion.displacement);
             let nothing = CLOSE * NOISE * size;
             let is_lawful = match state {
                 ContactState::Detached => true,

@@ -43,6 +43,16 @@ impl<W: Witness> EventDriven<W> {
         let terms = self.pulls[contact][row].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
         DIFFERENCE * terms.fold(0.0, |sum, term| sum + term)
     }
+
+    /// The same as forces of the contact, N, along normal and tangent together.
+    pub(super) fn pulled_forces(&self, contact: usize, place: &[f64]) -> f64 {
+        let own = self.dynamics.problem.delassus.own(contact);
+        let force = |row: usize| {
+            // Along a direction that is locked nothing moves.
+            if own[3 * row] > 0.0 { self.pulled(contact, row, place) / own[3 * row] } else { 0.0 }
+        };
+        force(0) + force(1)
+    }
 }
 
 /// |G M⁻¹ K| along normal and tangent of each contact.

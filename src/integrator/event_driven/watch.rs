@@ -57,12 +57,11 @@ impl<W: Witness> EventDriven<W> {
     ) -> [Option<(Event, [f64; 3])>; 3] {
         let span = self.series.span();
         let acceleration = 2.0 * bend / (span * span);
-        let own = self.dynamics.multipliers.delassus.own(contact);
+        let own = self.dynamics.problem.delassus.own(contact);
         let doubt = self.doubt(contact);
-        let pulled = |row| self.pulled(contact, row, self.series.power(0));
         let force = || {
             let size = self.series.first_normal_force(contact).abs().max(acceleration / own[0]);
-            doubt * (size + pulled(0) / own[0] + pulled(1) / own[3])
+            doubt * (size + self.pulled_forces(contact, self.series.power(0)))
         };
         let friction = drive.friction[contact].static_;
         // Gaps and slips between masses are differences of larger values, which lose digits. Putting them
@@ -74,10 +73,15 @@ impl<W: Witness> EventDriven<W> {
                 // A velocity that an impact has left may be nothing in the rounding of the gap: the gap
                 // then begins at zero, and opens for as long as that velocity says. What an impact has
                 // thrown off is something, however soon it comes back: else it would land again at once.
-                let bends = doubt * (2.0 * bend + span * span * pulled(0) + moved);
+                let lost = self.pulled(contact, 0, self.series.power(0)) + DIFFERENCE * self.driven;
+                let bends = doubt * (2.0 * bend + span * span * lost + moved);
                 let fastest = self.series.largest(1).max(self.slowest() * span);
                 let slow = bends.min(0.5 * THROWN / NOISE * fastest);
                 [Some((Event::Touch, [slow + doubt * place, slow, bends])), None, None]
+            }
+            // Where the mass has one direction to go, what stops it along the normal holds it along the tangent.
+            ContactState::Stick if self.dynamics.problem.delassus.local(contact).is_singular() => {
+                [Some((Event::Lift, [force(); 3])), None, None]
             }
             ContactState::Stick => {
                 let least = friction * self.series.least_normal_force(contact);

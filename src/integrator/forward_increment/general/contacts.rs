@@ -52,13 +52,13 @@ impl Contacts {
         drive: &Drive,
         h: f64,
     ) -> Result<(), StepFailure> {
-        let Dynamics { multipliers, freedom_of, .. } = &mut *dynamics;
+        let Dynamics { problem, freedom_of, .. } = &mut *dynamics;
         // In slices of one length no index needs a check of its own.
         let (v, a) = (&mut v[..x.len()], &mut a[..x.len()]);
         let contacts = self.places.len();
         let (before, slider) = (&motion.contacts[..contacts], &drive.slider_velocity[..contacts]);
-        let (friction, free) = (&drive.friction[..contacts], &mut multipliers.free[..contacts]);
-        let freedom = &mut multipliers.freedom[..contacts];
+        let (friction, free) = (&drive.friction[..contacts], &mut problem.free[..contacts]);
+        let freedom = &mut problem.freedom[..contacts];
         for (i, place) in self.places.iter().enumerate() {
             let (mut normal, mut gap, mut approach) = (0.0, 0.0, 0.0);
             for &(dof, factor) in &self.parts[place.normal.clone()] {
@@ -81,11 +81,11 @@ impl Contacts {
             freedom[i] = freedom_of(friction[i], -slip, slider[i], before[i]);
             free[i] = [approach + (normal + gap / h) / h, drift + slip / h];
         }
-        let sweeps = multipliers.solve()?;
+        let sweeps = problem.solve(before)?;
         motion.statistics.steps += 1;
         motion.statistics.count_sweeps(sweeps);
 
-        for (place, forces) in self.places.iter().zip(&multipliers.forces) {
+        for (place, forces) in self.places.iter().zip(&problem.forces) {
             for (force, response) in forces.iter().zip(&place.responses) {
                 for &(dof, factor) in &self.parts[response.clone()] {
                     a[dof] += force * factor;
@@ -95,7 +95,7 @@ impl Contacts {
         for (v, a) in v.iter_mut().zip(&*a) {
             *v += h * a;
         }
-        self.settle(&multipliers.states, motion, (x, &mut *v), slider, h);
+        self.settle(&problem.states, motion, (x, &mut *v), slider, h);
         if dynamics.law.is_reduced() {
             dynamics.count_broken(motion, v, drive);
         }

@@ -258,7 +258,7 @@ impl<S: Structure + 'static> Integrator for Scheme<S> {
     }
 
     fn multipliers(&self) -> Option<&[[f64; 2]]> {
-        Some(&self.dynamics.multipliers.forces)
+        Some(&self.dynamics.problem.forces)
     }
 
     fn set_damping(&mut self, damping: Damping) {

@@ -4,7 +4,7 @@ use crate::contact::{ContactLaw, ContactState, Friction, FrictionLaw, FrictionRa
 
 /// What a contact may do in the problem at hand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Freedom {
+pub(in crate::integrator) enum Freedom {
     /// Anything that its law allows, with friction in this range where it holds.
     Law(FrictionRange),
     /// Open for sure: it carries nothing.
@@ -37,8 +37,30 @@ pub(super) enum Freedom {
 }
 
 impl Freedom {
+    /// The state of a contact that is closed and carries nothing.
+    pub(in crate::integrator) fn closed_state(&self) -> ContactState {
+        match *self {
+            Self::Slipping { direction, .. } | Self::HeldSlipping { direction, .. } => {
+                if direction > 0.0 { ContactState::Slide } else { ContactState::ReverseSlide }
+            }
+            Self::Guided { state, .. } => state,
+            Self::Law(_) | Self::Held(_) | Self::Fixed | Self::Open => ContactState::Stick,
+        }
+    }
+
+    /// Gives friction that may be static in this direction (±1) its kinetic limit; is that another one?
+    pub(super) fn let_go(&mut self, direction: f64) -> bool {
+        match self {
+            Self::Law(range) | Self::Held(range) if range.limit(direction) > range.kinetic => {
+                *range.limit_mut(direction) = range.kinetic;
+                true
+            }
+            _ => false,
+        }
+    }
+
     /// The same, slipping for sure in this direction (±1) of the friction force.
-    pub(super) fn slipping(self, direction: f64) -> Self {
+    pub(in crate::integrator) fn slipping(self, direction: f64) -> Self {
         match self {
             Self::Law(range) => Self::Slipping { direction, friction: range.kinetic },
             Self::Held(range) => Self::HeldSlipping { direction, friction: range.kinetic },
@@ -53,10 +75,10 @@ impl Freedom {
 
 /// The freedom of a contact with these numbers, with a slip velocity (m/s), on a surface that moves with a
 /// velocity (m/s), that was in this state.
-pub(super) type FreedomOf = fn(Friction, f64, f64, ContactState) -> Freedom;
+pub(in crate::integrator) type FreedomOf = fn(Friction, f64, f64, ContactState) -> Freedom;
 
 /// The freedom that contacts have under this law.
-pub(super) fn freedom_of(law: ContactLaw) -> FreedomOf {
+pub(in crate::integrator) fn freedom_of(law: ContactLaw) -> FreedomOf {
     law.friction.apply(law.sticking, Choice { detachment: law.detachment })
 }
 

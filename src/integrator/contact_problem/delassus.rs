@@ -1,30 +1,39 @@
 //! The Delassus matrix W = G M⁻¹ Gᵀ, 1/kg, as the blocks of the contacts that share masses.
 
+use super::factors::root_scale;
+use crate::contact::LocalProblem;
 use crate::model::{Contact, Direction};
 
 /// The 2 × 2 block of W between two contacts, by rows, normal before tangent.
 type Block = [f64; 4];
 
 /// W by rows of contacts.
-pub(super) struct Delassus {
+pub(in crate::integrator) struct Delassus {
     /// Each contact's own block.
     own: Vec<Block>,
     /// Where the blocks of each contact with others begin in `others`.
     offsets: Vec<usize>,
     /// The other contacts, ascending, with their blocks.
     others: Vec<(usize, Block)>,
+    /// The contacts that are coupled, directly or through others: each contact is in one group.
+    groups: Vec<Vec<usize>>,
 }
 
 impl Delassus {
     /// W of contacts whose `responses` are M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
-    pub(super) fn new(contacts: &[Contact], responses: &[[Direction; 2]], dofs: usize) -> Self {
+    pub(in crate::integrator) fn new(
+        contacts: &[Contact],
+        responses: &[[Direction; 2]],
+        dofs: usize,
+    ) -> Self {
         let mut moved_by = vec![Vec::new(); dofs];
         for (contact, pair) in responses.iter().enumerate() {
             for &(dof, _) in pair.iter().flat_map(|response| &response.0) {
                 moved_by[dof].push(contact);
             }
         }
-        let mut delassus = Self { own: Vec::new(), offsets: vec![0], others: Vec::new() };
+        let mut delassus =
+            Self { own: Vec::new(), offsets: vec![0], others: Vec::new(), groups: Vec::new() };
         for (i, contact) in contacts.iter().enumerate() {
             let rows = [&contact.normal, &contact.tangent];
             let block = |j: usize| -> Block {
@@ -40,7 +49,42 @@ impl Delassus {
             delassus.others.extend(others.into_iter().map(|j| (j, block(j))));
             delassus.offsets.push(delassus.others.len());
         }
+        delassus.groups = delassus.coupled();
         delassus
+    }
+
+    /// The groups of contacts that are coupled, directly or through others; contacts ascending in each.
+    fn coupled(&self) -> Vec<Vec<usize>> {
+        let mut is_known = vec![false; self.contacts()];
+        let mut groups = Vec::new();
+        for start in 0..self.contacts() {
+            if std::mem::replace(&mut is_known[start], true) {
+                continue;
+            }
+            let (mut group, mut next) = (vec![start], 0);
+            while let Some(&contact) = group.get(next) {
+                for &(other, _) in self.others(contact) {
+                    if !std::mem::replace(&mut is_known[other], true) {
+                        group.push(other);
+                    }
+                }
+                next += 1;
+            }
+            group.sort_unstable();
+            groups.push(group);
+        }
+        groups
+    }
+
+    /// The contacts that share masses, directly or through others, group by group; a contact that shares none is
+    /// a group of its own.
+    pub(in crate::integrator) fn groups(&self) -> &[Vec<usize>] {
+        &self.groups
+    }
+
+    /// The number of contacts in the largest group.
+    pub(in crate::integrator) fn largest_group(&self) -> usize {
+        self.groups.iter().map(Vec::len).max().unwrap_or(0)
     }
 
     /// Number of contacts.
@@ -49,8 +93,20 @@ impl Delassus {
     }
 
     /// A contact's own block.
-    pub(super) fn own(&self, contact: usize) -> Block {
+    pub(in crate::integrator) fn own(&self, contact: usize) -> Block {
         self.own[contact]
+    }
+
+    /// A contact's own block, as the law of a single contact takes it.
+    pub(in crate::integrator) fn local(&self, contact: usize) -> LocalProblem {
+        let [nn, nt, _, tt] = self.own(contact);
+        LocalProblem { nn, nt, tt }
+    }
+
+    /// Powers of two, √kg, for a contact's normal and tangent: forces in these units have accelerations of the size 1.
+    pub(super) fn scales(&self, contact: usize) -> [f64; 2] {
+        let own = self.own(contact);
+        [own[0], own[3]].map(root_scale)
     }
 
     /// The block between two contacts; zero where they share no mass.
@@ -77,11 +133,14 @@ impl Delassus {
         };
         let others =
             |i: usize| (0..contacts).filter(move |&j| j != i).map(move |j| (j, block(i, j)));
-        Self {
+        let mut delassus = Self {
             own: (0..contacts).map(|i| block(i, i)).collect(),
             offsets: (0..=contacts).map(|i| i * (contacts - 1)).collect(),
             others: (0..contacts).flat_map(others).collect(),
-        }
+            groups: Vec::new(),
+        };
+        delassus.groups = delassus.coupled();
+        delassus
     }
 }
 
@@ -115,5 +174,6 @@ mod tests {
         assert_eq!(delassus.others(0), [(1, [-0.5, 0.0, 0.0, -0.5])]);
         assert_eq!(delassus.others(1), [(0, [-0.5, 0.0, 0.0, -0.5])]);
         assert!(delassus.others(2).is_empty());
+        assert_eq!(delassus.groups(), [vec![0, 1], vec![2]]);
     }
 }

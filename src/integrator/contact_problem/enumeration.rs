@@ -1,0 +1,293 @@
+//! All contact states of a group, one after the other.
+//!
+//! Where a state's equations determine its forces, those obey the law or do not. Where they do not (contacts that
+//! hold one mass twice), the first phase of the simplex method tells whether any forces do. So where no state has
+//! forces, the law has no solution.
+
+use super::{ContactProblem, Freedom, Strictness};
+use crate::contact::ContactState;
+
+/// The most contacts of a group whose states are all tried: 4⁸ states.
+const MOST_CONTACTS: usize = 8;
+/// A state is taken to have forces if the artificial unknowns sum up to no more than this part of the right-hand sides.
+const FEASIBLE: f64 = 1e-11;
+/// A reduced cost or an entry that is nothing, where rows are of the size 1.
+const NOTHING: f64 = 1e-12;
+/// A pivot of Bland's rule for each column and row, at the most.
+const MOST_PIVOTS: usize = 64;
+
+/// An unknown that is not negative.
+#[derive(Clone, Copy, Debug)]
+enum Unknown {
+    /// N of a contact, with T = `slope` N.
+    Normal { contact: usize, slope: f64 },
+    /// T − (−b N) of a contact that sticks.
+    Tangential { contact: usize },
+    /// The amount by which the left side of a row exceeds its right side.
+    Rest { row: usize },
+}
+
+/// An equation of the program.
+#[derive(Clone, Copy, Debug)]
+enum Row {
+    /// a_N, or a_N less its rest.
+    Normal { contact: usize },
+    /// ±a_T and its rest.
+    Tangential { contact: usize, direction: f64 },
+    /// (f + b) N − (T + b N) less its rest.
+    Cone { contact: usize, width: f64 },
+}
+
+/// The linear program of one contact state.
+pub(super) struct Enumeration {
+    unknowns: Vec<Unknown>,
+    rows: Vec<Row>,
+    /// By rows, with the right-hand side at the end.
+    table: Vec<f64>,
+    costs: Vec<f64>,
+    /// The unknown of each row; from the number of unknowns on, an artificial one.
+    basis: Vec<usize>,
+    pivot_row: Vec<f64>,
+}
+
+impl Enumeration {
+    /// Takes the memory that groups of up to `contacts` contacts need.
+    pub(super) fn with_room(contacts: usize) -> Self {
+        let contacts = if contacts > 1 { contacts.min(MOST_CONTACTS) } else { 0 };
+        let (rows, unknowns) = (3 * contacts, 4 * contacts);
+        Self {
+            unknowns: Vec::with_capacity(unknowns),
+            rows: Vec::with_capacity(rows),
+            table: Vec::with_capacity(rows * (unknowns + 1)),
+            costs: Vec::with_capacity(unknowns + 1),
+            basis: Vec::with_capacity(rows),
+            pivot_row: Vec::with_capacity(unknowns + 1),
+        }
+    }
+
+    /// The first phase of the simplex method with Bland's rule: is there a solution?
+    fn run(&mut self) -> bool {
+        let Self { unknowns, table, costs, basis, pivot_row, .. } = self;
+        let (count, width) = (unknowns.len(), unknowns.len() + 1);
+        let size =
+            table.chunks_exact(width).fold(0.0, |most, row| f64::max(most, row[count].abs()));
+        basis.clear();
+        costs.clear();
+        costs.resize(width, 0.0);
+        for (place, row) in table.chunks_exact_mut(width).enumerate() {
+            if row[count] < 0.0 {
+                row.iter_mut().for_each(|entry| *entry = -*entry);
+            }
+            basis.push(count + place);
+            for (cost, entry) in costs.iter_mut().zip(&*row) {
+                *cost -= entry;
+            }
+        }
+        for _ in 0..MOST_PIVOTS * (width + basis.len()) {
+            if -costs[count] <= FEASIBLE * size {
+                return true;
+            }
+            let Some(entering) = costs[..count].iter().position(|cost| *cost < -NOTHING) else {
+                return false;
+            };
+            let falls = |row: &&[f64]| row[entering] > NOTHING;
+            let least = table.chunks_exact(width).filter(falls);
+            let least = least.map(|row| row[count] / row[entering]).fold(f64::INFINITY, f64::min);
+            let leaves = |place: &usize| {
+                let row = &table[place * width..][..width];
+                row[entering] > NOTHING && row[count] / row[entering] <= least
+            };
+            let Some(place) = (0..basis.len()).filter(leaves).min_by_key(|place| basis[*place])
+            else {
+                return false;
+            };
+            let own = &mut table[place * width..][..width];
+            let pivot = own[entering];
+            own.iter_mut().for_each(|entry| *entry /= pivot);
+            pivot_row.clear();
+            pivot_row.extend_from_slice(own);
+            for (other, row) in table.chunks_exact_mut(width).enumerate() {
+                if other != place {
+                    subtract(row, pivot_row, entering);
+                }
+            }
+            subtract(costs, pivot_row, entering);
+            basis[place] = entering;
+        }
+        false
+    }
+}
+
+/// Takes so much of the pivot's row away that the entering column is zero.
+fn subtract(row: &mut [f64], pivot_row: &[f64], entering: usize) {
+    let factor = row[entering];
+    if factor != 0.0 {
+        for (entry, own) in row.iter_mut().zip(pivot_row) {
+            *entry -= factor * own;
+        }
+        row[entering] = 0.0;
+    }
+}
+
+impl ContactProblem {
+    /// Can all states of a group be gone through?
+    pub(super) fn is_enumerable(&self, group: usize) -> bool {
+        let contacts = &self.delassus.groups()[group];
+        let is_known = |contact: &usize| {
+            matches!(
+                self.freedom[*contact],
+                Freedom::Law(_) | Freedom::Open | Freedom::Slipping { .. }
+            )
+        };
+        contacts.len() <= MOST_CONTACTS && contacts.iter().all(is_known)
+    }
+
+    /// Looks for a state of a group whose forces obey the law; is there one?
+    pub(super) fn enumerate(&mut self, group: usize, strictness: Strictness) -> bool {
+        for place in 0..self.delassus.groups()[group].len() {
+            let contact = self.delassus.groups()[group][place];
+            self.states[contact] = self.possible(contact)[0];
+        }
+        loop {
+            let obeys = self.solve_states(group, strictness)
+                || !self.given.is_regular(group) && self.program(group, strictness);
+            if obeys {
+                return true;
+            }
+            // As an odometer: the last contact changes fastest.
+            let mut place = self.delassus.groups()[group].len();
+            loop {
+                if place == 0 {
+                    return false;
+                }
+                place -= 1;
+                let contact = self.delassus.groups()[group][place];
+                let possible = self.possible(contact);
+                let now = possible.iter().position(|state| *state == self.states[contact]);
+                let next = now.map_or(0, |now| now + 1);
+                if let Some(state) = possible.get(next) {
+                    self.states[contact] = *state;
+                    break;
+                }
+                self.states[contact] = possible[0];
+            }
+        }
+    }
+
+    /// The states that a contact may be in.
+    fn possible(&self, contact: usize) -> &'static [ContactState] {
+        use ContactState::{Detached, ReverseSlide, Slide, Stick};
+        match self.freedom[contact] {
+            Freedom::Law(_) => &[Stick, Slide, ReverseSlide, Detached],
+            Freedom::Slipping { direction, .. } if direction > 0.0 => &[Slide, Detached],
+            Freedom::Slipping { .. } => &[ReverseSlide, Detached],
+            _ => &[Detached],
+        }
+    }
+
+    /// Forces of the states at hand, whose equations do not determine them; do any obey the law?
+    fn program(&mut self, group: usize, strictness: Strictness) -> bool {
+        self.write_program(group);
+        if !self.enumeration.run() {
+            return false;
+        }
+        self.clear(group);
+        let Enumeration { unknowns, table, basis, .. } = &self.enumeration;
+        let width = unknowns.len() + 1;
+        for (row, &unknown) in table.chunks_exact(width).zip(basis) {
+            let value = row[width - 1];
+            match unknowns.get(unknown) {
+                Some(&Unknown::Normal { contact, slope }) => {
+                    let scale = self.delassus.scales(contact)[0];
+                    self.forces[contact][0] += scale * value;
+                    self.forces[contact][1] += slope * scale * value;
+                }
+                Some(&Unknown::Tangential { contact }) => {
+                    self.forces[contact][1] += self.delassus.scales(contact)[1] * value;
+                }
+                Some(Unknown::Rest { .. }) | None => {}
+            }
+        }
+        self.are_lawful(group, strictness)
+    }
+
+    /// Writes what the states at hand ask of the forces.
+    fn write_program(&mut self, group: usize) {
+        let Self { enumeration, delassus, freedom, states, free, .. } = self;
+        let Enumeration { unknowns, rows, table, .. } = enumeration;
+        unknowns.clear();
+        rows.clear();
+        for &contact in &delassus.groups()[group] {
+            let state = states[contact];
+            match (&freedom[contact], state) {
+                (Freedom::Open, _) => {}
+                (_, ContactState::Detached) => {
+                    unknowns.push(Unknown::Rest { row: rows.len() });
+                    rows.push(Row::Normal { contact });
+                }
+                (Freedom::Law(range), ContactState::Stick) => {
+                    unknowns.push(Unknown::Normal { contact, slope: -range.backward });
+                    unknowns.push(Unknown::Tangential { contact });
+                    rows.push(Row::Normal { contact });
+                    rows.push(Row::Tangential { contact, direction: 1.0 });
+                    unknowns.push(Unknown::Rest { row: rows.len() });
+                    rows.push(Row::Cone { contact, width: range.forward + range.backward });
+                }
+                (freedom, _) => {
+                    let direction = state.sliding_direction().unwrap_or(1.0);
+                    let (friction, may_turn) = match freedom {
+                        Freedom::Law(range) => (range.limit(direction), true),
+                        &Freedom::Slipping { friction, .. } => (friction, false),
+                        _ => (0.0, false),
+                    };
+                    unknowns.push(Unknown::Normal { contact, slope: direction * friction });
+                    rows.push(Row::Normal { contact });
+                    if may_turn {
+                        unknowns.push(Unknown::Rest { row: rows.len() });
+                        rows.push(Row::Tangential { contact, direction: -direction });
+                    }
+                }
+            }
+        }
+        let scales = |contact: usize| delassus.scales(contact);
+        table.clear();
+        for (place, row) in rows.iter().enumerate() {
+            for unknown in &*unknowns {
+                let (other, [n, t]) = match *unknown {
+                    Unknown::Rest { row } => {
+                        table.push(if row == place { -1.0 } else { 0.0 });
+                        continue;
+                    }
+                    Unknown::Normal { contact, slope } => {
+                        let scale = scales(contact)[0];
+                        (contact, [scale, slope * scale])
+                    }
+                    Unknown::Tangential { contact } => (contact, [0.0, scales(contact)[1]]),
+                };
+                table.push(match *row {
+                    Row::Normal { contact } => {
+                        let w = delassus.block(contact, other);
+                        scales(contact)[0] * (w[0] * n + w[1] * t)
+                    }
+                    Row::Tangential { contact, direction } => {
+                        let w = delassus.block(contact, other);
+                        direction * scales(contact)[1] * (w[2] * n + w[3] * t)
+                    }
+                    // In the units of T.
+                    Row::Cone { contact, width } if contact == other => match unknown {
+                        Unknown::Normal { .. } => width * n / scales(contact)[1],
+                        _ => -t / scales(contact)[1],
+                    },
+                    Row::Cone { .. } => 0.0,
+                });
+            }
+            table.push(match *row {
+                Row::Normal { contact } => -scales(contact)[0] * free[contact][0],
+                Row::Tangential { contact, direction } => {
+                    -direction * scales(contact)[1] * free[contact][1]
+                }
+                Row::Cone { .. } => 0.0,
+            });
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! Linear equations that may be singular: elimination with complete pivots.
+
+/// A pivot below this part of the largest is rounding: its row depends on others.
+const DEPENDENT: f64 = 1e-12;
+
+/// A square matrix as L U, with rows and columns in the order of their pivots. Rows that depend on others are left
+/// out, and their unknowns are zero.
+///
+/// Rows and columns are first multiplied by powers of two, so that light masses beside heavy ones do not decide which
+/// pivot is nothing. Those cost no digit.
+pub(super) struct Factors {
+    size: usize,
+    rank: usize,
+    /// By rows, as eliminated: below the diagonal L, above it U; on the diagonal one over the pivot.
+    entries: Vec<f64>,
+    rows: Vec<usize>,
+    columns: Vec<usize>,
+    scales: Vec<f64>,
+    /// Room for a solution.
+    values: Vec<f64>,
+}
+
+impl Factors {
+    /// Takes the memory that matrices of up to `most` rows need.
+    pub(super) fn with_room(most: usize) -> Self {
+        Self {
+            size: 0,
+            rank: 0,
+            entries: vec![0.0; most * most],
+            rows: vec![0; most],
+            columns: vec![0; most],
+            scales: vec![1.0; most],
+            values: vec![0.0; most],
+        }
+    }
+
+    /// Factors the matrix with these entries (by row and column); `diagonal` gives the size of what a row and its
+    /// column stand for, not negative.
+    pub(super) fn set(
+        &mut self,
+        size: usize,
+        entry: impl Fn(usize, usize) -> f64,
+        diagonal: impl Fn(usize) -> f64,
+    ) {
+        self.size = size;
+        for place in 0..size {
+            (self.rows[place], self.columns[place]) = (place, place);
+            self.scales[place] = root_scale(diagonal(place));
+        }
+        for row in 0..size {
+            for column in 0..size {
+                self.entries[row * size + column] =
+                    self.scales[row] * entry(row, column) * self.scales[column];
+            }
+        }
+        self.eliminate();
+    }
+
+    fn eliminate(&mut self) {
+        let Self { size, entries, rows, columns, .. } = self;
+        let size = *size;
+        let entries = &mut entries[..size * size];
+        let largest = entries.iter().fold(0.0, |largest, entry| f64::max(largest, entry.abs()));
+        self.rank = 0;
+        for step in 0..size {
+            let (mut row, mut column, mut most) = (step, step, -1.0);
+            for i in step..size {
+                for (j, entry) in entries[i * size + step..(i + 1) * size].iter().enumerate() {
+                    if entry.abs() > most {
+                        (row, column, most) = (i, step + j, entry.abs());
+                    }
+                }
+            }
+            if most <= DEPENDENT * largest {
+                return;
+            }
+            rows.swap(step, row);
+            columns.swap(step, column);
+            if row != step {
+                let (upper, lower) = entries.split_at_mut(row * size);
+                upper[step * size..][..size].swap_with_slice(&mut lower[..size]);
+            }
+            if column != step {
+                entries.chunks_exact_mut(size).for_each(|row| row.swap(step, column));
+            }
+            let (done, rest) = entries.split_at_mut((step + 1) * size);
+            let pivot_row = &mut done[step * size..];
+            pivot_row[step] = 1.0 / pivot_row[step];
+            for row in rest.chunks_exact_mut(size) {
+                if row[step] != 0.0 {
+                    let factor = row[step] * pivot_row[step];
+                    row[step] = factor;
+                    for (entry, above) in row[step + 1..].iter_mut().zip(&pivot_row[step + 1..]) {
+                        *entry -= factor * above;
+                    }
+                }
+            }
+            self.rank = step + 1;
+        }
+    }
+
+    /// Has no row been left out?
+    pub(super) fn is_regular(&self) -> bool {
+        self.rank == self.size
+    }
+
+    /// Replaces the right-hand side by the solution.
+    #[inline]
+    pub(super) fn solve(&mut self, right: &mut [f64]) {
+        if self.size == 1 && self.rank == 1 {
+            // Scaled back by the same power of two: the one pivot alone counts.
+            right[0] *= self.entries[0] * self.scales[0] * self.scales[0];
+            return;
+        }
+        let Self { size, rank, entries, rows, columns, scales, values } = self;
+        let (size, rank) = (*size, *rank);
+        let values = &mut values[..rank];
+        for place in 0..rank {
+            let row = &entries[place * size..][..place];
+            let known = row.iter().zip(&*values).fold(0.0, |sum, (l, value)| sum + l * value);
+            values[place] = scales[rows[place]] * right[rows[place]] - known;
+        }
+        for place in (0..rank).rev() {
+            let row = &entries[place * size..][place..rank];
+            let later = row[1..].iter().zip(&values[place + 1..]);
+            let known = later.fold(0.0, |sum, (u, value)| sum + u * value);
+            values[place] = (values[place] - known) * row[0];
+        }
+        right.fill(0.0);
+        for (&column, value) in columns.iter().zip(&*values) {
+            right[column] = scales[column] * value;
+        }
+    }
+}
+
+/// A power of two near 1/√value, from the bits of its exponent: the same on every machine. 1 for zero.
+pub(super) fn root_scale(value: f64) -> f64 {
+    const BIAS: u64 = 1023;
+    let exponent = (value.to_bits() >> 52) & 0x7ff;
+    if value > 0.0 && value.is_normal() {
+        f64::from_bits((BIAS + BIAS / 2 - exponent / 2) << 52)
+    } else {
+        1.0
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn factored(matrix: &[f64], size: usize) -> Factors {
+        let mut factors = Factors::with_room(size);
+        let entry = |row: usize, column: usize| matrix[row * size + column];
+        factors.set(size, entry, |place| matrix[place * size + place].abs());
+        factors
+    }
+
+    #[test]
+    fn the_solution_satisfies_the_equations() {
+        let matrix = [0.0, 2.0, 1.0, 3.0, -1.0, 0.5, 1.0, 1.0, 4e6];
+        let right = [1.0, -2.0, 0.5];
+        let mut solution = right;
+        let mut factors = factored(&matrix, 3);
+        factors.solve(&mut solution);
+        assert!(factors.is_regular());
+        for (row, right) in matrix.chunks(3).zip(right) {
+            let sum = row.iter().zip(solution).fold(0.0, |sum, (a, x)| sum + a * x);
+            assert!((sum - right).abs() < 1e-14, "{sum} {right}");
+        }
+    }
+
+    #[test]
+    fn rows_that_depend_on_others_carry_nothing() {
+        // Two contacts that hold one mass: whatever is consistent is met.
+        let mut factors = factored(&[1.0, 1.0, 1.0, 1.0], 2);
+        let mut solution = [3.0, 3.0];
+        factors.solve(&mut solution);
+        assert!(!factors.is_regular());
+        assert_eq!(solution[0] + solution[1], 3.0);
+    }
+
+    #[test]
+    fn scales_bring_a_value_near_to_one() {
+        for value in [1e-300, 1e-9, 0.3, 1.0, 7.0, 1e9, 1e300] {
+            let scaled = root_scale(value) * value * root_scale(value);
+            assert!((0.25..8.0).contains(&scaled), "{value} {scaled}");
+        }
+        assert_eq!(root_scale(0.0), 1.0);
+    }
+
+    #[test]
+    fn a_light_mass_beside_a_heavy_one_is_not_taken_for_rounding() {
+        let mut factors = factored(&[1024.0, 0.0, 0.0, 1.0 / 1024.0_f64.powi(4)], 2);
+        let mut solution = [1024.0, 1.0 / 1024.0_f64.powi(4)];
+        factors.solve(&mut solution);
+        assert_eq!(solution, [1.0, 1.0]);
+    }
+}

@@ -1,0 +1,186 @@
+//! The contact problem of given contact states: linear equations for each group of contacts that share masses.
+
+use super::delassus::Delassus;
+use super::factors::Factors;
+use crate::contact::{ContactState, FrictionRange, LocalProblem};
+
+/// The equations that hold for a contact in a given state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(in crate::integrator) enum Demand {
+    /// Nothing: it is open, and carries nothing.
+    Nothing,
+    /// a_N = 0, by N with T = `slope` N.
+    Normal {
+        /// ±µ of one that slides.
+        slope: f64,
+    },
+    /// a_N = a_T = 0, by N and T.
+    Both,
+}
+
+impl Demand {
+    /// Of a contact with this block of W, in this state, with T/N in `range`.
+    pub(in crate::integrator) fn of(
+        state: ContactState,
+        range: &FrictionRange,
+        own: LocalProblem,
+    ) -> Self {
+        match (state, state.sliding_direction()) {
+            (ContactState::Detached, _) => Self::Nothing,
+            (_, Some(direction)) => Self::Normal { slope: direction * range.limit(direction) },
+            // Where the mass has one direction to go, what holds one row holds both.
+            _ if own.is_singular() => Self::Normal { slope: own.stuck_slope(range) },
+            _ => Self::Both,
+        }
+    }
+}
+
+/// An unknown multiplier.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Unknown {
+    contact: usize,
+    /// 0: the normal force, with the friction force that follows it; 1: a friction force of its own.
+    row: usize,
+    /// T/N of a contact without a friction force of its own.
+    slope: f64,
+}
+
+/// λ of given contact states as a linear function of the accelerations without contact forces.
+pub(in crate::integrator) struct GivenStates {
+    /// The demand on each contact that the equations of its group were last made from.
+    demands: Vec<Demand>,
+    groups: Vec<Group>,
+}
+
+/// The equations of a group.
+struct Group {
+    contacts: Vec<usize>,
+    is_set: bool,
+    unknowns: Vec<Unknown>,
+    factors: Factors,
+    /// Room for the right-hand side.
+    right: Vec<f64>,
+}
+
+impl GivenStates {
+    pub(in crate::integrator) fn new(delassus: &Delassus) -> Self {
+        let group = |contacts: &Vec<usize>| {
+            let most = 2 * contacts.len();
+            Group {
+                contacts: contacts.clone(),
+                is_set: false,
+                unknowns: Vec::with_capacity(most),
+                factors: Factors::with_room(most),
+                right: vec![0.0; most],
+            }
+        };
+        Self {
+            demands: vec![Demand::Nothing; delassus.contacts()],
+            groups: delassus.groups().iter().map(group).collect(),
+        }
+    }
+
+    /// The number of groups.
+    pub(in crate::integrator) fn groups(&self) -> usize {
+        self.groups.len()
+    }
+
+    /// Takes over what each contact of a group is to meet. Where two contacts hold one mass, and one of them would
+    /// do, one carries nothing: the motion is the same whichever of them does.
+    pub(in crate::integrator) fn set(
+        &mut self,
+        delassus: &Delassus,
+        group: usize,
+        demand: impl Fn(usize) -> Demand,
+    ) {
+        let Group { contacts, is_set, unknowns, factors, .. } = &mut self.groups[group];
+        let mut is_known = *is_set;
+        for &contact in &*contacts {
+            let demand = demand(contact);
+            is_known &= self.demands[contact] == demand;
+            self.demands[contact] = demand;
+        }
+        if is_known {
+            return;
+        }
+        *is_set = true;
+        unknowns.clear();
+        for &contact in &*contacts {
+            match self.demands[contact] {
+                Demand::Nothing => {}
+                Demand::Normal { slope } => unknowns.push(Unknown { contact, row: 0, slope }),
+                Demand::Both => {
+                    unknowns.extend([0, 1].map(|row| Unknown { contact, row, slope: 0.0 }));
+                }
+            }
+        }
+        let size = |unknown: &Unknown| delassus.own(unknown.contact)[3 * unknown.row];
+        factors.set(
+            unknowns.len(),
+            |row, column| {
+                let (row, column) = (&unknowns[row], &unknowns[column]);
+                let block = delassus.block(row.contact, column.contact);
+                let at = |part: usize| block[2 * row.row + part];
+                at(column.row) + column.slope * at(1)
+            },
+            |place| size(&unknowns[place]),
+        );
+    }
+
+    /// Takes over the demands on all contacts, as [`set`](Self::set) does for one group.
+    pub(in crate::integrator) fn set_all(
+        &mut self,
+        delassus: &Delassus,
+        demand: impl Fn(usize) -> Demand,
+    ) {
+        (0..self.groups()).for_each(|group| self.set(delassus, group, &demand));
+    }
+
+    /// Are there as many independent equations as unknowns in a group?
+    pub(super) fn is_regular(&self, group: usize) -> bool {
+        self.groups[group].factors.is_regular()
+    }
+
+    /// T/N of a contact without a friction force of its own; zero for any other.
+    pub(in crate::integrator) fn slope(&self, contact: usize) -> f64 {
+        match self.demands[contact] {
+            Demand::Normal { slope } => slope,
+            Demand::Nothing | Demand::Both => 0.0,
+        }
+    }
+
+    /// λ (N, T) of all contacts, as [`forces`](Self::forces) gives it for one group.
+    pub(in crate::integrator) fn all_forces(
+        &mut self,
+        free: impl Fn(usize, usize) -> f64,
+        forces: &mut [[f64; 2]],
+    ) {
+        (0..self.groups()).for_each(|group| self.forces(group, &free, forces));
+    }
+
+    /// λ (N, T) of each contact of a group, where `free` holds the accelerations without contact forces along
+    /// normal (0) and tangent (1); those that the contacts must have are zero.
+    #[inline]
+    pub(in crate::integrator) fn forces(
+        &mut self,
+        group: usize,
+        free: impl Fn(usize, usize) -> f64,
+        forces: &mut [[f64; 2]],
+    ) {
+        let Group { contacts, unknowns, factors, right, .. } = &mut self.groups[group];
+        for &contact in &*contacts {
+            forces[contact] = [0.0; 2];
+        }
+        let right = &mut right[..unknowns.len()];
+        for (right, unknown) in right.iter_mut().zip(&*unknowns) {
+            *right = free(unknown.contact, unknown.row);
+        }
+        factors.solve(right);
+        for (value, unknown) in right.iter().zip(&*unknowns) {
+            forces[unknown.contact][unknown.row] = 0.0 - value;
+            if unknown.slope != 0.0 {
+                forces[unknown.contact][1] = unknown.slope * (0.0 - value);
+            }
+        }
+    }
+}

@@ -1,0 +1,302 @@
+//! Lemke's pivots on the contact problem as a linear complementarity problem.
+//!
+//! With T = T⁺ − T⁻ and γ the size of the sliding acceleration, Coulomb friction in the plane is (Stewart and Trinkle,
+//! Int. J. Numer. Methods Eng. 39, 1996, with two limits of friction f and b)
+//!
+//! * 0 ≤ N ⊥ a_N ≥ 0,
+//! * 0 ≤ T⁺ ⊥ a_T + γ/f ≥ 0,
+//! * 0 ≤ T⁻ ⊥ −a_T + γ/b ≥ 0,
+//! * 0 ≤ γ ⊥ N − T⁺/f − T⁻/b ≥ 0.
+//!
+//! A contact that slips for sure has N alone, with T = ±µN. The matrix of contacts that do not is copositive for any
+//! symmetric W ≥ 0 (xᵀ M x = λᵀ W λ + γᵀ N). Pivots are chosen in lexicographic order, so they end: in a solution, or in
+//! a ray, which proves nothing.
+
+use super::{ContactProblem, Freedom, Strictness};
+use crate::contact::ContactState;
+
+/// A ratio within this part of the least is as small.
+const TIE: f64 = 1e-12;
+/// An entry below this part of the largest in its column is rounding.
+const NOTHING: f64 = 1e-13;
+/// Pivots for each variable, at the most: in practice one or two.
+const MOST_PIVOTS: usize = 50;
+
+/// An unknown z of a contact, and the condition w that it complements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    /// N and a_N.
+    Normal,
+    /// T⁺ and a_T + γ/f.
+    Forward,
+    /// T⁻ and −a_T + γ/b.
+    Backward,
+    /// γ and N − T⁺/f − T⁻/b.
+    Sliding,
+}
+
+/// What stands for a row or a column of the tableau.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Name {
+    /// The condition of this place.
+    W(usize),
+    /// The unknown of this place.
+    Z(usize),
+    /// The artificial unknown that lets all conditions hold at the start.
+    Cover,
+}
+
+/// The tableau: each row says what its basic variable is, as a constant and factors of the others.
+pub(super) struct Lemke {
+    parts: Vec<(usize, Part)>,
+    rows: Vec<Name>,
+    columns: Vec<Name>,
+    /// By rows; the constant comes first.
+    entries: Vec<f64>,
+    pivot_row: Vec<f64>,
+}
+
+impl Lemke {
+    /// Takes the memory that groups of up to `contacts` contacts need.
+    pub(super) fn with_room(contacts: usize) -> Self {
+        let places = if contacts > 1 { 4 * contacts } else { 0 };
+        Self {
+            parts: Vec::with_capacity(places),
+            rows: Vec::with_capacity(places),
+            columns: Vec::with_capacity(places + 2),
+            entries: Vec::with_capacity(places * (places + 2)),
+            pivot_row: Vec::with_capacity(places + 2),
+        }
+    }
+
+    /// The number of unknowns.
+    fn size(&self) -> usize {
+        self.parts.len()
+    }
+
+    /// Pivots until the artificial unknown is gone; `false` where a ray comes first.
+    fn run(&mut self) -> bool {
+        let width = self.size() + 2;
+        let constant = |entries: &[f64], row: usize| entries[row * width];
+        let least = (0..self.size())
+            .min_by(|&a, &b| constant(&self.entries, a).total_cmp(&constant(&self.entries, b)));
+        let Some(least) = least else { return true };
+        if constant(&self.entries, least) >= 0.0 {
+            return true;
+        }
+        // In the order of the perturbation εᵏ the last of equal rows is the lowest.
+        let lowest = constant(&self.entries, least);
+        let row = (0..self.size()).rev().find(|&row| constant(&self.entries, row) <= lowest);
+        let mut leaving = self.pivot(row.unwrap_or(least), width - 1);
+        for _ in 0..MOST_PIVOTS * width {
+            let entering = match leaving {
+                Name::Cover => return true,
+                Name::W(place) => Name::Z(place),
+                Name::Z(place) => Name::W(place),
+            };
+            let Some(column) = self.columns.iter().position(|name| *name == entering) else {
+                return false;
+            };
+            let Some(row) = self.leaving_row(column + 1) else { return false };
+            leaving = self.pivot(row, column + 1);
+        }
+        false
+    }
+
+    /// The row whose variable falls to zero first when the variable of this column grows; of equal ones the
+    /// artificial unknown, else the lexicographic least.
+    fn leaving_row(&self, column: usize) -> Option<usize> {
+        let width = self.size() + 2;
+        let entry = |row: usize, column: usize| self.entries[row * width + column];
+        let largest =
+            (0..self.size()).fold(0.0, |most, row| f64::max(most, entry(row, column).abs()));
+        let falls = |row: &usize| entry(*row, column) < -NOTHING * largest;
+        let ratio = |row: usize| entry(row, 0).max(0.0) / -entry(row, column);
+        let least = (0..self.size()).filter(falls).map(ratio).fold(f64::INFINITY, f64::min);
+        let is_least = |row: &usize| falls(row) && ratio(*row) <= least * (1.0 + TIE);
+        let tied = || (0..self.size()).filter(is_least);
+        if let Some(cover) = tied().find(|&row| self.rows[row] == Name::Cover) {
+            return Some(cover);
+        }
+        tied().reduce(|a, b| if self.is_before(b, a, column) { b } else { a })
+    }
+
+    /// Does row `a` come before row `b` in the order of the perturbation εᵏ of each constant?
+    fn is_before(&self, a: usize, b: usize, column: usize) -> bool {
+        let width = self.size() + 2;
+        let factor = |row: usize, place: usize| {
+            let by = -self.entries[row * width + column];
+            let coefficient = match self.columns.iter().position(|name| *name == Name::W(place)) {
+                Some(column) => -self.entries[row * width + column + 1],
+                None if self.rows[row] == Name::W(place) => 1.0,
+                None => 0.0,
+            };
+            coefficient / by
+        };
+        let differs = (0..self.size()).map(|place| (factor(a, place), factor(b, place)));
+        differs.into_iter().find(|(a, b)| a != b).is_some_and(|(a, b)| a < b)
+    }
+
+    /// Exchanges the variables of a row and a column (with the constant's, 0); the one that leaves the rows.
+    fn pivot(&mut self, row: usize, column: usize) -> Name {
+        let width = self.size() + 2;
+        let Self { entries, pivot_row, .. } = self;
+        let own = &mut entries[row * width..][..width];
+        let pivot = own[column];
+        // From basic = … + pivot · entering to entering = (basic − …) / pivot.
+        for entry in own.iter_mut() {
+            *entry /= -pivot;
+        }
+        own[column] = 1.0 / pivot;
+        pivot_row.clear();
+        pivot_row.extend_from_slice(own);
+        for (other, entries) in entries.chunks_exact_mut(width).enumerate() {
+            let factor = entries[column];
+            if other == row || factor == 0.0 {
+                continue;
+            }
+            entries[column] = 0.0;
+            for (entry, own) in entries.iter_mut().zip(&*pivot_row) {
+                *entry += factor * own;
+            }
+        }
+        std::mem::swap(&mut self.rows[row], &mut self.columns[column - 1]);
+        self.columns[column - 1]
+    }
+
+    /// The value of an unknown; `None` where it is none of the basic variables, and so zero.
+    fn value(&self, contact: usize, part: Part) -> Option<f64> {
+        let width = self.size() + 2;
+        let place = self.parts.iter().position(|known| *known == (contact, part))?;
+        let row = self.rows.iter().position(|name| *name == Name::Z(place))?;
+        Some(self.entries[row * width])
+    }
+}
+
+impl ContactProblem {
+    /// Looks for the forces of a group by pivots; were some found that obey the law?
+    pub(super) fn pivot(&mut self, group: usize, strictness: Strictness) -> bool {
+        if !self.tabulate(group) || !self.lemke.run() {
+            return false;
+        }
+        for place in 0..self.delassus.groups()[group].len() {
+            let contact = self.delassus.groups()[group][place];
+            self.states[contact] = self.pivoted_state(contact);
+        }
+        self.solve_states(group, strictness)
+    }
+
+    /// Writes the tableau of a group, in units in which the own blocks of W are near to 1; `false` where a contact's law is
+    /// none of complementarity.
+    fn tabulate(&mut self, group: usize) -> bool {
+        let Self { lemke, delassus, freedom, free, .. } = self;
+        lemke.parts.clear();
+        for &contact in &delassus.groups()[group] {
+            match &freedom[contact] {
+                Freedom::Open => {}
+                Freedom::Slipping { .. } => lemke.parts.push((contact, Part::Normal)),
+                Freedom::Law(range) => {
+                    lemke.parts.push((contact, Part::Normal));
+                    let limits = [(Part::Forward, range.forward), (Part::Backward, range.backward)];
+                    let mut has_friction = false;
+                    for (part, limit) in limits {
+                        if limit > 0.0 {
+                            lemke.parts.push((contact, part));
+                            has_friction = true;
+                        }
+                    }
+                    if has_friction {
+                        lemke.parts.push((contact, Part::Sliding));
+                    }
+                }
+                Freedom::Held(_)
+                | Freedom::HeldSlipping { .. }
+                | Freedom::Fixed
+                | Freedom::Guided { .. } => return false,
+            }
+        }
+        let size = lemke.parts.len();
+        lemke.rows.clear();
+        lemke.rows.extend((0..size).map(Name::W));
+        lemke.columns.clear();
+        lemke.columns.extend((0..size).map(Name::Z));
+        lemke.columns.push(Name::Cover);
+        lemke.entries.clear();
+        let scales = |contact: usize| delassus.scales(contact);
+        // 1/f or 1/b, in these units.
+        let inverse_limit = |contact: usize, part: Part| match (&freedom[contact], part) {
+            (Freedom::Law(range), Part::Forward | Part::Backward) => {
+                let [normal, tangential] = scales(contact);
+                let limit = if part == Part::Forward { range.forward } else { range.backward };
+                tangential / (normal * limit)
+            }
+            _ => 0.0,
+        };
+        // What a unit of an unknown is of (N, T); the same weighs accelerations.
+        let unit = |(contact, part): (usize, Part)| -> [f64; 2] {
+            let [normal, tangential] = scales(contact);
+            match (part, &freedom[contact]) {
+                (Part::Normal, &Freedom::Slipping { direction, friction }) => {
+                    [normal, direction * friction * normal]
+                }
+                (Part::Normal, _) => [normal, 0.0],
+                (Part::Forward, _) => [0.0, tangential],
+                (Part::Backward, _) => [0.0, -tangential],
+                (Part::Sliding, _) => [0.0; 2],
+            }
+        };
+        for row in 0..size {
+            let (contact, part) = lemke.parts[row];
+            let weights = match part {
+                Part::Normal => [scales(contact)[0], 0.0],
+                _ => unit((contact, part)),
+            };
+            let constant = weights[0] * free[contact][0] + weights[1] * free[contact][1];
+            lemke.entries.push(constant);
+            for column in 0..size {
+                let (other, kind) = lemke.parts[column];
+                let w = delassus.block(contact, other);
+                let by = unit((other, kind));
+                let mut entry = weights[0] * (w[0] * by[0] + w[1] * by[1])
+                    + weights[1] * (w[2] * by[0] + w[3] * by[1]);
+                if contact == other {
+                    entry += match (part, kind) {
+                        (Part::Forward | Part::Backward, Part::Sliding) => {
+                            inverse_limit(contact, part)
+                        }
+                        (Part::Sliding, Part::Normal) => 1.0,
+                        (Part::Sliding, Part::Forward | Part::Backward) => {
+                            -inverse_limit(contact, kind)
+                        }
+                        _ => 0.0,
+                    };
+                }
+                lemke.entries.push(entry);
+            }
+            lemke.entries.push(1.0);
+        }
+        true
+    }
+
+    /// The state that the last pivots leave a contact in.
+    fn pivoted_state(&self, contact: usize) -> ContactState {
+        let Freedom::Law(range) = &self.freedom[contact] else {
+            let presses = self.lemke.value(contact, Part::Normal).is_some();
+            return if presses { ContactState::Slide } else { ContactState::Detached };
+        };
+        if self.lemke.value(contact, Part::Normal).is_none() {
+            return ContactState::Detached;
+        }
+        let slides = self.lemke.value(contact, Part::Sliding).is_some();
+        let [forward, backward] = [Part::Forward, Part::Backward]
+            .map(|part| self.lemke.value(contact, part).is_some_and(|value| value > 0.0));
+        match (slides, forward, backward) {
+            (true, true, _) => ContactState::Slide,
+            (true, _, true) => ContactState::ReverseSlide,
+            _ if range.forward > 0.0 && range.backward > 0.0 => ContactState::Stick,
+            // Without friction in a direction it does not matter which of the two is said of one that is still.
+            _ if range.backward > 0.0 => ContactState::Slide,
+            _ => ContactState::ReverseSlide,
+        }
+    }
+}

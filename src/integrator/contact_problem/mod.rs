@@ -1,0 +1,332 @@
+//! The contact problem a = W λ + free, under the law of every contact: for the forces of a step, the impulses of an
+//! impact, and the accelerations of an instant.
+//!
+//! A contact that shares no mass with others is solved in closed form. Of a group that shares masses these are
+//! tried in turn, until one gives what obeys the law:
+//!
+//! 1. the states that the contacts are in, as linear equations: where the law has several solutions, the motion stays in
+//!    its own;
+//! 2. Gauss–Seidel over the contacts (paper, eqs. 19–24), from zero, while it converges fast;
+//! 3. the states that it has come to, as linear equations;
+//! 4. Lemke's pivots on the linear complementarity problem ([`lemke`]);
+//! 5. all states, of up to eight contacts ([`enumeration`]): where none has forces, there are none;
+//! 6. Gauss–Seidel, for as long as one may wait.
+//!
+//! Nothing but the last two says that contacts cannot be solved, and only the fifth that no forces exist.
+
+mod delassus;
+mod enumeration;
+mod factors;
+mod freedom;
+mod given_states;
+mod lemke;
+mod states;
+#[cfg(test)]
+mod tests;
+
+use crate::contact::{ContactState, LocalSolution};
+use crate::integrator::StepFailure;
+pub(super) use delassus::Delassus;
+use enumeration::Enumeration;
+pub(super) use freedom::{Freedom, FreedomOf, freedom_of};
+pub(super) use given_states::{Demand, GivenStates};
+use lemke::Lemke;
+use states::{Acceleration, Strictness};
+
+/// Convergence check (24): the largest change of a multiplier in a sweep against the largest one.
+const TOLERANCE: f64 = 1e-13;
+/// Sweeps that converge fast.
+const FEW_SWEEPS: u64 = 200;
+/// More sweeps than anyone waits for.
+const MAX_SWEEPS: u64 = 10_000;
+/// What solutions that are computed at once may miss the law by, in parts of the terms that rounding is made of: the
+/// first where W lets them, the second where it is nearly singular.
+const MISSES: [f64; 2] = [1e-13, 1e-11];
+
+/// The contact problem of a structure.
+///
+/// λ holds (N, T) of each contact, N. W = G M⁻¹ Gᵀ is the Delassus matrix, 1/kg.
+pub(super) struct ContactProblem {
+    pub(super) delassus: Delassus,
+    /// The accelerations that the contacts would have without their forces, m/s².
+    pub(super) free: Vec<[f64; 2]>,
+    /// What each contact may do.
+    pub(super) freedom: Vec<Freedom>,
+    /// The solution λ.
+    pub(super) forces: Vec<[f64; 2]>,
+    /// The states that belong to it.
+    pub(super) states: Vec<ContactState>,
+    given: GivenStates,
+    /// Room for accelerations, for what corrects forces, and for the forces of the sweeps.
+    accelerations: Vec<Acceleration>,
+    corrections: Vec<[f64; 2]>,
+    swept: Vec<[f64; 2]>,
+    lemke: Lemke,
+    enumeration: Enumeration,
+}
+
+/// How Gauss–Seidel ended.
+enum Swept {
+    /// After this sweep.
+    Converged(u64),
+    /// Not within the sweeps that it was given.
+    NotYet,
+    /// A contact could not be solved by itself, or left the range of numbers.
+    Failed(StepFailure),
+}
+
+impl ContactProblem {
+    pub(super) fn new(delassus: Delassus) -> Self {
+        let contacts = delassus.contacts();
+        let largest = delassus.largest_group();
+        Self {
+            given: GivenStates::new(&delassus),
+            lemke: Lemke::with_room(largest),
+            enumeration: Enumeration::with_room(largest),
+            delassus,
+            free: vec![[0.0; 2]; contacts],
+            freedom: vec![Freedom::Open; contacts],
+            forces: vec![[0.0; 2]; contacts],
+            states: vec![ContactState::Detached; contacts],
+            accelerations: vec![Acceleration::default(); contacts],
+            corrections: vec![[0.0; 2]; contacts],
+            swept: vec![[0.0; 2]; contacts],
+        }
+    }
+
+    /// Solves for λ, of contacts that are in these states; returns the number of sweeps. The result depends on nothing
+    /// but the present. Redundant contacts (two that stick on one mass) have many solutions; the motion is the same
+    /// for all.
+    ///
+    /// What a contact holds while others let go depends on them, so static friction comes first: all are
+    /// solved with their ranges as the limit, then those that slip even so with µ_k against it, and all again.
+    /// They may then hold, or slip the other way: what they let go of loads others, which push them back.
+    ///
+    /// # Errors
+    /// Contacts that have no forces under their law, or for which none were found.
+    #[inline]
+    pub(super) fn solve(&mut self, present: &[ContactState]) -> Result<u64, StepFailure> {
+        let mut sweeps = 1;
+        for group in 0..self.given.groups() {
+            match self.delassus.groups()[group][..] {
+                [contact] => self.solve_alone(contact)?,
+                _ => sweeps = sweeps.max(self.solve_group(group, present)?),
+            }
+        }
+        Ok(sweeps)
+    }
+
+    /// Solves a contact that shares no mass with others.
+    #[inline]
+    fn solve_alone(&mut self, contact: usize) -> Result<(), StepFailure> {
+        loop {
+            self.forces[contact] = [0.0; 2];
+            match self.solve_one(contact, 1) {
+                Ok((force, state)) => {
+                    (self.forces[contact], self.states[contact]) = (force, state);
+                    if !self.let_go(contact) {
+                        return Ok(());
+                    }
+                }
+                // Static friction that jams a contact does not hold it.
+                Err(failure) if !self.let_go_whatever_it_does(contact) => return Err(failure),
+                Err(_) => {}
+            }
+        }
+    }
+
+    fn solve_group(&mut self, group: usize, present: &[ContactState]) -> Result<u64, StepFailure> {
+        for &contact in &self.delassus.groups()[group] {
+            self.states[contact] = present[contact];
+            if !self.free[contact].iter().all(|free| free.is_finite()) {
+                return Err(StepFailure::NotFinite { contact });
+            }
+        }
+        let mut sweeps = 0;
+        loop {
+            let (solved, let_go): (_, fn(&mut Self, usize) -> bool) = match self.relax(group) {
+                Ok(taken) => (Ok(taken), Self::let_go),
+                Err(failure) => (Err(failure), Self::let_go_whatever_it_does),
+            };
+            let mut any = false;
+            for place in 0..self.delassus.groups()[group].len() {
+                any |= let_go(self, self.delassus.groups()[group][place]);
+            }
+            match solved {
+                Ok(taken) => sweeps += taken,
+                Err(failure) if !any => return Err(failure),
+                Err(_) => {}
+            }
+            if !any {
+                return Ok(sweeps);
+            }
+        }
+    }
+
+    /// Gives a contact that slips at a static limit its kinetic friction in that direction; did it? A contact
+    /// has two limits, so this ends.
+    fn let_go(&mut self, contact: usize) -> bool {
+        let direction = self.states[contact].sliding_direction();
+        direction.is_some_and(|direction| self.freedom[contact].let_go(direction))
+    }
+
+    /// The same in both directions, whatever the contact does.
+    fn let_go_whatever_it_does(&mut self, contact: usize) -> bool {
+        let freedom = &mut self.freedom[contact];
+        freedom.let_go(1.0) | freedom.let_go(-1.0)
+    }
+
+    /// One solution of a group, with the limits as they are, from the states at hand.
+    fn relax(&mut self, group: usize) -> Result<u64, StepFailure> {
+        if self.solve_states(group, Strictness::Inside) {
+            return Ok(1);
+        }
+        match self.sweep(group, FEW_SWEEPS) {
+            Swept::Converged(sweeps) => Ok(sweeps),
+            Swept::NotYet => self.solve_at_once(group),
+            Swept::Failed(failure @ StepFailure::NotFinite { .. }) => Err(failure),
+            Swept::Failed(_) => self.solve_at_once(group),
+        }
+    }
+
+    /// What is done where Gauss–Seidel does not converge.
+    #[cold]
+    fn solve_at_once(&mut self, group: usize) -> Result<u64, StepFailure> {
+        for missed in MISSES {
+            let strictness = Strictness::UpTo(missed);
+            if self.solve_states(group, strictness) || self.pivot(group, strictness) {
+                return Ok(FEW_SWEEPS);
+            }
+        }
+        if self.is_enumerable(group) {
+            let found =
+                MISSES.into_iter().any(|missed| self.enumerate(group, Strictness::UpTo(missed)));
+            return if found {
+                Ok(FEW_SWEEPS)
+            } else {
+                Err(StepFailure::Wedged { contact: self.most_pressed(group) })
+            };
+        }
+        match self.sweep(group, MAX_SWEEPS) {
+            Swept::Converged(sweeps) => Ok(sweeps),
+            Swept::NotYet => Err(self.unsettled(group)),
+            Swept::Failed(failure) => Err(failure),
+        }
+    }
+
+    /// The contact of a group that closes fastest without contact forces.
+    fn most_pressed(&self, group: usize) -> usize {
+        let contacts = self.delassus.groups()[group].iter().copied();
+        contacts.min_by(|&a, &b| self.free[a][0].total_cmp(&self.free[b][0])).unwrap_or(0)
+    }
+
+    /// Sets the forces of a group to zero.
+    fn clear(&mut self, group: usize) {
+        for &contact in &self.delassus.groups()[group] {
+            self.forces[contact] = [0.0; 2];
+        }
+    }
+
+    /// Gauss–Seidel over a group, from zero, for up to `most` sweeps. What has converged is polished.
+    fn sweep(&mut self, group: usize, most: u64) -> Swept {
+        self.clear(group);
+        for sweep in 1..=most {
+            match self.sweep_once(group, sweep) {
+                Ok([change, largest]) if change <= TOLERANCE * largest => {
+                    self.polish(group);
+                    return Swept::Converged(sweep);
+                }
+                Ok(_) => {}
+                Err(failure) => return Swept::Failed(failure),
+            }
+        }
+        Swept::NotYet
+    }
+
+    /// One sweep; the largest change of a multiplier, N, and the largest multiplier.
+    fn sweep_once(&mut self, group: usize, sweep: u64) -> Result<[f64; 2], StepFailure> {
+        let (mut change, mut largest) = (0.0_f64, f64::MIN_POSITIVE);
+        for place in 0..self.delassus.groups()[group].len() {
+            let contact = self.delassus.groups()[group][place];
+            let (force, state) = self.solve_one(contact, sweep)?;
+            self.states[contact] = state;
+            for (old, new) in self.forces[contact].iter_mut().zip(force) {
+                change = change.max((new - *old).abs());
+                largest = largest.max(new.abs());
+                *old = new;
+            }
+        }
+        Ok([change, largest])
+    }
+
+    /// Which contact has not settled: one more sweep looks, so that those that converge need not.
+    #[cold]
+    fn unsettled(&mut self, group: usize) -> StepFailure {
+        let (mut unsettled, mut change, mut largest) = (0, 0.0_f64, f64::MIN_POSITIVE);
+        for place in 0..self.delassus.groups()[group].len() {
+            let contact = self.delassus.groups()[group][place];
+            let force = match self.solve_one(contact, MAX_SWEEPS) {
+                Ok((force, _)) => force,
+                Err(failure) => return failure,
+            };
+            for (old, new) in self.forces[contact].iter_mut().zip(force) {
+                largest = largest.max(new.abs());
+                if (new - *old).abs() > change {
+                    (unsettled, change) = (contact, (new - *old).abs());
+                }
+                *old = new;
+            }
+        }
+        StepFailure::NoConvergence {
+            sweeps: MAX_SWEEPS,
+            contact: unsettled,
+            change: change / largest,
+            tolerance: TOLERANCE,
+        }
+    }
+
+    /// Eqs. (19)–(21) for one contact in this sweep: its force, those of the others held, and its state.
+    #[inline]
+    fn solve_one(
+        &self,
+        contact: usize,
+        sweep: u64,
+    ) -> Result<([f64; 2], ContactState), StepFailure> {
+        let local = self.delassus.local(contact);
+        let [mut normal, mut tangential] = self.free[contact];
+        for &(other, w) in self.delassus.others(contact) {
+            let [n, t] = self.forces[other];
+            normal += w[0] * n + w[1] * t;
+            tangential += w[2] * n + w[3] * t;
+        }
+        let solution = match &self.freedom[contact] {
+            Freedom::Law(range) => local.solve([normal, tangential], range),
+            Freedom::Open => Some(LocalSolution::OPEN),
+            &Freedom::Slipping { direction, friction } => local.slide(normal, friction, direction),
+            Freedom::Held(range) => local.solve_held([normal, tangential], range),
+            &Freedom::HeldSlipping { direction, friction } => {
+                local.slide_held(normal, friction, direction)
+            }
+            Freedom::Fixed => Some(local.fix([normal, tangential])),
+            &Freedom::Guided { slope, state } => local.guide(normal, slope, state),
+        };
+        if !(normal.is_finite() && tangential.is_finite()) {
+            return Err(self.out_of_range(contact, sweep));
+        }
+        let LocalSolution { force, state } = solution.ok_or(StepFailure::Wedged { contact })?;
+        if !force.iter().all(|force| force.is_finite()) {
+            return Err(self.out_of_range(contact, sweep));
+        }
+        Ok((force, state))
+    }
+
+    /// Why a force is no finite number: what acts on the contact is none, or the sweeps diverge.
+    #[cold]
+    fn out_of_range(&self, contact: usize, sweeps: u64) -> StepFailure {
+        if !self.free[contact].iter().all(|free| free.is_finite()) {
+            return StepFailure::NotFinite { contact };
+        }
+        let (change, tolerance) = (f64::INFINITY, TOLERANCE);
+        StepFailure::NoConvergence { sweeps, contact, change, tolerance }
+    }
+}

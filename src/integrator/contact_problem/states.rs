@@ -1,0 +1,162 @@
+//! Forces of contact states that are given, and whether they obey the law.
+
+use super::{ContactProblem, Demand, Freedom, MISSES};
+use crate::contact::{ContactState, FrictionRange};
+
+/// Solutions of linear equations are corrected by what they miss so often.
+const CORRECTIONS: usize = 2;
+
+/// How well forces have to obey the law.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Strictness {
+    /// No condition is at its limit, so that no other state does as well.
+    Inside,
+    /// Up to this part of the terms that rounding is made of.
+    UpTo(f64),
+}
+
+/// What a contact's acceleration is, m/s², along normal and tangent.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Acceleration {
+    value: [f64; 2],
+    /// The sum of the sizes of its terms, of which rounding is a part.
+    terms: [f64; 2],
+}
+
+impl ContactProblem {
+    /// Solves a group in the states at hand, as far as its freedom lets it be in them; do the forces obey the law?
+    pub(super) fn solve_states(&mut self, group: usize, strictness: Strictness) -> bool {
+        self.clear(group);
+        self.take_states(group) && self.correct(group, strictness)
+    }
+
+    /// Takes away what a solution by sweeps still misses, where the result obeys the law as well.
+    pub(super) fn polish(&mut self, group: usize) {
+        for &contact in &self.delassus.groups()[group] {
+            self.swept[contact] = self.forces[contact];
+        }
+        if !(self.take_states(group) && self.correct(group, Strictness::UpTo(MISSES[0]))) {
+            for &contact in &self.delassus.groups()[group] {
+                self.forces[contact] = self.swept[contact];
+            }
+        }
+    }
+
+    /// Sets the equations to the states at hand; `false` where there are no linear ones.
+    fn take_states(&mut self, group: usize) -> bool {
+        for &contact in &self.delassus.groups()[group] {
+            let state = self.states[contact];
+            let slides = |direction: f64| match state {
+                ContactState::Detached => ContactState::Detached,
+                _ if direction > 0.0 => ContactState::Slide,
+                _ => ContactState::ReverseSlide,
+            };
+            self.states[contact] = match self.freedom[contact] {
+                Freedom::Law(_) => state,
+                Freedom::Open => ContactState::Detached,
+                Freedom::Slipping { direction, .. } => slides(direction),
+                Freedom::Fixed => ContactState::Stick,
+                Freedom::Guided { state, .. } => state,
+                Freedom::Held(_) | Freedom::HeldSlipping { .. } => return false,
+            };
+        }
+        let Self { given, delassus, freedom, states, .. } = self;
+        given.set(delassus, group, |contact| {
+            let own = delassus.local(contact);
+            let demand = |range: &FrictionRange| Demand::of(states[contact], range, own);
+            match &freedom[contact] {
+                Freedom::Law(range) => demand(range),
+                &Freedom::Slipping { friction, .. } => demand(&FrictionRange::of(friction)),
+                Freedom::Fixed => demand(&FrictionRange::of(f64::INFINITY)),
+                &Freedom::Guided { slope, .. } => Demand::Normal { slope },
+                Freedom::Open | Freedom::Held(_) | Freedom::HeldSlipping { .. } => Demand::Nothing,
+            }
+        });
+        true
+    }
+
+    /// Adds to the forces of a group what its equations still miss, until they obey the law; do they?
+    fn correct(&mut self, group: usize, strictness: Strictness) -> bool {
+        self.accelerate(group);
+        (0..=CORRECTIONS).any(|_| {
+            let Self { given, accelerations, corrections, .. } = self;
+            given.forces(group, |contact, row| accelerations[contact].value[row], corrections);
+            for &contact in &self.delassus.groups()[group] {
+                let [normal, tangential] = self.corrections[contact];
+                let force = &mut self.forces[contact];
+                force[0] += normal;
+                force[1] += tangential;
+                match self.states[contact] {
+                    ContactState::Detached => *force = [0.0; 2],
+                    ContactState::Stick => {}
+                    // To the last digit, whatever the sweeps have left.
+                    _ => force[1] = self.given.slope(contact) * force[0],
+                }
+            }
+            self.accelerate(group);
+            self.is_lawful(group, strictness)
+        })
+    }
+
+    /// Do forces that were found otherwise obey the law in the states at hand?
+    pub(super) fn are_lawful(&mut self, group: usize, strictness: Strictness) -> bool {
+        self.accelerate(group);
+        self.is_lawful(group, strictness)
+    }
+
+    /// The accelerations of a group under its forces.
+    fn accelerate(&mut self, group: usize) {
+        for &contact in &self.delassus.groups()[group] {
+            let mut value = self.free[contact];
+            let mut terms = value.map(f64::abs);
+            let own = (contact, self.delassus.own(contact));
+            for (other, w) in self.delassus.others(contact).iter().copied().chain([own]) {
+                let [n, t] = self.forces[other];
+                for (row, w) in [[w[0], w[1]], [w[2], w[3]]].into_iter().enumerate() {
+                    value[row] += w[0] * n + w[1] * t;
+                    terms[row] += (w[0] * n).abs() + (w[1] * t).abs();
+                }
+            }
+            self.accelerations[contact] = Acceleration { value, terms };
+        }
+    }
+
+    /// Do the forces of a group obey the law in its states?
+    fn is_lawful(&self, group: usize, strictness: Strictness) -> bool {
+        let (missed, room) = match strictness {
+            Strictness::Inside => (MISSES[0], 0.0),
+            Strictness::UpTo(missed) => (missed, missed),
+        };
+        // Where no condition may be at its limit, nothing is not above zero.
+        let is_above = |value: f64, rounding: f64| match strictness {
+            Strictness::Inside => value > 0.0,
+            Strictness::UpTo(_) => value >= -rounding,
+        };
+        self.delassus.groups()[group].iter().all(|&contact| {
+            let Acceleration { value, terms } = self.accelerations[contact];
+            let [normal, tangential] = self.forces[contact];
+            let is_held = |row: usize| value[row].abs() <= missed * terms[row];
+            // What rounding in the acceleration makes of the normal force.
+            let nothing = room * terms[0] / self.delassus.own(contact)[0];
+            let presses = || is_held(0) && is_above(normal, nothing);
+            match (&self.freedom[contact], self.states[contact]) {
+                (Freedom::Open, _) => true,
+                (Freedom::Fixed, _) => is_held(0) && is_held(1),
+                (Freedom::Guided { .. }, _) => is_held(0),
+                (_, ContactState::Detached) => is_above(value[0], room * terms[0]),
+                (Freedom::Law(range), ContactState::Stick) => {
+                    let limits = [range.backward, range.forward];
+                    let [below, above] =
+                        [tangential + limits[0] * normal, limits[1] * normal - tangential];
+                    let nothing = nothing * (1.0 + limits[0].max(limits[1]));
+                    presses() && is_held(1) && is_above(below, nothing) && is_above(above, nothing)
+                }
+                (Freedom::Law(_), state) => {
+                    let direction = state.sliding_direction().unwrap_or(1.0);
+                    presses() && is_above(-direction * value[1], room * terms[1])
+                }
+                _ => presses(),
+            }
+        })
+    }
+}

@@ -1,0 +1,188 @@
+//! Scenes that once broke an integrator, each with what is right: a closed form, or the law of contact after every step.
+#![cfg(feature = "tools")]
+
+mod judge;
+
+use amontons::contact::ContactState;
+use amontons::scene::{Method, Scene, parse};
+use judge::{METHODS, Run, assert_near, off, with};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+fn hard(name: &str) -> Scene {
+    let file = Path::new("tests/hard_scenes").join(name).with_extension("toml");
+    parse(name, &std::fs::read_to_string(file).unwrap()).unwrap()
+}
+
+/// Judges a run up to `end` (s). Several impacts at one instant may be judged by their sum, once.
+#[track_caller]
+fn judged(mut run: Run, end: f64) {
+    run.judged_until(end);
+    let let_off = std::mem::take(&mut run.let_off);
+    assert!(let_off.merged <= 1 && let_off.total() == let_off.merged, "{let_off:?}");
+}
+
+/// The normal force on a contact whose normal leans by `angle` against the only line that its mass moves along, where
+/// `force` presses along that line and friction is `slope` times the normal force.
+fn on_a_line(force: f64, angle: f64, slope: f64) -> f64 {
+    force / (angle.cos() + slope * angle.sin())
+}
+
+#[test]
+fn a_mass_on_a_line_stops_where_it_lands_and_slips_by_its_closed_form() {
+    // Slip changes its sign in the landing; the block of the Delassus matrix is singular.
+    let (weight, angle) = (40.0, -0.5);
+    for method in METHODS {
+        let mut run = Run::new(hard("single_dof_contact"), method);
+        run.judged_until(0.05);
+        let statistics = run.simulation.statistics();
+        assert_eq!((statistics.touch_downs, statistics.state_changes()), (1, 1));
+        let [y, velocity] = run.of_dof("mass.a.y");
+        assert!(y.abs() < 1e-18 && velocity.abs() < 1e-18, "{y:e} {velocity:e}");
+        let force = run.forces()[0];
+        let normal = on_a_line(weight, angle, 1.0);
+        assert_near(force.normal_force, normal, 1e-12 * normal);
+        assert_near(force.friction_force.abs(), normal, 1e-12 * normal);
+    }
+}
+
+#[test]
+fn a_mass_on_a_line_above_a_surface_at_rest_stops_and_sticks() {
+    let mut scene = hard("overconstrained_locked_inclined");
+    scene = with(scene, &[("initial.mass.a.vy", 0.5)]);
+    for method in METHODS {
+        let mut run = Run::new(scene.clone(), method);
+        while run.time() < 0.05 {
+            run.step();
+            // Of forces that are not unique, the judge of exact motion knows only those that are reported.
+            if method == Method::ForwardIncrement {
+                run.judge_step();
+            }
+            run.judge_report();
+        }
+        assert_eq!(run.simulation.statistics().touch_downs, 1);
+        let [y, velocity] = run.of_dof("mass.a.y");
+        assert!(y.abs() < 1e-18 && velocity.abs() < 1e-18, "{y:e} {velocity:e}");
+        // Normal and friction force are not unique. Of what the cone of friction holds, the smallest: its edge.
+        let force = run.forces()[0];
+        assert_eq!(force.state, ContactState::Stick);
+        let pressing = 10.0 - 5.0 * (TAU * 20.0 * run.time()).sin();
+        let normal = on_a_line(pressing, 0.26, 0.04);
+        assert_near(force.normal_force, normal, 1e-10 * normal);
+        assert_near(force.friction_force.abs(), 0.04 * normal, 1e-10 * normal);
+    }
+}
+
+#[test]
+fn a_landing_that_friction_jams_ends_the_run_and_says_so() {
+    // cos 0.721 − 3 sin 0.721 = −1.23: whatever force there is presses the mass further in.
+    let mut run = Run::new(hard("ed_1039"), Method::EventDriven);
+    let error = loop {
+        if let Err(error) = run.try_jump(1) {
+            break error;
+        }
+        assert!(run.time() < 0.2);
+    };
+    assert!(error.is_step());
+    let said = error.to_string();
+    assert!(
+        said.contains("friction wedges contact.c2: no contact force satisfies its law"),
+        "{said}"
+    );
+}
+
+#[test]
+fn a_mass_that_static_friction_cannot_hold_lands_and_stays() {
+    for method in METHODS {
+        let mut run = Run::new(hard("fi_locked_inclined_penetrates"), method);
+        run.judged_until(0.02);
+        let [_, velocity] = run.of_dof("mass.m2.y");
+        assert!(velocity.abs() < 1e-15, "{velocity:e}");
+    }
+}
+
+#[test]
+fn a_mass_on_a_leaning_line_does_not_go_through_its_surface() {
+    for method in METHODS {
+        Run::new(hard("fi_penetrates_1017"), method).judged_until(0.0102);
+    }
+}
+
+#[test]
+fn what_an_unloaded_contact_takes_from_a_mass_that_hits_it_is_in_the_ledger() {
+    // Friction and the impact take all of ½ m v²; what does not add up is rounding.
+    let mut run = Run::new(hard("ed_energy_1100"), Method::EventDriven);
+    let kinetic = run.energy();
+    // Without a load there is no force that the judge could measure by.
+    run.jump(400);
+    let energies = run.simulation.energy().unwrap();
+    assert!(energies.residual.abs() < 1e-14 * kinetic, "{energies:?}");
+    assert_near(energies.friction + energies.impact, kinetic, 1e-12 * kinetic);
+}
+
+#[test]
+fn of_two_solutions_the_motion_stays_in_the_one_it_is_in() {
+    // Two surfaces that go opposite ways under a flat V: 2 N (cos 0.1 + µ sin 0.1) = 50 N in the equilibrium.
+    // For µ above tan 0.1 one contact alone may carry the mass, too.
+    let expected = 25.0 / (0.1_f64.cos() + 0.3 * 0.1_f64.sin());
+    for method in METHODS {
+        let mut run = Run::new(hard("fi_leaves_equilibrium"), method);
+        run.judged_until(0.1);
+        assert_eq!(run.simulation.statistics().state_changes(), 0);
+        for force in run.forces() {
+            assert_near(force.normal_force, expected, 1e-12 * expected);
+        }
+    }
+}
+
+#[test]
+fn a_mass_that_lands_on_one_a_thousand_times_lighter_stops_with_it() {
+    for method in METHODS {
+        let step = off(method, 1e-5, 1e-3);
+        let mut run = Run::new(Scene { step, ..hard("stack_light_below") }, method);
+        // 0.5 m/s against 20 m/s²: it flies for 50 ms. All that stops it goes through both contacts.
+        run.judged_until(0.06);
+        assert!(run.simulation.statistics().touch_downs >= 1);
+        for mass in ["mass.m0.y", "mass.m1.y"] {
+            let [y, velocity] = run.of_dof(mass);
+            assert!(y.abs() < 1e-15 && velocity.abs() < 1e-15, "{mass} {y:e} {velocity:e}");
+        }
+        let forces = run.forces();
+        assert_near(forces[0].normal_force, 40.0, 1e-11);
+        assert_near(forces[1].normal_force, 20.0, 1e-11);
+    }
+}
+
+#[test]
+fn masses_that_rub_on_each_other_in_a_chain_obey_the_law() {
+    judged(Run::new(Scene { step: 1e-4, ..hard("chain24") }, Method::EventDriven), 0.01);
+}
+
+#[test]
+fn a_mass_between_two_surfaces_stays_where_it_is() {
+    let mut run = Run::new(hard("ed_again_and_again_20118"), Method::EventDriven);
+    run.judged_until(0.1168);
+    for dof in ["mass.m1.x", "mass.m1.y"] {
+        assert!(run.of_dof(dof).iter().all(|value| value.abs() < 1e-18));
+    }
+}
+
+#[test]
+fn what_sweeps_do_not_solve_is_solved_and_obeys_the_law() {
+    for name in ["ed_noconv_1077", "ed_noconv_20099", "ed_fi_limits_differ_20096"] {
+        let scene = hard(name);
+        let end = 100.0 * scene.step;
+        judged(Run::new(scene, Method::EventDriven), end);
+    }
+}
+
+#[test]
+fn twenty_pads_on_a_disc_come_to_lie_on_it() {
+    let scene = hard("disc_20");
+    let mut run = Run::new(Scene { step: 1e-4, ..scene }, Method::EventDriven);
+    while run.time() < 0.01 {
+        run.step();
+        run.judge_report();
+    }
+    assert!(run.forces().iter().all(|force| force.normal_force > 0.0));
+}
