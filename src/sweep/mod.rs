@@ -3,6 +3,7 @@
 //! Each value has the run that it would have by itself, to the last bit ([`Batch`]).
 
 pub mod observed;
+pub(crate) mod passage;
 mod possible;
 mod quarters;
 pub mod range;
@@ -11,13 +12,14 @@ pub(crate) mod steady;
 pub use possible::Possible;
 
 use crate::Error;
-use crate::accuracy::{Cycle, half_range};
+use crate::accuracy::Cycle;
 use crate::integrator::Width;
 use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Kind;
 use crate::simulation::{Batch, Simulation, Variable, assign, attempt, variables};
 use crate::stability::parallel::collect;
 use observed::{frequencies, interval};
+use passage::Passage;
 use quarters::Quarters;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -55,12 +57,12 @@ impl View {
     }
 }
 
-/// What a run ends in: its rows in the window. They are as near to each other as the fastest mode asks for
-/// ([`observed::interval`]), whatever the output interval is.
+/// What a run ends in: its motion in the window, in rows that are as near to each other as the fastest mode asks for
+/// ([`observed::interval`]), whatever the output interval is, and closer in where it turns or contacts change their states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
-    /// Half of the difference between the largest and the smallest value of each output, turns between the rows
-    /// included, in its unit.
+    /// Half of the difference between the largest and the smallest value of each output, wherever the rows are, in its
+    /// unit.
     pub amplitudes: Vec<f64>,
     /// `true` if the size of each displacement stays over the four quarters of the window, `false` if those that do not
     /// all grow, or all decay, from each quarter to the next; `None` where it is neither, as of a beat, or where a quarter
@@ -161,9 +163,8 @@ fn run(
     let begin = view.begin(experiment);
     let is_seen = |(time, is_whole): &(f64, bool)| *is_whole && *time >= begin;
     let rows = experiment.row_times().filter(is_seen).count();
-    let slowest = |simulation: &Simulation| frequencies(simulation.scene()).map(|both| both[0]);
     let mut records: Vec<Record> =
-        simulations.iter().map(|one| Record::new(view, rows, slowest(one))).collect();
+        simulations.iter().map(|one| Record::new(view, rows, one.scene())).collect();
     let mut batch = Batch::new(simulations, width);
     for row in experiment.row_times() {
         if watch().is_break() {
@@ -193,21 +194,21 @@ fn smallest(simulation: &Simulation) -> f64 {
 }
 
 /// What is kept of a run.
-#[derive(Clone)]
 struct Record {
     /// One history an output, in its unit.
     histories: Vec<Vec<f64>>,
+    passage: Passage,
     displacements: Quarters,
     /// Frequency of the slowest mode, Hz; `None` where nothing oscillates.
     slowest: Option<f64>,
-    /// How often contacts were in each state.
-    states: [u64; 4],
 }
 
 impl Record {
-    fn new(view: &View, rows: usize, slowest: Option<f64>) -> Self {
+    fn new(view: &View, rows: usize, scene: &Scene) -> Self {
         let histories = vec![Vec::new(); view.outputs.len()];
-        Self { histories, displacements: Quarters::new(rows), slowest, states: [0; 4] }
+        let passage = Passage::new(scene, &view.outputs);
+        let slowest = frequencies(scene).map(|both| both[0]);
+        Self { histories, passage, displacements: Quarters::new(rows), slowest }
     }
 
     /// Takes note of a row.
@@ -216,20 +217,15 @@ impl Record {
             history.push(simulation.read(output)?);
         }
         self.displacements.note(simulation.displacement());
-        for force in simulation.contact_forces()? {
-            self.states[force.state as usize - 1] += 1;
-        }
-        Ok(())
+        self.passage.note(simulation)
     }
 
     #[allow(clippy::cast_precision_loss)]
     fn summary(&self, simulation: &Simulation, interval: f64) -> Summary {
-        let amplitudes: Vec<f64> =
-            self.histories.iter().map(|history| half_range(history)).collect();
+        let amplitudes: Vec<f64> = self.passage.amplitudes().collect();
         let largest =
             (0..amplitudes.len()).rev().max_by(|&a, &b| amplitudes[a].total_cmp(&amplitudes[b]));
         let cycle = largest.map(|i| Cycle::over(&self.histories[i], interval));
-        let all = self.states.iter().sum::<u64>().max(1);
         let rows = self.histories.first().map_or(0, Vec::len);
         let window = rows as f64 * interval;
         let is_clear = |frequency: &f64| frequency * window >= FEWEST_PERIODS;
@@ -237,7 +233,7 @@ impl Record {
             amplitudes,
             settled: self.settled(interval, smallest(simulation)),
             frequency: cycle.and_then(|cycle| cycle.frequency).filter(is_clear),
-            shares: self.states.map(|count| count as f64 / all as f64),
+            shares: self.passage.shares(),
             energies: simulation.energy().map_or_else(Vec::new, |energy| energy.parts().to_vec()),
         }
     }
