@@ -318,6 +318,50 @@ fn amplitudes_and_shares_of_time_do_not_depend_on_the_rows() {
 }
 
 #[test]
+fn what_rests_has_no_amplitude_and_no_frequency_and_has_settled() {
+    let folder = folder();
+    // Its own start is at rest in the equilibrium of sliding, which rounding leaves by some 1e-20 m.
+    let printed = amontons(
+        folder.path(),
+        &["simulate", "set2", "--set", "initial.module[1].v2=0", "--stop-time", "0.1", "--sweep"]
+            .into_iter()
+            .chain(["friction.coefficient=0.2:0.4/2", "--integrator", "event-driven"])
+            .collect::<Vec<_>>(),
+    );
+    let (rows, notes) = (text(&printed.stdout), text(&printed.stderr));
+    for row in rows.lines().skip(1) {
+        let cells: Vec<&str> = row.split(',').collect();
+        assert!(cells[1..9].iter().all(|amplitude| *amplitude == "0.0"), "{row}");
+        assert_eq!(cells[9..11], ["", "yes"], "{row}");
+    }
+    assert!(rows.lines().count() == 3 && !notes.contains("unknown"), "{rows}{notes}");
+}
+
+#[test]
+fn why_it_is_not_known_whether_a_motion_has_settled_is_said_once() {
+    let folder = folder();
+    let swept = |stop: &str| {
+        let sweep = ["--sweep", "spring.hold.stiffness=90:100/3", "--integrator", "event-driven"];
+        let run = ["simulate", "stick_slip", "--stop-time", stop];
+        let output = amontons(folder.path(), &[&run[..], &sweep].concat());
+        (text(&output.stdout), text(&output.stderr))
+    };
+    let (rows, notes) = swept("10");
+    assert!(rows.lines().skip(1).all(|row| row.contains(",unknown,")), "{rows}");
+    let told: Vec<&str> = notes.lines().filter(|line| line.contains("unknown")).collect();
+    assert!(
+        told.len() == 1
+            && told[0].contains("3 values, the first spring.hold.stiffness = 90.0: a window of ")
+            && told[0].contains("5 periods of the slowest mode"),
+        "{notes}"
+    );
+    // The window that the note names is enough.
+    let window = told[0].split("a window of ").nth(1).unwrap().split(' ').next().unwrap();
+    let (rows, notes) = swept(&(4.0 * window.parse::<f64>().unwrap()).to_string());
+    assert!(!rows.contains(",unknown,") || !notes.contains("a window of"), "{rows}{notes}");
+}
+
+#[test]
 fn what_is_said_of_a_value_does_not_depend_on_the_other_values() {
     let scene = builtin("stick_slip").unwrap().scene();
     let view = View { outputs: vec![output(&scene, "mass.block.x").unwrap()], window: 2.0 };

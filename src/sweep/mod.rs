@@ -21,6 +21,7 @@ use crate::stability::parallel::collect;
 use observed::{frequencies, interval};
 use passage::Passage;
 use quarters::Quarters;
+use std::fmt;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use steady::ROUNDING;
@@ -62,12 +63,11 @@ impl View {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Half of the difference between the largest and the smallest value of each output, wherever the rows are, in its
-    /// unit.
+    /// unit; 0 where everything rests but for rounding.
     pub amplitudes: Vec<f64>,
-    /// `true` if the size of each displacement stays over the four quarters of the window, `false` if those that do not
-    /// all grow, or all decay, from each quarter to the next; `None` where it is neither, as of a beat, or where a quarter
-    /// is too short to tell.
-    pub settled: Option<bool>,
+    /// `true` if everything rests, or the size of each displacement stays over the four quarters of the window; `false` if
+    /// those that do not all grow, or all decay, from each quarter to the next; else why that is not known.
+    pub settled: Result<bool, Doubt>,
     /// Energies at the end, J, in the order of [`ENERGIES`]; empty unless the scene asks for them.
     pub energies: Vec<f64>,
     /// Of the one with the largest amplitude, Hz; `None` if it does not oscillate, or for fewer than
@@ -76,6 +76,36 @@ pub struct Summary {
     /// How much of the time contacts are in each state, all contacts together, in the order of
     /// [`ContactState::ALL`](crate::contact::ContactState::ALL).
     pub shares: [f64; 4],
+}
+
+/// Why it is not known whether a motion has settled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Doubt {
+    /// A quarter of the window has fewer than five periods of the slowest mode; the window that has them, s.
+    Short(f64),
+    /// Sizes neither stay, nor do all that change grow, or all decay, from each quarter to the next.
+    Mixed,
+    /// No mode oscillates, so nothing says how long a quarter must be.
+    NoMode,
+}
+
+impl fmt::Display for Doubt {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Short(window) => write!(
+                f,
+                "a window of {window:.4} s or more would tell: each quarter of it then has {PERIODS_TO_SETTLE} periods of \
+                 the slowest mode"
+            ),
+            Self::Mixed => f.write_str(
+                "sizes of displacements neither stay nor all go one way from quarter to quarter, as of a beat or a slow \
+                 decay; a longer --window that begins later may tell",
+            ),
+            Self::NoMode => f.write_str(
+                "no mode oscillates, so no time says how long a quarter of the window must be; `amontons study` may tell",
+            ),
+        }
+    }
 }
 
 /// Names of the energies, as outputs have them.
@@ -222,28 +252,34 @@ impl Record {
 
     #[allow(clippy::cast_precision_loss)]
     fn summary(&self, simulation: &Simulation, interval: f64) -> Summary {
-        let amplitudes: Vec<f64> = self.passage.amplitudes().collect();
+        let least = smallest(simulation);
+        let rests = self.displacements.rest(least);
+        let size = |amplitude: f64| if rests { 0.0 } else { amplitude };
+        let amplitudes: Vec<f64> = self.passage.amplitudes().map(size).collect();
         let largest =
             (0..amplitudes.len()).rev().max_by(|&a, &b| amplitudes[a].total_cmp(&amplitudes[b]));
         let cycle = largest.map(|i| Cycle::over(&self.histories[i], interval));
         let rows = self.histories.first().map_or(0, Vec::len);
         let window = rows as f64 * interval;
-        let is_clear = |frequency: &f64| frequency * window >= FEWEST_PERIODS;
+        let is_clear = |frequency: &f64| !rests && frequency * window >= FEWEST_PERIODS;
         Summary {
             amplitudes,
-            settled: self.settled(interval, smallest(simulation)),
+            settled: if rests { Ok(true) } else { self.settled(interval, least) },
             frequency: cycle.and_then(|cycle| cycle.frequency).filter(is_clear),
             shares: self.passage.shares(),
             energies: simulation.energy().map_or_else(Vec::new, |energy| energy.parts().to_vec()),
         }
     }
 
-    /// Computes [`Summary::settled`]. A displacement that moves by less than `least` (m) rests.
+    /// Computes [`Summary::settled`] of what moves. A displacement that moves by less than `least` (m) rests.
     #[allow(clippy::cast_precision_loss)]
-    fn settled(&self, interval: f64, least: f64) -> Option<bool> {
+    fn settled(&self, interval: f64, least: f64) -> Result<bool, Doubt> {
         let quarter = self.displacements.rows() as f64 * interval;
-        let is_long = |slowest: f64| slowest * quarter >= PERIODS_TO_SETTLE;
-        self.slowest.filter(|slowest| is_long(*slowest))?;
-        self.displacements.settled(least)
+        let slowest = self.slowest.ok_or(Doubt::NoMode)?;
+        if slowest * quarter < PERIODS_TO_SETTLE {
+            // A window of so many quarters, and of the rows that no quarter has.
+            return Err(Doubt::Short(4.0 * (PERIODS_TO_SETTLE / slowest + interval)));
+        }
+        self.displacements.settled(least).ok_or(Doubt::Mixed)
     }
 }

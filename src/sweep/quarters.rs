@@ -21,13 +21,15 @@ pub(super) struct Quarters {
     weights: Vec<f64>,
     /// For each displacement the sums of its quarters.
     sums: Vec<[Sums; 4]>,
+    /// For each displacement its smallest and its largest value in the window, m.
+    extents: Vec<[f64; 2]>,
 }
 
 impl Quarters {
     /// Begins a window that will have `rows` rows.
     pub fn new(rows: usize) -> Self {
         let weights = Window::BlackmanHarris.weights(rows / 4);
-        Self { before: rows % 4, row: 0, weights, sums: Vec::new() }
+        Self { before: rows % 4, row: 0, weights, sums: Vec::new(), extents: Vec::new() }
     }
 
     /// How many rows a quarter has.
@@ -38,6 +40,10 @@ impl Quarters {
     /// Takes the displacements (m) of the next row.
     pub fn note(&mut self, displacement: &[f64]) {
         self.sums.resize(displacement.len(), <[Sums; 4]>::default());
+        self.extents.resize(displacement.len(), [f64::INFINITY, f64::NEG_INFINITY]);
+        for (extent, x) in self.extents.iter_mut().zip(displacement) {
+            *extent = [extent[0].min(*x), extent[1].max(*x)];
+        }
         let row = self.row.checked_sub(self.before);
         self.row += 1;
         let Some(row) = row.filter(|row| *row < 4 * self.rows()) else { return };
@@ -51,6 +57,11 @@ impl Quarters {
             sums.linear += self.weights[place] * off;
             sums.square += self.weights[place] * off * off;
         }
+    }
+
+    /// Does everything rest: does no displacement vary by more than `least` (m)?
+    pub fn rest(&self, least: f64) -> bool {
+        self.extents.iter().all(|[low, high]| high - low <= least)
     }
 
     /// Does the size of each displacement stay? `false` where some do not and all of these grow, or all of them decay, from
@@ -101,5 +112,15 @@ mod tests {
         let slow = |t: f64| 0.2 * t;
         assert_eq!(said(|t| [slow(t).cos() * fast(t), slow(t).sin() * fast(t)]), None);
         assert_eq!(said(|_| [1.0, 0.0]), Some(true));
+    }
+
+    #[test]
+    fn what_drifts_does_not_rest_though_its_size_in_each_quarter_is_small() {
+        let mut quarters = Quarters::new(8);
+        quarters.note(&[0.5, 1.0]);
+        quarters.note(&[0.5, 1.0 + 1e-15]);
+        assert!(quarters.rest(1e-14));
+        quarters.note(&[0.5, 1.0 + 1e-9]);
+        assert!(!quarters.rest(1e-14));
     }
 }

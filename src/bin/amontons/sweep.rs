@@ -3,12 +3,13 @@
 use crate::arguments::Simulate;
 use crate::interrupt::{self, Interrupted};
 use crate::simulate::is_broken_pipe;
+use amontons::documentation::counted;
 use amontons::integrator::select;
 use amontons::output::Pending;
 use amontons::progress::Progress;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::sweep::observed::output;
-use amontons::sweep::{ENERGIES, Possible, Summary, View, sweep};
+use amontons::sweep::{Doubt, ENERGIES, Possible, Summary, View, sweep};
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 
@@ -73,6 +74,7 @@ pub fn run(
             result => result?,
         },
     }
+    tell_doubts(name, &rows);
     if !is_complete {
         eprintln!("note: interrupted: {} of {} values", rows.len(), values.len());
         if let Some(partial) = file.as_ref().and_then(Pending::partial) {
@@ -81,6 +83,29 @@ pub fn run(
         return Err(Box::new(Interrupted));
     }
     file.map_or(Ok(()), |file| Ok(file.complete()?))
+}
+
+/// Says why `settled` is unknown, once for each reason: of a window that is too short with the longest that is needed.
+fn tell_doubts(name: &str, rows: &[(f64, Summary)]) {
+    let doubts = rows.iter().filter_map(|(value, summary)| Some((*value, summary.settled.err()?)));
+    let kind = |doubt: &Doubt| std::mem::discriminant(doubt);
+    let needed = |doubt: &Doubt| if let Doubt::Short(window) = doubt { *window } else { 0.0 };
+    let mut told: Vec<(f64, usize, Doubt)> = Vec::new();
+    for (value, doubt) in doubts {
+        match told.iter_mut().find(|(_, _, known)| kind(known) == kind(&doubt)) {
+            Some((_, count, known)) => {
+                *count += 1;
+                if needed(&doubt) > needed(known) {
+                    *known = doubt;
+                }
+            }
+            None => told.push((value, 1, doubt)),
+        }
+    }
+    for (first, count, doubt) in told {
+        let values = counted(count, "value", "values");
+        eprintln!("note: settled is unknown of {values}, the first {name} = {first:?}: {doubt}");
+    }
 }
 
 fn has_failed<T, E>(outcome: &Option<Result<T, E>>) -> bool {
@@ -115,9 +140,9 @@ fn write(
             frequency.map_or_else(String::new, |frequency| format!("{frequency:?}"))
         )?;
         let settled = match settled {
-            Some(true) => "yes",
-            Some(false) => "no",
-            None => "unknown",
+            Ok(true) => "yes",
+            Ok(false) => "no",
+            Err(_) => "unknown",
         };
         write!(out, ",{settled}")?;
         for value in shares.iter().chain(energies) {
