@@ -18,7 +18,7 @@ use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Kind;
 use crate::simulation::{Batch, Simulation, Variable, assign, attempt, variables};
 use crate::stability::parallel::collect;
-use observed::{frequencies, interval};
+use observed::{frequencies_in_motion, interval};
 use passage::Passage;
 use quarters::Quarters;
 use std::fmt;
@@ -237,7 +237,7 @@ impl Record {
     fn new(view: &View, rows: usize, scene: &Scene) -> Self {
         let histories = vec![Vec::new(); view.outputs.len()];
         let passage = Passage::new(scene, &view.outputs);
-        let slowest = frequencies(scene).map(|both| both[0]);
+        let slowest = frequencies_in_motion(scene).map(|both| both[0]);
         Self { histories, passage, displacements: Quarters::new(rows), slowest }
     }
 

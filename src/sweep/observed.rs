@@ -1,6 +1,7 @@
 //! What is observed of a run: outputs by their names, and rows near enough to each other for the scene's fastest mode.
 
 use crate::Error;
+use crate::contact::ContactState;
 use crate::model::{LumpedModel, equilibrium};
 use crate::scene::{Scene, Shape, Sine, nearest};
 use crate::simulation::catalogue::{Causality, Kind};
@@ -47,12 +48,25 @@ pub fn unit(output: &Variable) -> &'static str {
 /// The frequencies of the slowest and the fastest mode or sine of a signal, Hz: of the state that the scene can rest in
 /// and, where it is known, of all states. `None` where nothing oscillates.
 pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
+    let at_rest = |model: &LumpedModel| resting_state(model, scene.slider.velocity);
+    frequencies_in(scene, &at_rest)
+}
+
+/// The same where nothing oscillates at rest, as on a surface that stands still: of sliding.
+pub(crate) fn frequencies_in_motion(scene: &Scene) -> Option<[f64; 2]> {
+    let sliding = |model: &LumpedModel| vec![ContactState::Slide; model.contacts.len()];
+    frequencies(scene).or_else(|| frequencies_in(scene, &sliding))
+}
+
+fn frequencies_in(
+    scene: &Scene,
+    states: &dyn Fn(&LumpedModel) -> Vec<ContactState>,
+) -> Option<[f64; 2]> {
     let mut model = LumpedModel::from(scene);
     if let Ok(equilibrium) = equilibrium(scene, &model) {
         model.linearise(&equilibrium);
     }
-    let states = resting_state(&model, scene.slider.velocity);
-    let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).ok()?;
+    let spectrum = Spectrum::of(&model, &states(&model), scene.friction_coefficient).ok()?;
     let slowest = spectrum.oscillating.first()?.im / TAU;
     let fastest = spectrum.oscillating.last()?.im / TAU;
     let bound = highest_frequency(&model).map_or(fastest, |bound| bound / TAU);
@@ -69,8 +83,8 @@ pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
 /// the period of the scene's fastest mode has 20; of a run in steps a whole number of steps where that is possible.
 #[must_use]
 pub fn interval(scene: &Scene, output_interval: f64) -> f64 {
-    let longest =
-        frequencies(scene).map_or(f64::INFINITY, |[_, fastest]| 1.0 / (ROWS_A_PERIOD * fastest));
+    let longest = frequencies_in_motion(scene)
+        .map_or(f64::INFINITY, |[_, fastest]| 1.0 / (ROWS_A_PERIOD * fastest));
     // A whole number but for rounding is that number.
     let fewest = (output_interval / longest * (1.0 - 1e-9)).ceil().max(1.0);
     let is_whole = |parts: &f64| {
