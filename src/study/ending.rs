@@ -48,7 +48,8 @@ impl Kind {
 
 /// What a motion ends in.
 ///
-/// Of a periodic motion everything is found over one period, turning points included; of any other over the last window.
+/// Amplitude, extents and shares of a periodic motion are found over one period, those of another one that goes on over a
+/// window after the last one, all in the motion itself; of what rests or has not settled in the rows of the last window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ending {
     /// What kind of motion it is.

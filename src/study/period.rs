@@ -1,15 +1,15 @@
-//! What a periodic motion does over one period, found from the motion itself.
+//! What a motion that has settled does over one period or, without one, over a window, found from the motion itself.
 
 use crate::Error;
 use crate::simulation::{Simulation, Variable};
 use crate::sweep::passage::Passage;
 
-/// The fewest rows of a period.
+/// The fewest rows of such a span.
 const FEWEST_ROWS: f64 = 1000.0;
 
-/// What a motion does over one period.
+/// What a motion does over a span of time.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct OverPeriod {
+pub(super) struct OverSpan {
     /// Half of the difference between the output's largest and smallest value, in its unit.
     pub amplitude: f64,
     /// Half of the difference between the largest and the smallest displacement of each degree of freedom, m.
@@ -19,19 +19,19 @@ pub(super) struct OverPeriod {
     pub shares: [f64; 4],
 }
 
-/// Follows the motion of a simulation over a period (s) in rows of `interval` (s), or shorter ones.
+/// Follows the motion of a simulation over a span (s) in rows of `interval` (s), or shorter ones.
 ///
 /// # Errors
 /// A step fails.
-pub(super) fn over_period(
+pub(super) fn over_span(
     simulation: &Simulation,
     output: &Variable,
-    period: f64,
+    span: f64,
     interval: f64,
-) -> Result<OverPeriod, Error> {
+) -> Result<OverSpan, Error> {
     let mut simulation = Simulation::resume(simulation.save())?;
     let start = simulation.time();
-    let rows = (period / interval).ceil().max(FEWEST_ROWS);
+    let rows = (span / interval).ceil().max(FEWEST_ROWS);
     let dofs = simulation.displacement().len();
     let outputs = std::slice::from_ref(output);
     let mut passage = Passage::new(simulation.scene(), outputs).with_displacements(dofs);
@@ -39,10 +39,10 @@ pub(super) fn over_period(
     let mut row = 0.0;
     while row < rows {
         row += 1.0;
-        simulation.advance_to(start + row / rows * period)?;
+        simulation.advance_to(start + row / rows * span)?;
         passage.note(&mut simulation)?;
     }
     let mut amplitudes = passage.amplitudes();
     let amplitude = amplitudes.next().unwrap_or(0.0);
-    Ok(OverPeriod { amplitude, extents: amplitudes.collect(), shares: passage.shares() })
+    Ok(OverSpan { amplitude, extents: amplitudes.collect(), shares: passage.shares() })
 }

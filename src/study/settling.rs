@@ -10,7 +10,7 @@ use super::linear::{
     stays_linear,
 };
 use super::look::{Look, output};
-use super::period::{OverPeriod, over_period};
+use super::period::{OverSpan, over_span};
 use super::recurrence::{
     Closure, Parting, closure, has_no_shorter_period, has_two_frequencies, is_closed, is_closing,
     is_too_coarse, kind_without_period, parting,
@@ -249,11 +249,13 @@ impl Settling {
         if let Some(closure) = self.closures.last().filter(|_| kind.is_cycle()) {
             ending.come_back(*closure);
         }
-        if kind == Kind::Periodic
-            && let Some(period) = ending.period
-        {
-            let OverPeriod { amplitude, extents, shares } =
-                over_period(simulation, &self.output, period, self.look.interval)?;
+        let span = match kind {
+            Kind::Periodic => ending.period,
+            _ => kind.is_cycle().then_some(self.look.window),
+        };
+        if let Some(span) = span {
+            let OverSpan { amplitude, extents, shares } =
+                over_span(simulation, &self.output, span, self.look.interval)?;
             (ending.amplitude, ending.extents, ending.shares) = (amplitude, extents, shares);
         }
         Ok(Some(ending))
