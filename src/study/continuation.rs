@@ -117,6 +117,45 @@ pub struct Bistable {
     pub bounded: [bool; 2],
     /// `true` if one of the two motions is rest.
     pub rests: bool,
+    /// The kinds of both, upwards and downwards; of what decays to rest that of rest.
+    pub kinds: [Kind; 2],
+    /// Where the scene's own start was seen to lead to a third motion.
+    pub third: Option<Third>,
+}
+
+impl Bistable {
+    /// Both motions in words, such as `rest and a cycle`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        words(self.kinds)
+    }
+}
+
+/// A motion beside two others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Third {
+    /// µ.
+    pub friction: f64,
+    /// The motion.
+    pub ending: Ending,
+}
+
+/// Two motions in words, rest first and cycles before others.
+fn words(kinds: [Kind; 2]) -> String {
+    let one = |kind: Kind| match kind {
+        Kind::Equilibrium => (0, "rest", "rest"),
+        Kind::Periodic | Kind::QuasiPeriodic => (1, "a cycle", "two cycles"),
+        Kind::Irregular => (2, "an irregular motion", "two irregular motions"),
+        Kind::Undecided => (3, "an undecided motion", "two undecided motions"),
+        Kind::Unsettled => {
+            (4, "a motion that has not settled", "two motions that have not settled")
+        }
+        Kind::Unbounded => (5, "growth without bound", "growth without bound"),
+    };
+    let mut both = kinds.map(one);
+    both.sort_unstable();
+    let [first, second] = both;
+    if first == second { first.2.to_owned() } else { format!("{} and {}", first.1, second.1) }
 }
 
 /// The motions of both ways at one value of µ.
@@ -508,14 +547,47 @@ impl Run<'_> {
             }
             let rests = up.rests() != down.rests();
             let bounded = range.map(|end| !ends.contains(&end));
+            let kind =
+                |ending: &Ending| if ending.rests() { Kind::Equilibrium } else { ending.kind };
+            let kinds = [kind(&up), kind(&down)];
+            let Some(third) = self.third(middle, [&up, &down], found)? else { return Ok(None) };
             match bistable.last_mut() {
-                Some(last) if last.range[1] == range[0] && last.rests == rests => {
+                Some(last) if last.range[1] == range[0] && last.words() == words(kinds) => {
                     (last.range[1], last.bounded[1]) = (range[1], bounded[1]);
+                    last.third = last.third.take().or(third);
                 }
-                _ => bistable.push(Bistable { range, bounded, rests }),
+                _ => bistable.push(Bistable { range, bounded, rests, kinds, third }),
             }
         }
         Ok(Some((bistable, unknown)))
+    }
+
+    /// A motion that the scene's own start leads to, at this value or from another one, where it is none of the two of both
+    /// ways; `None` inside where it is one of them, or is not known.
+    fn third(
+        &self,
+        friction: f64,
+        two: [&Ending; 2],
+        found: &Found,
+    ) -> Result<Option<Option<Third>>, Error> {
+        // A scene that starts in its equilibrium starts as the way upwards does.
+        if Push::of_resting(self.plan.scene).is_some() {
+            return Ok(Some(None));
+        }
+        let is_third = |ending: &Ending| {
+            let is_other = |other: &&Ending| distance(other, ending) > OTHER_EXTENT;
+            (ending.kind != Kind::Unsettled || ending.is_known()) && two.iter().all(is_other)
+        };
+        let start = Start::Scene(Way::Falling);
+        let Some(reached) = self.reach("start", friction, start)? else { return Ok(None) };
+        let mut third = reached.point.ending.ok().filter(is_third);
+        if let Some(begun) = found.begun.as_ref().filter(|begun| begun.covers(friction))
+            && third.is_none()
+        {
+            let Some(there) = self.reached(friction, Way::Falling, begun)? else { return Ok(None) };
+            third = there.map(|(ending, _)| ending).filter(is_third);
+        }
+        Ok(Some(third.map(|ending| Third { friction, ending })))
     }
 
     /// Both ways' motions at some values in each part of a range in which one way rests and the other does not.
@@ -654,4 +726,20 @@ fn is_drifting(ending: &Ending) -> bool {
 /// `true` of a motion after which the next value starts in its own equilibrium.
 fn has_no_state(ending: &Ending) -> bool {
     ending.rests() || ending.kind == Kind::Unbounded
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_motions_are_called_what_they_are() {
+        let said = |a, b| words([a, b]);
+        assert_eq!(said(Kind::Periodic, Kind::Equilibrium), "rest and a cycle");
+        assert_eq!(said(Kind::Periodic, Kind::QuasiPeriodic), "two cycles");
+        assert_eq!(said(Kind::Undecided, Kind::Periodic), "a cycle and an undecided motion");
+        assert_eq!(said(Kind::Equilibrium, Kind::Irregular), "rest and an irregular motion");
+        assert_eq!(said(Kind::Undecided, Kind::Undecided), "two undecided motions");
+        assert_eq!(said(Kind::Unbounded, Kind::Equilibrium), "rest and growth without bound");
+    }
 }

@@ -7,6 +7,8 @@ use super::ending::{Ending, Kind};
 pub(super) const OTHER_EXTENT: f64 = 0.05;
 /// Sizes of irregular motions that differ by more than this part may.
 const OTHER_IRREGULAR: f64 = 0.25;
+/// Sizes of undecided motions that differ by more than so many times their own scatter may.
+const OTHER_SCATTER: f64 = 2.0;
 /// Frequencies that differ by more than this part may.
 const OTHER_FREQUENCY: f64 = 0.02;
 /// Another kind adds this to the distance of two motions. Alone it does not make them different, since a second frequency
@@ -51,6 +53,10 @@ pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
         [Kind::Irregular, _] | [_, Kind::Irregular] => {
             log(a.size, b.size) * OTHER_EXTENT / OTHER_IRREGULAR
         }
+        [Kind::Undecided, Kind::Undecided] => {
+            let scatter = OTHER_SCATTER * (a.scatter + b.scatter);
+            log(a.size, b.size) * OTHER_EXTENT / scatter.max(OTHER_EXTENT)
+        }
         _ => extents.max(log(a.size, b.size)),
     };
     // Of two lines that are equally strong either may be the first.
@@ -59,8 +65,52 @@ pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
         (None, []) => 0.0,
         _ => 1.0,
     };
-    let pitch = pitch(a, b).max(pitch(b, a));
+    // The lines of a motion that may have no period wander from window to window.
+    let wanders = |ending: &Ending| matches!(ending.kind, Kind::Undecided | Kind::Irregular);
+    let is_open = [a, b].iter().any(|ending| ending.kind == Kind::Undecided);
+    let pitch =
+        if is_open && wanders(a) && wanders(b) { 0.0 } else { pitch(a, b).max(pitch(b, a)) };
     // Frequencies change less than extents where motions are the same.
     let kind = if have_other_kinds(a, b) { OTHER_KIND } else { 0.0 };
     size + pitch * OTHER_EXTENT / OTHER_FREQUENCY + kind
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn undecided(size: f64, scatter: f64, line: f64) -> Ending {
+        Ending {
+            kind: Kind::Undecided,
+            amplitude: size,
+            frequency: Some(line),
+            period: None,
+            closure: None,
+            parting: None,
+            lines: vec![[line, size]],
+            shares: [1.0, 0.0, 0.0, 0.0],
+            taken: [true, false, true, false],
+            time: 1.0,
+            rate: 0.0,
+            linear: false,
+            size,
+            scatter,
+            extents: vec![size],
+        }
+    }
+
+    #[test]
+    fn undecided_motions_are_two_only_where_they_differ_beyond_their_scatter() {
+        let differ = |a: &Ending, b: &Ending| distance(a, b) > OTHER_EXTENT;
+        let one = undecided(1e-4, 1e-3, 168.0);
+        // The strongest of its lines is another one in each window.
+        assert!(!differ(&one, &undecided(1.01e-4, 1e-3, 219.0)));
+        assert!(differ(&one, &undecided(1.2e-4, 1e-3, 168.0)));
+        assert!(!differ(&one, &undecided(1.2e-4, 0.1, 168.0)));
+        assert!(differ(&undecided(1e-4, 0.1, 168.0), &undecided(2e-4, 0.1, 168.0)));
+        // A cycle has lines that stay.
+        let cycle = Ending { kind: Kind::Periodic, ..one };
+        assert!(differ(&cycle, &Ending { kind: Kind::Periodic, ..undecided(1e-4, 0.0, 219.0) }));
+        assert!(differ(&cycle, &undecided(1e-4, 1e-3, 219.0)));
+    }
 }

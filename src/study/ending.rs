@@ -87,6 +87,9 @@ pub struct Ending {
     /// Size of the motion of all degrees of freedom together, m: root mean square of a mixture of their displacements.
     #[serde(default)]
     pub size: f64,
+    /// By how much that size differs over the last windows, logarithm of the largest by the smallest.
+    #[serde(default)]
+    pub scatter: f64,
     /// Half of the difference between the largest and the smallest displacement of each degree of freedom, m.
     #[serde(default)]
     pub extents: Vec<f64>,

@@ -44,7 +44,7 @@ mod visit;
 mod work;
 
 pub use attractor::{attractors, is_same};
-pub use continuation::{Bistable, Both, Continuation, Jump, Plan, Point, Way, continuation};
+pub use continuation::{Bistable, Both, Continuation, Jump, Plan, Point, Third, Way, continuation};
 pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
 pub use journal::{Journal, Owner};

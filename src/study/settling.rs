@@ -373,6 +373,7 @@ impl Settling {
                 _ => 0.0,
             },
             size: self.seen.last().map_or(0.0, |last| last.size),
+            scatter: scatter(&self.seen),
             linear: self.linear,
             extents: self.extents.iter().map(|[low, high]| 0.5 * (high - low)).collect(),
         }
@@ -439,6 +440,13 @@ pub(crate) fn settle(
 /// Has no contact changed its state over two windows, in the last of which the motion got smaller?
 fn is_calm(seen: &[Seen]) -> bool {
     matches!(seen, [.., before, last] if !before.changed && !last.changed && last.size < before.size)
+}
+
+/// By how much the size of a motion differs over its last windows, logarithm of the largest by the smallest.
+fn scatter(seen: &[Seen]) -> f64 {
+    let last = || seen.iter().rev().take(4).map(|seen| seen.size);
+    let (least, most) = (last().fold(f64::INFINITY, f64::min), last().fold(0.0, f64::max));
+    if least > 0.0 && most > 0.0 { libm::log(most / least) } else { 0.0 }
 }
 
 /// Has a motion grown by about the same factor over each of the last windows?

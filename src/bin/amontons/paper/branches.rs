@@ -67,8 +67,7 @@ fn follow(
 /// All ranges with two motions in words.
 fn ranges(name: &str, found: &Continuation) -> String {
     let told = found.bistable.iter().map(|range| {
-        let what = if range.rests { "rest and a cycle" } else { "two cycles" };
-        format!("{what} from {:.5} to {:.5}", range.range[0], range.range[1])
+        format!("{} from {:.5} to {:.5}", range.words(), range.range[0], range.range[1])
     });
     format!("{name}, by µ: {}.", told.collect::<Vec<_>>().join("; "))
 }

@@ -10,7 +10,8 @@ use amontons::scene::Scene;
 use amontons::simulation::{at_instant, require_undriven, signals_left_out};
 use amontons::stability::candidates::{Bistability, bistability};
 use amontons::study::{
-    Bistable, Both, Continuation, Ending, Jump, Kind, Look, Plan, Point, Push, Way, continuation,
+    Bistable, Both, Continuation, Ending, Jump, Kind, Look, Plan, Point, Push, Third, Way,
+    continuation,
 };
 use amontons::sweep::{FRICTION, Possible, range};
 use clap::Args;
@@ -193,11 +194,11 @@ pub fn chart(
     let bands: Vec<Band> = found
         .bistable
         .iter()
-        .map(|Bistable { range, rests, .. }| Band {
-            from: range[0],
-            to: range[1],
-            label: Some(if *rests { "rest and a cycle" } else { "two cycles" }.to_owned()),
-            colour: if *rests { 2 } else { 4 },
+        .map(|both| Band {
+            from: both.range[0],
+            to: both.range[1],
+            label: Some(both.words()),
+            colour: if both.rests { 2 } else { 4 },
         })
         .collect();
     let jumps = found.jumps.iter().map(|jump| Mark {
@@ -312,10 +313,6 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
         println!("  none");
     }
     for Jump { way, between, endings: [before, after], .. } in &found.jumps {
-        let told = |ending: &Ending| match ending.kind {
-            Kind::Unbounded => "growth without bound".to_owned(),
-            _ => format!("{} of {}", describe(ending), metres(ending.amplitude)),
-        };
         let (before, after) = (told(before), told(after));
         println!(
             "  {:8} {:.6} to {:.6}  {before} becomes {after}",
@@ -325,14 +322,21 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
         );
     }
     println!("\nRanges with two motions");
-    for Bistable { range: [from, to], bounded, rests } in &found.bistable {
+    for both in &found.bistable {
+        let Bistable { range: [from, to], bounded, third, .. } = both;
         let open = |is_bounded: &bool| if *is_bounded { "" } else { " (as far as was looked)" };
         println!(
             "  {from:.6}{} to {to:.6}{}: {}",
             open(&bounded[0]),
             open(&bounded[1]),
-            if *rests { "rest and a cycle" } else { "two cycles" }
+            both.words()
         );
+        if let Some(Third { friction, ending }) = third {
+            println!(
+                "    and a third motion: at {friction:.6} the scene's own start leads to {}",
+                told(ending)
+            );
+        }
     }
     for [from, to] in &found.unknown {
         println!(
@@ -430,6 +434,14 @@ fn turn(becomes_unstable: bool) -> &'static str {
         "a mode of sliding begins to grow"
     } else {
         "a mode of sliding ceases to grow"
+    }
+}
+
+/// A motion with its amplitude.
+fn told(ending: &Ending) -> String {
+    match ending.kind {
+        Kind::Unbounded => "growth without bound".to_owned(),
+        _ => format!("{} of {}", describe(ending), metres(ending.amplitude)),
     }
 }
 
