@@ -38,11 +38,7 @@ impl Progress {
     /// Where the system has no thread left.
     #[must_use]
     pub fn new(what: &str, total: u64) -> Self {
-        if stderr().is_terminal() {
-            Self { shown: Shown::Bar(bar(what, total)) }
-        } else {
-            Self::lines(what, total, [FIRST, EVERY], Box::new(stderr()))
-        }
+        Self::shown(what, total, true)
     }
 
     /// Shows that `what` begins: work of which one knows what part is done ([`Progress::set_part`]).
@@ -54,9 +50,33 @@ impl Progress {
         Self::new(what, PARTS)
     }
 
-    fn lines(what: &str, total: u64, times: [Duration; 2], mut out: Box<dyn Write + Send>) -> Self {
+    /// The same where some parts take many times as long as others: what has passed does not say what is left.
+    ///
+    /// # Panics
+    /// Where the system has no thread left.
+    #[must_use]
+    pub fn in_uneven_parts(what: &str) -> Self {
+        Self::shown(what, PARTS, false)
+    }
+
+    fn shown(what: &str, total: u64, is_even: bool) -> Self {
+        if stderr().is_terminal() {
+            Self { shown: Shown::Bar(bar(what, total, is_even)) }
+        } else {
+            Self::lines(what, total, is_even, [FIRST, EVERY], Box::new(stderr()))
+        }
+    }
+
+    fn lines(
+        what: &str,
+        total: u64,
+        is_even: bool,
+        times: [Duration; 2],
+        mut out: Box<dyn Write + Send>,
+    ) -> Self {
         let lines = Arc::new(Lines {
             total,
+            is_even,
             done: AtomicU64::new(0),
             begun: Instant::now(),
             state: Mutex::new(State { what: what.to_owned(), is_over: false }),
@@ -114,8 +134,11 @@ impl Drop for Progress {
     }
 }
 
-fn bar(what: &str, total: u64) -> ProgressBar {
+fn bar(what: &str, total: u64, is_even: bool) -> ProgressBar {
     let (bar, template) = match total {
+        total if total > 0 && !is_even => {
+            (ProgressBar::new(total), "{bar:40} {percent:>3} %  {elapsed}  {msg}")
+        }
         0 => (ProgressBar::new_spinner(), "{spinner} {msg}  {elapsed}"),
         total => (ProgressBar::new(total), "{bar:40} {percent:>3} %  {left}  {msg}"),
     };
@@ -134,6 +157,8 @@ fn bar(what: &str, total: u64) -> ProgressBar {
 /// What the thread that writes lines shares with the work.
 struct Lines {
     total: u64,
+    /// `true` where what has passed says what is left.
+    is_even: bool,
     done: AtomicU64,
     begun: Instant,
     state: Mutex<State>,
@@ -162,21 +187,27 @@ impl Lines {
             let what = state.what.clone();
             drop(state);
             let passed = self.begun.elapsed().as_secs_f64();
-            let line = line(&what, [self.done.load(Ordering::Relaxed), self.total], passed);
-            // Who reads has read enough; the work is for another file.
-            let _ = writeln!(out, "{line}");
+            let done = [self.done.load(Ordering::Relaxed), self.total];
+            let line = line(&what, done, passed, self.is_even) + "\n";
+            // In one piece, so that nothing else comes between a line and its end. Who reads has read enough; the work is
+            // for another file.
+            let _ = out.write_all(line.as_bytes());
             wait = every;
         }
     }
 }
 
-/// How far work is after `passed` seconds. What is left is guessed from what has passed.
+/// How far work is after `passed` seconds. What is left is guessed from what has passed, where pieces take about as long
+/// as each other.
 #[allow(clippy::cast_precision_loss)]
-fn line(what: &str, [done, total]: [u64; 2], passed: f64) -> String {
+fn line(what: &str, [done, total]: [u64; 2], passed: f64, is_even: bool) -> String {
     if done == 0 || total == 0 {
         return format!("{what}: {} so far", duration(passed));
     }
     let part = (done as f64 / total as f64).min(1.0);
+    if !is_even {
+        return format!("{what}: {:.0} %, {} so far", (100.0 * part).floor(), duration(passed));
+    }
     let left = duration(passed * (1.0 - part) / part);
     format!("{what}: {:.0} %, about {left} left", (100.0 * part).floor())
 }
@@ -214,8 +245,10 @@ mod tests {
         let (sender, lines) = channel();
         let times = [Duration::from_millis(20), Duration::from_millis(40)];
         let begun = Instant::now();
-        let long = Progress::lines("a map", 4, times, Box::new(Wire(sender)));
+        let long = Progress::lines("a map", 4, true, times, Box::new(Wire(sender)));
+        // Each line is written in one piece, with its end.
         let mut text = lines.recv().unwrap();
+        assert!(text.ends_with('\n'), "{text}");
         assert!(begun.elapsed() >= times[0]);
         std::thread::scope(|scope| scope.spawn(|| long.set_part(0.5)).join().unwrap());
         while text.matches('\n').count() < 2 {
@@ -228,16 +261,19 @@ mod tests {
         assert!(lines.try_iter().next().is_none());
 
         let (sender, lines) = channel();
-        Progress::lines("a map", 4, [Duration::from_secs(60); 2], Box::new(Wire(sender))).finish();
+        Progress::lines("a map", 4, true, [Duration::from_secs(60); 2], Box::new(Wire(sender)))
+            .finish();
         assert!(lines.recv().is_err());
     }
 
     #[test]
     fn what_is_left_follows_from_what_has_passed() {
-        assert_eq!(line("basin", [37, 100], 23.5), "basin: 37 %, about 40 s left");
-        assert_eq!(line("basin", [1, 100], 23.5), "basin: 1 %, about 39 min left");
-        assert_eq!(line("basin", [1, 1000], 23.5), "basin: 0 %, about 7 h left");
-        assert_eq!(line("basin", [0, 100], 23.5), "basin: 24 s so far");
-        assert_eq!(line("check", [3, 0], 23.5), "check: 24 s so far");
+        assert_eq!(line("basin", [37, 100], 23.5, true), "basin: 37 %, about 40 s left");
+        assert_eq!(line("basin", [1, 100], 23.5, true), "basin: 1 %, about 39 min left");
+        assert_eq!(line("basin", [1, 1000], 23.5, true), "basin: 0 %, about 7 h left");
+        assert_eq!(line("basin", [0, 100], 23.5, true), "basin: 24 s so far");
+        assert_eq!(line("check", [3, 0], 23.5, true), "check: 24 s so far");
+        // Of pieces that take their own time it does not.
+        assert_eq!(line("study", [37, 100], 23.5, false), "study: 37 %, 24 s so far");
     }
 }

@@ -2,7 +2,7 @@
 
 use super::arguments::{Common, Looking};
 use super::folder::{Folder, quoted};
-use super::{heading, interrupted, prepared, watched};
+use super::{heading, interrupted, prepared, watched_unevenly};
 use amontons::contact::Joined;
 use amontons::picture::{Band, Chart, Mark, Marker, Panel, Series, Style};
 use amontons::progress::Progress;
@@ -85,7 +85,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         json!({ "look": look, "push": push, "values": values, "resolution": resolution });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
     let plan = Plan { scene: &scene, look: &look, values, resolution, push, candidates };
-    let Some(found) = watched(|watch| continuation(&plan, folder.journal(), watch))? else {
+    let Some(found) = watched_unevenly(|watch| continuation(&plan, folder.journal(), watch))?
+    else {
         return Err(interrupted(&folder));
     };
     let known = known.as_ref();

@@ -141,7 +141,21 @@ fn over(values: impl Iterator<Item = f64>) -> String {
 fn watched<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
-    let bar = Progress::in_parts("the study");
+    watched_under(&Progress::in_parts("the study"), work)
+}
+
+/// The same under a bar that says how far it is and nothing of the time left, of work in pieces of which some take many times
+/// as long as others.
+fn watched_unevenly<T>(
+    work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
+) -> Result<T, amontons::Error> {
+    watched_under(&Progress::in_uneven_parts("the study"), work)
+}
+
+fn watched_under<T>(
+    bar: &Progress,
+    work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
+) -> Result<T, amontons::Error> {
     let progress = |part: f64| bar.set_part(part);
     let result = work(Watch { go_on: &interrupt::stopped, progress: &progress });
     bar.finish();
