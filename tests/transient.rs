@@ -361,3 +361,21 @@ fn what_is_not_there_or_cannot_be_written_is_said() {
     let long = study(&["--stop-time", "1e5"]);
     assert_refused(&long, 2, &["values", "--stop-time", "--of"]);
 }
+
+/// A ramp on µ drives the motion all the time. Growth is then looked for in lines, and nothing that is said contradicts
+/// what these show.
+#[test]
+fn a_ramp_on_friction_is_not_told_to_have_no_modes_beside_modes_that_grow() {
+    let folder = folder();
+    let ramp = "[[signal]]\ninput = \"friction.coefficient\"\n\
+                ramp = { from = 0.0, to = 0.5, start = 0.0, end = 1.0 }\n";
+    let text_of = format!("{}\n{ramp}", builtin("set1").unwrap().text);
+    fs::write(folder.path().join("ramp.toml"), text_of).unwrap();
+    let run = ["study", "transient", "ramp.toml", "--set", "friction.coefficient=1.5"];
+    let output = amontons(folder.path(), &[&run[..], &["--stop-time", "1"]].concat());
+    let printed = text(&output.stdout);
+    assert!(printed.contains("grows from") && printed.contains("Hz"), "{printed}");
+    for contradiction in ["not that of the modes", "does not oscillate", "ceases to be"] {
+        assert!(!printed.contains(contradiction), "{contradiction}: {printed}");
+    }
+}

@@ -170,6 +170,9 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
     writeln!(out, "{}: {output} over {end} s, each {shown:?} s", scene.name)?;
     match growth.dominant {
         Some(dominant) => writeln!(out, "strongest line: {dominant:.2} Hz")?,
+        None if findings.iter().any(|finding| finding.phase.frequency > 0.0) => {
+            writeln!(out, "no strongest line: the output drifts by more than it oscillates")?;
+        }
         None => writeln!(out, "it does not oscillate")?,
     }
     match growth.window {
@@ -265,8 +268,9 @@ fn time(time: f64, interval: f64) -> String {
     format!("{time:.digits$}")
 }
 
-/// Why a motion is not followed mode by mode.
-const NO_MODES: &str = "the motion is not that of the modes (contacts change their states, signals drive it, or friction is not linear)";
+/// Why a motion is not followed mode by mode, and what is done instead.
+const NO_MODES: &str = "growth is looked for in the lines of the output, not mode by mode (contacts change their states, signals drive \
+                        the scene, or friction is not linear)";
 
 fn asked(question: &Open, interval: f64) -> String {
     let rate = |phase: &Phase| {
@@ -285,19 +289,19 @@ fn asked(question: &Open, interval: f64) -> String {
             rounded_up(*stop_time),
         ),
         Open::EndsBeforeTenfold { phase } => format!(
-            "{} until {} s, where the motion ceases to be that of the modes; a smaller initial perturbation would show if \
-             it does so tenfold",
+            "{} until {} s, as long as it can be followed mode by mode; a smaller initial perturbation would show if it does \
+             so tenfold",
             rate(phase),
             time(phase.span[1], interval),
         ),
         Open::TooShort { span, periods, stop_time } => format!(
-            "from {} s on {NO_MODES}, and {periods:.1} periods of the strongest line are too few to see growth or decay; \
+            "from {} s on {NO_MODES}, and {periods:.1} periods of the strongest line are too few to see it; \
              --stop-time {} or more would decide",
             time(span[0], interval),
             rounded_up(*stop_time),
         ),
         Open::Slower { span, rate } => format!(
-            "from {} s on {NO_MODES}; a tenfold change there that is slower than {rate:.2} 1/s would show in a longer run \
+            "from {} s on {NO_MODES}; a tenfold change that is slower than {rate:.2} 1/s would show in a longer run \
              (--stop-time)",
             time(span[0], interval),
         ),
