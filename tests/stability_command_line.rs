@@ -144,6 +144,16 @@ fn a_divergence_is_called_one_and_the_lost_equilibrium_is_noted() {
 }
 
 #[test]
+fn a_map_needs_neither_a_picture_nor_a_table() {
+    let x = "friction.coefficient=1:2/3";
+    let printed = printed(&["map", "set2", "--x", x, "--y", "slider.angle=0.1:0.3/3"]);
+    assert!(printed.contains("9 points of friction.coefficient and slider.angle"), "{printed}");
+    let count = |line: &str| line.split_whitespace().last().unwrap().parse::<usize>().ok();
+    let verdicts = printed.lines().skip(1).filter_map(count).sum::<usize>();
+    assert_eq!(verdicts, 9, "{printed}");
+}
+
+#[test]
 fn a_map_can_be_had_as_data() {
     let x = "friction.coefficient=0:1.96/2";
     let printed = printed(&["map", "set2", "--x", x, "--y", "slider.velocity=-0.1:0.1/3", "--csv"]);

@@ -143,7 +143,7 @@ pub struct Map {
     #[arg(long)]
     pub csv: bool,
     /// Draw the map
-    #[arg(long, value_name = "FILE.svg|png", required_unless_present = "csv")]
+    #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
 }
 
