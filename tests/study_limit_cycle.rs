@@ -300,6 +300,26 @@ fn the_command_writes_what_it_prints() {
 }
 
 #[test]
+fn one_value_is_studied_and_without_a_parameter_the_scene_as_it_is() {
+    let folder = folder();
+    let studied = |parameter: &[&str], name: &str| {
+        let run = ["study", "limit-cycle", "stick_slip", "-o", name];
+        let output = amontons(folder.path(), &[&run[..], parameter].concat());
+        let printed = text(&output.stdout);
+        assert!(output.status.success(), "{printed}{}", text(&output.stderr));
+        assert!(!printed.contains("thresholds"), "{printed}");
+        let row = printed.lines().find(|line| line.contains(" periodic ")).map(str::to_owned);
+        row.unwrap_or_else(|| panic!("{printed}"))
+    };
+    let own = studied(&[], "own");
+    let velocity = own.split_whitespace().next().unwrap().to_owned();
+    let same = studied(&["--parameter", &format!("slider.velocity={velocity}")], "same");
+    assert_eq!(own, same);
+    let stiffer = studied(&["--parameter", "spring.hold.stiffness=90"], "stiffer");
+    assert!(stiffer.trim_start().starts_with("90.0 "), "{stiffer}");
+}
+
+#[test]
 fn what_makes_no_sense_is_refused_with_what_would() {
     let folder = folder();
     fs::write(folder.path().join("file"), "").unwrap();
@@ -309,7 +329,6 @@ fn what_makes_no_sense_is_refused_with_what_would() {
         assert!(!folder.path().join("set1-limit-cycle").exists(), "{arguments:?}");
     };
     let velocity = ["--parameter", "slider.velocity=0.1:0.2:0.1"];
-    refused(&[], 2, &["--parameter"]);
     refused(&["--parameter", "slider.velocity"], 2, &["NAME=A:B"]);
     refused(&["--parameter", "slider.velocity=0.1:0.2"], 2, &["A:B:STEP"]);
     refused(&["--parameter", "slider.velocity=0.2:0.1:0.1"], 2, &["first value must be below"]);

@@ -3,9 +3,9 @@
 use super::basin::Basin;
 use super::limit_cycle::LimitCycle;
 use super::perturbation::Perturbation;
-use crate::arguments::{Integrator, Values, positive};
+use crate::arguments::{Integrator, positive};
 use amontons::study::Wish;
-use amontons::sweep::range::{self, assignment};
+use amontons::sweep::range::assignment;
 use clap::{Args, Subcommand, ValueEnum};
 use serde::Serialize;
 use std::path::PathBuf;
@@ -94,9 +94,4 @@ impl Looking {
             longest: self.longest,
         }
     }
-}
-
-/// A parameter and its values.
-pub fn named_steps(text: &str) -> Result<(String, Values), String> {
-    range::named(text, |values| range::steps(values).map(Values))
 }

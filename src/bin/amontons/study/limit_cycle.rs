@@ -1,6 +1,6 @@
 //! `amontons study limit-cycle`.
 
-use super::arguments::{Common, Looking, named_steps};
+use super::arguments::{Common, Looking};
 use super::folder::{Folder, quoted};
 use super::{heading, interrupted, over, prepared, prepared_again, watched};
 use crate::arguments::Values;
@@ -12,7 +12,7 @@ use amontons::study::{
     Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold, limit_cycles,
     output, unit,
 };
-use amontons::sweep::range::number;
+use amontons::sweep::range::{self, number};
 use amontons::sweep::{Possible, axis};
 use clap::Args;
 use serde_json::json;
@@ -23,9 +23,10 @@ use std::io::{Write, stdout};
 pub struct LimitCycle {
     #[command(flatten)]
     pub common: Common,
-    /// The parameter or input, and its values from A to B, in steps or N of them
-    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps)]
-    pub parameter: (String, Values),
+    /// The parameter or input, and its values from A to B, in steps or N of them, or its one value [default: the slider's
+    /// velocity, as the scene has it]
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N|VALUE", value_parser = named_values)]
+    pub parameter: Option<(String, Values)>,
     #[command(flatten)]
     pub looking: Looking,
     /// Find where the motion changes to this part of the distance between two values
@@ -40,6 +41,14 @@ pub struct LimitCycle {
     pub contacts: usize,
 }
 
+/// A parameter with a range of values, or with one.
+fn named_values(text: &str) -> Result<(String, Values), String> {
+    range::named(text, |values| {
+        let is_range = values.contains([':', '/']);
+        if is_range { range::steps(values) } else { Ok(vec![number(values)?]) }.map(Values)
+    })
+}
+
 fn part(text: &str) -> Result<f64, String> {
     match number(text)? {
         part if part > 0.0 && part <= 1.0 => Ok(part),
@@ -48,8 +57,10 @@ fn part(text: &str) -> Result<f64, String> {
 }
 
 pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
-    let LimitCycle { common, parameter: (name, Values(values)), looking, .. } = arguments;
+    let LimitCycle { common, parameter, looking, .. } = arguments;
     let (scene, source, look) = prepared(common, looking)?;
+    let own = || ("slider.velocity".to_owned(), Values(vec![scene.slider.velocity]));
+    let (name, Values(values)) = &parameter.clone().unwrap_or_else(own);
     // Before there is a folder.
     let possible = Possible::of(&scene, name, values)?;
     if let Some(note) = possible.note(name) {
@@ -58,7 +69,7 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     let values = possible.values;
     let mut first = scene.clone();
     assign(&mut first, name, values[0])?;
-    if common.set.iter().any(|(set, _)| set == name) {
+    if parameter.is_some() && common.set.iter().any(|(set, _)| set == name) {
         eprintln!("note: {name} takes the values of --parameter, not that of --set");
     }
     if let Some(push) = Push::of_resting(&first) {
@@ -366,10 +377,10 @@ impl Told<'_> {
         }
         writeln!(out)?;
         self.print_evidence(out)?;
-        if found.thresholds.is_empty() {
-            writeln!(out, "no thresholds between values that have settled")?;
-        } else {
+        if !found.thresholds.is_empty() {
             writeln!(out, "as {} rises:", question.name)?;
+        } else if question.values.len() > 1 {
+            writeln!(out, "no thresholds between values that have settled")?;
         }
         for threshold in &found.thresholds {
             let [low, high] = bounds(threshold);
