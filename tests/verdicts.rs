@@ -107,7 +107,7 @@ fn a_squeal_of_1_1_khz_is_not_taken_for_another_frequency_where_rows_are_a_milli
         let summary = found[0].clone().unwrap().unwrap();
         // The scene's own method is the paper's scheme: a step of 1 µs shifts the frequency by some 1e-5.
         assert_near(summary.frequency.unwrap(), counted, 1e-4);
-        assert_eq!(summary.settled, Some(true));
+        assert_eq!(summary.settled, Ok(true));
     }
     let wish = Wish { interval: Some(1e-3), of: Some("mass.disc.y"), ..Wish::default() };
     let found = cycles(&scene("disc_brake", &[]), &wish, &[0.6]);
