@@ -35,7 +35,7 @@ enum Part {
     Sliding,
 }
 
-/// What stands for a row or a column of the tableau.
+/// The variable of a row or a column of the tableau.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Name {
     /// The condition of this place.

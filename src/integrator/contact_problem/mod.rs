@@ -12,7 +12,7 @@
 //! 5. all states, of up to eight contacts ([`enumeration`]): where none has forces, there are none;
 //! 6. Gauss–Seidel, for as long as one may wait.
 //!
-//! Nothing but the last two says that contacts cannot be solved, and only the fifth that no forces exist.
+//! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist.
 
 mod delassus;
 mod enumeration;
@@ -39,7 +39,7 @@ const TOLERANCE: f64 = 1e-13;
 const FEW_SWEEPS: u64 = 200;
 /// More sweeps than anyone waits for.
 const MAX_SWEEPS: u64 = 10_000;
-/// What solutions that are computed at once may miss the law by, in parts of the terms that rounding is made of: the
+/// The law may be missed by these parts of the terms that rounding comes from, where forces are computed directly: the
 /// first where W lets them, the second where it is nearly singular.
 const MISSES: [f64; 2] = [1e-13, 1e-11];
 
@@ -50,7 +50,7 @@ pub(super) struct ContactProblem {
     pub(super) delassus: Delassus,
     /// The accelerations that the contacts would have without their forces, m/s².
     pub(super) free: Vec<[f64; 2]>,
-    /// What each contact may do.
+    /// The constraint of each contact: its law, or one of its states.
     pub(super) freedom: Vec<Freedom>,
     /// The solution λ.
     pub(super) forces: Vec<[f64; 2]>,
@@ -98,7 +98,7 @@ impl ContactProblem {
     /// but the present. Redundant contacts (two that stick on one mass) have many solutions; the motion is the same
     /// for all.
     ///
-    /// What a contact holds while others let go depends on them, so static friction comes first: all are
+    /// The load of a contact depends on the contacts that slip beside it, so static friction comes first: all are
     /// solved with their ranges as the limit, then those that slip even so with µ_k against it, and all again.
     /// They may then hold, or slip the other way: what they let go of loads others, which push them back.
     ///
@@ -170,7 +170,7 @@ impl ContactProblem {
         direction.is_some_and(|direction| self.freedom[contact].let_go(direction))
     }
 
-    /// The same in both directions, whatever the contact does.
+    /// Gives a contact its kinetic friction in both directions, whatever it does; `true` if that changes a limit.
     fn let_go_whatever_it_does(&mut self, contact: usize) -> bool {
         let freedom = &mut self.freedom[contact];
         freedom.let_go(1.0) | freedom.let_go(-1.0)
@@ -189,7 +189,7 @@ impl ContactProblem {
         }
     }
 
-    /// What is done where Gauss–Seidel does not converge.
+    /// Solves a group for which Gauss–Seidel does not converge: states as equations, pivots, enumeration.
     #[cold]
     fn solve_at_once(&mut self, group: usize) -> Result<u64, StepFailure> {
         for missed in MISSES {

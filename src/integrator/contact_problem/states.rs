@@ -15,7 +15,7 @@ pub(super) enum Strictness {
     UpTo(f64),
 }
 
-/// What a contact's acceleration is, m/s², along normal and tangent.
+/// The acceleration of a contact, m/s², along normal and tangent.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Acceleration {
     value: [f64; 2],

@@ -144,8 +144,8 @@ fn watched<T>(
     watched_under(&Progress::in_parts("the study"), work)
 }
 
-/// The same under a bar that says how far it is and nothing of the time left, of work in pieces of which some take many times
-/// as long as others.
+/// Runs work under a bar that shows how far it is but no time left: some pieces of such work take many times as long as
+/// others.
 fn watched_unevenly<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
