@@ -5,6 +5,7 @@ mod judge;
 
 use amontons::contact::ContactState;
 use amontons::scene::{Method, Scene, parse};
+use amontons::simulation::Simulation;
 use judge::{METHODS, Run, assert_near, off, with};
 use std::f64::consts::TAU;
 use std::path::Path;
@@ -185,4 +186,39 @@ fn twenty_pads_on_a_disc_come_to_lie_on_it() {
         run.judge_report();
     }
     assert!(run.forces().iter().all(|force| force.normal_force > 0.0));
+}
+
+#[test]
+fn a_block_on_a_belt_that_swings_breaks_away_at_its_time_whatever_the_step() {
+    // The belt's acceleration once was a staircase, against which static friction was tested: 5e-4 of the motion.
+    let (amplitude, pulsation) = (0.5, TAU * 0.7);
+    let (stiffness, held, slipping) = (100.0, 5.0, 3.0);
+    // T = v̇ + k x of the block that sticks, x = A (1 − cos Ωt) / Ω.
+    let spring = stiffness * amplitude / pulsation;
+    let cosine: f64 = (spring - held) / (spring - amplitude * pulsation);
+    let broken = cosine.acos() / pulsation;
+    let place = amplitude * (1.0 - cosine) / pulsation;
+    let velocity = amplitude * (pulsation * broken).sin();
+    let expected = |t: f64| {
+        let (omega, middle) = (stiffness.sqrt(), slipping / stiffness);
+        let angle = omega * (t - broken);
+        middle + (place - middle) * angle.cos() + velocity / omega * angle.sin()
+    };
+    for step in [0.25, 0.05, 1e-2, 1e-3, 1e-5] {
+        let scene = hard("preset_sine_slider_static").with_integrator(Method::EventDriven, step);
+        let mut simulation = Simulation::new(scene, 0.0).unwrap();
+        simulation.advance_to(0.25).unwrap();
+        assert_near(simulation.displacement()[0], expected(0.25), 1e-14);
+        simulation.advance_to(4.0).unwrap();
+        // Rounding made the block slip and stick again where the belt nearly stands.
+        assert_eq!(simulation.statistics().state_changes(), 11, "{step}");
+    }
+}
+
+#[test]
+fn a_block_on_a_belt_that_swings_obeys_the_law_at_every_instant() {
+    for step in [2e-3, 0.02] {
+        let scene = hard("preset_sine_slider_static").with_integrator(Method::EventDriven, step);
+        judged(Run::new(scene, Method::EventDriven), 2.0);
+    }
 }

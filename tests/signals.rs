@@ -1,7 +1,7 @@
 //! Signals: values over time that drive inputs.
 
 use amontons::contact::{ContactForce, ContactState};
-use amontons::scene::{Scene, Signal, parse};
+use amontons::scene::{Method, Scene, Signal, parse};
 use amontons::simulation::{Simulation, Variable, read_scene, variables};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
@@ -68,6 +68,76 @@ fn a_sine_of_force_at_rest_gives_beats_of_both_frequencies() {
                 3.0 / 200.0 / (1.0 - r * r) * ((TAU * frequency * t).sin() - r * (OMEGA * t).sin());
             assert!((x - expected).abs() < OMEGA * step * largest, "{x} {expected} at {t} s");
         }
+    }
+}
+
+/// The same scene by exact motion.
+fn exactly(scene: &Scene) -> Scene {
+    let step = scene.step;
+    scene.with_integrator(Method::EventDriven, step)
+}
+
+#[test]
+fn exact_motion_follows_a_sine_whatever_its_step() {
+    // Along its tangent over a step a sine once was known to second order alone.
+    let frequency = 2.5;
+    let r = TAU * frequency / OMEGA;
+    let sine = format!(
+        "[[signal]]\ninput = \"mass.a.fx\"\nsine = {{ amplitude = 4.0, frequency = {frequency} }}"
+    );
+    let times = [0.25, 1.0, 2.5];
+    for step in [1e-3, 0.05, 0.5] {
+        let found = displacements(exactly(&oscillator(step, &sine)), &times);
+        for (x, t) in found.iter().zip(times) {
+            let size = 4.0 / 200.0 / (1.0 - r * r);
+            let expected = size * ((TAU * frequency * t).sin() - r * (OMEGA * t).sin());
+            assert!((x - expected).abs() < 1e-13, "{x} {expected} at {t} s, {step}");
+        }
+    }
+}
+
+#[test]
+fn exact_motion_stops_at_edges_wherever_they_are() {
+    // An edge within a step once came at its end.
+    let pulse =
+        "[[signal]]\ninput = \"mass.a.fx\"\npulse = { value = 3.0, start = 0.033, end = 0.257 }";
+    let ramp = "[[signal]]\ninput = \"mass.a.fx\"\nramp = { to = 3.0, start = 0.033, end = 0.257 }";
+    let after = |t: f64| response(3.0, t);
+    // The response to a unit of rate: F/k (t − sin ωt / ω).
+    let rising = |t: f64| {
+        if t <= 0.0 { 0.0 } else { 3.0 / 0.224 / 200.0 * (t - (OMEGA * t).sin() / OMEGA) }
+    };
+    let times = [0.1, 0.3, 0.7];
+    for step in [1e-3, 0.1] {
+        let found = displacements(exactly(&oscillator(step, pulse)), &times);
+        for (x, t) in found.iter().zip(times) {
+            let expected = after(t - 0.033) - after(t - 0.257);
+            assert!((x - expected).abs() < 1e-14, "{x} {expected} at {t} s, {step}");
+        }
+        let found = displacements(exactly(&oscillator(step, ramp)), &times);
+        for (x, t) in found.iter().zip(times) {
+            let expected = rising(t - 0.033) - rising(t - 0.257);
+            assert!((x - expected).abs() < 1e-14, "{x} {expected} at {t} s, {step}");
+        }
+    }
+}
+
+#[test]
+fn a_slider_whose_velocity_jumps_carries_a_mass_along_from_there_on() {
+    // In exact motion the jump once was spread over the step before it.
+    let text = "[slider]\nvelocity = 0.0\nangle = 0.0\n[friction]\ncoefficient = 0.3\nstatic = 0.5\n\
+        [integrator]\nmethod = \"event-driven\"\nstep = 0.05\n[[mass]]\nname = \"a\"\nmass = 1.0\n\
+        force = [0.0, -10.0]\n[[spring]]\nname = \"k\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\n\
+        stiffness = 100.0\n[[contact]]\nname = \"c\"\nmass = \"a\"\n[[signal]]\n\
+        input = \"slider.velocity\"\npulse = { value = 0.2, start = 0.1 }";
+    // x = µN/k (1 − cos ωt) until it is as fast as the slider.
+    let (omega, reach) = (10.0, 3.0 / 100.0);
+    let caught = f64::asin(0.2 / (reach * omega)) / omega;
+    let times = [0.1, 0.15, 0.25];
+    for (x, t) in displacements(parse("jump", text).unwrap(), &times).iter().zip(times) {
+        let slipped = f64::min(t - 0.1, caught);
+        let expected = reach * (1.0 - (omega * slipped).cos()) + 0.2 * (t - 0.1 - slipped);
+        assert!((x - expected).abs() < 1e-15, "{x} {expected} at {t} s");
     }
 }
 

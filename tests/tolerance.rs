@@ -145,18 +145,60 @@ fn the_scheme_is_chosen_where_it_is_cheaper_and_nowhere_else() {
     }
 }
 
+/// A block on a belt with static friction, driven by this signal.
+fn driven(input: &str, shape: &str, selection: Selection) -> Scene {
+    let text = std::fs::read_to_string("tests/hard_scenes/preset_sine_slider_static.toml").unwrap();
+    let (text, _) = text.split_once("[[signal]]").unwrap();
+    let mut scene =
+        parse("driven", &format!("{text}[[signal]]\ninput = \"{input}\"\n{shape}\n")).unwrap();
+    scene.selection = selection;
+    scene
+}
+
 #[test]
-fn a_sine_makes_the_step_of_exact_motion_follow_the_tolerance() {
-    let scene = |preset| scene("den_hartog", 2.0, preset);
-    let selected = [Preset::Preview, Preset::Design].map(|preset| {
-        let scene = scene(preset);
+fn presets_keep_what_they_promise_on_signals_of_every_shape() {
+    // Of velocities (m/s), and thirty times as large of forces (N).
+    for (input, size) in [("slider.velocity", 1.0), ("mass.block.fx", 30.0)] {
+        let [a, b, c, d] = [0.2, 0.25, 0.4, 0.5].map(|value| size * value);
+        let shapes = [
+            format!("ramp = {{ to = {d:?}, start = 0.1234, end = 1.2345 }}"),
+            format!("pulse = {{ value = {b:?}, start = 0.3333, end = 2.2222 }}"),
+            format!("sine = {{ amplitude = {d:?}, frequency = 0.7 }}"),
+            format!(
+                "sine = {{ amplitude = {d:?}, frequency = 3.7, start = 0.0777, end = 3.0333 }}"
+            ),
+            format!(
+                "table = {{ points = [[0, 0], [0.777, {c:?}], [1.111, -{c:?}], [1.111, {a:?}]] }}"
+            ),
+            format!(
+                "table = {{ points = [[0, 0], [0.777, {c:?}], [2.111, -{c:?}]], between = \"constant\" }}"
+            ),
+        ];
+        for shape in shapes {
+            for preset in Preset::ALL {
+                let scene = driven(input, &shape, Selection::Preset(preset));
+                // None asks for a shorter step than the output interval.
+                let Selected { method, step, .. } = assert_kept(&scene);
+                assert_eq!((method, step), (Method::EventDriven, 0.01), "{shape}");
+            }
+        }
+    }
+}
+
+#[test]
+fn driven_friction_makes_the_step_of_exact_motion_follow_the_tolerance() {
+    let sine = "sine = { amplitude = 0.1, frequency = 0.7 }\n[[signal]]\ninput = \"slider.velocity\"\n\
+                sine = { amplitude = 0.5, frequency = 0.7 }\n";
+    let scene = |tolerance| driven("friction.coefficient", sine, Selection::Auto { tolerance });
+    let selected = [1e-2, 1e-3].map(|tolerance| {
+        let scene = scene(tolerance);
         let reference = rows(&scene.with_integrator(Method::EventDriven, 1e-5));
-        let selected = select(&scene, preset.tolerance());
+        let selected = select(&scene, tolerance);
         let error = error(&rows(&scene), &reference);
-        assert!(error <= preset.tolerance() && error > 1e-2 * preset.tolerance(), "{error:e}");
+        assert!(error <= tolerance && error > 1e-3 * tolerance, "{error:e}");
         selected
     });
-    // Second order: a hundred times as accurate in ten times as many steps.
+    // First order.
     assert!((selected[0].step / selected[1].step - 10.0).abs() < 1e-9, "{selected:?}");
 }
 

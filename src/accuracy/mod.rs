@@ -218,7 +218,7 @@ impl Study {
             scene: scene.clone(),
             grid,
             critical,
-            cost: Cost::of(&model),
+            cost: Cost::of(&model).driven(&scene.signals),
             dof,
             cycle: Cycle::of(&reference.history(dof), grid.interval),
             reference_step: step,

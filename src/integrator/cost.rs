@@ -7,8 +7,9 @@
 use super::event_driven;
 use super::forward_increment::RingForwardIncrement;
 use crate::model::{Contact, LumpedModel};
-use crate::scene::Method;
+use crate::scene::{Method, Shape, Signal};
 use crate::stability::highest_frequency;
+use std::f64::consts::TAU;
 
 /// A step of the paper's scheme: on a ring, a degree of freedom.
 const RING_DOF: f64 = 2.1;
@@ -73,6 +74,17 @@ impl Cost {
             None => LAW_ENTRY * entries,
         };
         Self { scheme_step, power, frequency: highest_frequency(model).unwrap_or(0.0) }
+    }
+
+    /// The same where signals drive it: a series covers no more of a sine than of the fastest mode.
+    #[must_use]
+    pub fn driven(self, signals: &[Signal]) -> Self {
+        let followed = signals.iter().filter(|signal| !signal.drives_friction());
+        let frequency = followed.fold(self.frequency, |fastest, signal| match &signal.shape {
+            Shape::Sine(sine) => fastest.max(TAU * sine.frequency),
+            _ => fastest,
+        });
+        Self { frequency, ..self }
     }
 
     /// The operations of a run over `span` (s) with so many changes of contact state.

@@ -97,20 +97,58 @@ impl Statistics {
 /// What drives a motion over a step, or over several that are alike.
 ///
 /// The forward increment scheme takes the forces at the beginning and the velocities at the end of a
-/// step; the event-driven integrator lets both change linearly.
+/// step; the event-driven integrator lets both change linearly, and as waves do.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
     /// All forces but those of springs, dampers and contacts, N, at the beginning; one value a degree of
     /// freedom.
     pub force: Vec<f64>,
-    /// How fast they change, N/s.
+    /// How fast they change, waves apart, N/s.
     pub force_rate: Vec<f64>,
     /// Slider velocity v along the tangent, m/s, at the end; one value a contact.
     pub slider_velocity: Vec<f64>,
-    /// v̇, m/s²; one value a contact.
+    /// v̇ of the straight line over the step, m/s²; one value a contact.
     pub slider_acceleration: Vec<f64>,
     /// Friction coefficients; one pair a contact.
     pub friction: Vec<Friction>,
+    /// What of forces and slider velocities oscillates, and how: in exact motion they follow it between the values
+    /// above, which count it.
+    pub waves: Vec<Wave>,
+}
+
+/// amplitude · sin(pulsation · t + phase), t from the beginning of a step on: a part of what drives a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Wave {
+    /// Half peak to peak; zero while it rests.
+    pub amplitude: f64,
+    /// 2π times the frequency, rad/s.
+    pub pulsation: f64,
+    /// At the beginning of the step, rad.
+    pub phase: f64,
+    /// The degrees of freedom that it pushes, each with the force that it is for each unit of the wave, N.
+    pub pushes: Vec<(usize, f64)>,
+    /// The contacts whose sliders move with it (m/s), in ascending order.
+    pub moves: Vec<usize>,
+}
+
+impl Wave {
+    /// The phase at time `t` (s) after the beginning of the step, rad.
+    #[must_use]
+    pub fn phase_after(&self, t: f64) -> f64 {
+        self.phase + self.pulsation * t
+    }
+
+    /// The value at that time.
+    #[must_use]
+    pub fn after(&self, t: f64) -> f64 {
+        self.amplitude * libm::sin(self.phase_after(t))
+    }
+
+    /// How fast it changes at that time, per second.
+    #[must_use]
+    pub fn rate_after(&self, t: f64) -> f64 {
+        self.amplitude * self.pulsation * libm::cos(self.phase_after(t))
+    }
 }
 
 impl Drive {
@@ -129,6 +167,7 @@ impl Drive {
             slider_velocity: vec![slider_velocity; contacts],
             slider_acceleration: vec![0.0; contacts],
             friction: vec![friction.into(); contacts],
+            waves: Vec::new(),
         }
     }
 }
@@ -188,7 +227,7 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
-    /// One step has more oscillations than exact motion follows.
+    /// One step has more oscillations, of the structure or of what drives it, than exact motion follows.
     TooManySeries {
         /// The most power series that a step may take.
         most: u64,
@@ -247,6 +286,9 @@ pub trait Integrator: Send {
     fn multipliers(&self) -> Option<&[[f64; 2]]> {
         None
     }
+
+    /// Makes room for as many waves of a drive, before the first step that has them.
+    fn expect_waves(&mut self, _count: usize) {}
 
     /// Takes over another damping.
     fn set_damping(&mut self, damping: Damping);

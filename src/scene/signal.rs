@@ -128,7 +128,14 @@ impl Shape {
     /// has reached.
     #[must_use]
     pub fn at(&self, t: f64, slack: f64) -> f64 {
-        let reached = t + slack;
+        self.onward(t, t, slack)
+    }
+
+    /// The value at time `t` (s) if it goes on as it does from time `from` (s) on, whatever edges come before `t`.
+    /// `slack` as in [`at`](Self::at).
+    #[must_use]
+    pub fn onward(&self, from: f64, t: f64, slack: f64) -> f64 {
+        let reached = from + slack;
         match self {
             Self::Constant(Constant { value }) => *value,
             Self::Ramp(Ramp { from, to, start, end }) => {
@@ -147,15 +154,17 @@ impl Shape {
                     0.0
                 }
             }
-            Self::Sine(Sine { amplitude, frequency, phase, start, end }) => {
-                if is_on(*start, *end, reached) {
-                    amplitude * libm::sin(TAU * frequency * (t - start) + phase)
+            Self::Sine(sine) => {
+                if sine.is_on(reached) {
+                    sine.amplitude * libm::sin(sine.phase_at(t))
                 } else {
                     0.0
                 }
             }
             // Interpolated it would waver by a bit.
-            Self::Table(table) => table.plateau(t + slack).unwrap_or_else(|| table.at(t, slack)),
+            Self::Table(table) => {
+                table.plateau(reached).unwrap_or_else(|| table.onward(from, t, slack))
+            }
         }
     }
 
@@ -168,11 +177,8 @@ impl Shape {
             Self::Ramp(Ramp { from, to, start, end }) if is_on(*start, Some(*end), reached) => {
                 (to - from) / (end - start)
             }
-            Self::Sine(Sine { amplitude, frequency, phase, start, end })
-                if is_on(*start, *end, reached) =>
-            {
-                let pulsation = TAU * frequency;
-                amplitude * pulsation * libm::cos(pulsation * (t - start) + phase)
+            Self::Sine(sine) if sine.is_on(reached) => {
+                sine.amplitude * (TAU * sine.frequency) * libm::cos(sine.phase_at(t))
             }
             Self::Table(table) => table.rate(t, slack),
             Self::Constant(_) | Self::Ramp(_) | Self::Pulse(_) | Self::Sine(_) => 0.0,
@@ -215,6 +221,31 @@ impl Shape {
         }
     }
 
+    /// The next time (s) after `t` at which the value jumps or has a corner; infinite where there is none. `slack` as
+    /// in [`at`](Self::at).
+    #[must_use]
+    pub fn next_edge(&self, t: f64, slack: f64) -> f64 {
+        let reached = t + slack;
+        let [start, end] = match self {
+            Self::Constant(_) => return f64::INFINITY,
+            Self::Ramp(Ramp { start, end, .. }) => [*start, *end],
+            Self::Pulse(Pulse { start, end, .. }) | Self::Sine(Sine { start, end, .. }) => {
+                [*start, end.unwrap_or(f64::INFINITY)]
+            }
+            Self::Table(table) => {
+                let next = table.points.get(table.points_up_to(reached));
+                return next.map_or(f64::INFINITY, |point| point[0]);
+            }
+        };
+        if reached < start {
+            start
+        } else if reached < end {
+            end
+        } else {
+            f64::INFINITY
+        }
+    }
+
     /// Takes note of every value that cannot be; `path` is the signal's.
     pub(super) fn check(&self, path: &str, problems: &mut Vec<Problem>) {
         let mut rule = |key: &str, value: f64, rule: Rule| {
@@ -254,11 +285,30 @@ impl Shape {
     }
 }
 
+impl Sine {
+    /// Is it there at time `t` (s)?
+    #[must_use]
+    pub fn is_on(&self, t: f64) -> bool {
+        is_on(self.start, self.end, t)
+    }
+
+    /// The phase at time `t` (s), rad.
+    #[must_use]
+    pub fn phase_at(&self, t: f64) -> f64 {
+        TAU * self.frequency * (t - self.start) + self.phase
+    }
+}
+
 impl Table {
     /// The value at time `t` (s); zero without points. `slack` as in [`Shape::at`].
     #[must_use]
     pub fn at(&self, t: f64, slack: f64) -> f64 {
-        let after = self.points_up_to(t + slack);
+        self.onward(t, t, slack)
+    }
+
+    /// As [`Shape::onward`].
+    fn onward(&self, from: f64, t: f64, slack: f64) -> f64 {
+        let after = self.points_up_to(from + slack);
         match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after).copied()) {
             (Some(low), Some(high)) if self.between == Between::Linear => between(low, high, t),
             (Some([_, value]), _) | (None, Some([_, value])) => value,

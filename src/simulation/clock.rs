@@ -31,6 +31,8 @@ pub(super) struct Leg {
     /// Where step 0 of its grid begins, s, and the number of its first step there.
     origin: f64,
     first: u64,
+    /// Where within the next step the motion is, s; none at its beginning.
+    within: Option<f64>,
     /// The clock at the end.
     pub(super) arrival: Clock,
 }
@@ -38,15 +40,26 @@ pub(super) struct Leg {
 impl Leg {
     pub(super) fn take(&mut self, steps: u64) {
         self.done += steps;
+        self.within = None;
+    }
+
+    /// Takes a part of the next step, to time `time` (s).
+    pub(super) fn take_part(&mut self, time: f64) {
+        self.within = Some(time);
+    }
+
+    /// Has a part of the next step been taken?
+    pub(super) fn is_within(&self) -> bool {
+        self.within.is_some()
     }
 
     pub(super) fn is_done(&self) -> bool {
         self.done == self.count
     }
 
-    /// When the next step begins and ends, s.
+    /// When the next step begins and ends, s, or what is left of it.
     pub(super) fn next_step(&self) -> [f64; 2] {
-        [self.time(self.done), self.time(self.done + 1)]
+        [self.within.unwrap_or_else(|| self.time(self.done)), self.time(self.done + 1)]
     }
 
     /// When one of its steps (from 0) begins, s; that of the count is the end.
@@ -128,13 +141,13 @@ impl Clock {
             let arrival = Self { steps, asked: target, ..self };
             let (origin, first) = (self.start, self.steps);
             let count = steps - self.steps;
-            return Some(Leg { step, count, done: 0, origin, first, arrival });
+            return Some(Leg { step, count, done: 0, origin, first, within: None, arrival });
         }
         let origin = self.grid_time(step);
         let span = target - origin;
         let count = (span / step - TOLERANCE).ceil().max(1.0);
         let (step, count, arrival) = (span / count, count as u64, Self::at(target));
-        Some(Leg { step, count, done: 0, origin, first: 0, arrival })
+        Some(Leg { step, count, done: 0, origin, first: 0, within: None, arrival })
     }
 }
 

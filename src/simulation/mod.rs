@@ -66,7 +66,7 @@ use catalogue::Quantity;
 use clock::{Clock, Leg};
 use monitor::Monitor;
 use serde::{Deserialize, Serialize};
-use signals::Driven;
+use signals::{Driven, Reach};
 use start::{check_closed, initial_motion};
 
 /// Steps taken between two looks at whether the motion is still finite.
@@ -171,13 +171,17 @@ impl Simulation {
             guard.check(&model, friction)?;
         }
         model.update_contacts(acting);
-        let integrator = if scene.effects.energy {
+        let mut integrator = if scene.effects.energy {
             integrator::choose_with_ledger(&model, scene.method)?
         } else {
             integrator::choose(&model, scene.method)?
         };
-        let drive = Drive::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
+        let mut drive = Drive::uniform(vec![0.0; model.dofs()], model.contacts.len(), 0.0, 0.0);
         let numbering = scene.network().map_or_else(Numbering::default, Numbering::of);
+        if let Some(driven) = &driven {
+            drive.waves = driven.waves(|variable| reach(&scene, &numbering, &model, variable));
+            integrator.expect_waves(drive.waves.len());
+        }
         let contact_forces = vec![ContactForce::detached(0.0); model.contacts.len()];
         let stale = Stale { drive: true, limit: false, contact_forces: true };
         Ok(Self {
@@ -304,9 +308,15 @@ impl Simulation {
     pub fn advance_to(&mut self, target: f64) -> Result<(), Error> {
         let mut leg = self.leg_to(target)?;
         while let Some(count) = self.prepare(&leg).map_err(|error| self.stopped(&error, &leg))? {
+            let edge = self.edge_ahead(&leg);
+            let step = length_to(edge, &leg);
             self.integrator
-                .advance(&mut self.motion, &self.drive, leg.step, count)
+                .advance(&mut self.motion, &self.drive, step, count)
                 .map_err(|failure| self.failed(failure, target))?;
+            if let Some(edge) = edge {
+                leg.take_part(edge);
+                continue;
+            }
             leg.take(count);
             self.check_taken(&leg)?;
         }
@@ -334,14 +344,23 @@ impl Simulation {
         // Most short steps find nothing changed.
         if self.driven.is_some() || self.stale.drive || self.stale.limit {
             let [time, end] = leg.next_step();
+            let edge = self.edge_ahead(leg);
+            let end = edge.unwrap_or(end);
             self.update_drive([time, end])?;
-            self.update_rates([time, end], leg.step);
+            self.update_rates([time, end], length_to(edge, leg));
             self.check_limit(time)?;
             if let Some(driven) = &self.driven {
-                count = leg.steps_before(driven.constant_until(time));
+                let is_part = edge.is_some() || leg.is_within();
+                count = if is_part { 1 } else { leg.steps_before(driven.constant_until(time)) };
             }
         }
         Ok(Some(count.min(CHUNK - leg.done % CHUNK)))
+    }
+
+    /// Where within the next step of a leg a signal has an edge that exact motion stops at, s.
+    fn edge_ahead(&self, leg: &Leg) -> Option<f64> {
+        let [time, end] = leg.next_step();
+        self.driven.as_ref()?.edge_between(time, end)
     }
 
     /// Looks now and then, and at the end, whether the motion is still finite.
@@ -425,6 +444,7 @@ impl Simulation {
     /// Brings what changes over a step between these times (s) up to date.
     fn update_rates(&mut self, span: [f64; 2], step: f64) {
         let Some(driven) = &self.driven else { return };
+        driven.bring_waves(span[0], &mut self.drive.waves);
         for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
             *acceleration = driven.slider_change(span, i) / step;
         }
@@ -477,6 +497,39 @@ fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
         Structure::Ring(_) => MODULE_DOFS * index + component,
         // Locked degrees of freedom have no variables.
         Structure::Network(_) => numbering.dof(index, component).unwrap_or(0),
+    }
+}
+
+/// How long (s) the next step of a leg is, or its part up to an edge.
+fn length_to(edge: Option<f64>, leg: &Leg) -> f64 {
+    let [time, end] = leg.next_step();
+    match edge {
+        Some(edge) => edge - time,
+        None if leg.is_within() => end - time,
+        None => leg.step,
+    }
+}
+
+/// What an input acts on.
+fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &Variable) -> Reach {
+    let index = variable.index;
+    let own = |contact: usize| scene.network().and_then(|it| it.contacts[contact].velocity);
+    match variable.template.quantity {
+        Quantity::ExternalForce => {
+            Reach { pushes: vec![(dof(scene, numbering, variable), 1.0)], ..Reach::default() }
+        }
+        Quantity::Preload => {
+            let mut force = vec![0.0; model.dofs()];
+            model::add_preload(scene, numbering, index, 1.0, &mut force);
+            let pushes = force.into_iter().enumerate().filter(|(_, force)| *force != 0.0);
+            Reach { pushes: pushes.collect(), ..Reach::default() }
+        }
+        Quantity::SliderVelocity => {
+            let moves = (0..model.contacts.len()).filter(|contact| own(*contact).is_none());
+            Reach { moves: moves.collect(), ..Reach::default() }
+        }
+        Quantity::OwnVelocity => Reach { moves: vec![index], ..Reach::default() },
+        _ => Reach::default(),
     }
 }
 

@@ -6,8 +6,10 @@ use super::catalogue::{Quantity, variables};
 use super::clock::NOTHING;
 use super::values::{check_value, read_scene, write_scene};
 use crate::Error;
-use crate::scene::{Scene, Shape};
+use crate::integrator::Wave;
+use crate::scene::{Method, Scene, Shape, Sine};
 use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
 
 /// Long steps of exact motion must not blur the edges of signals, s.
 const MOST_SLACK: f64 = 1e-9;
@@ -20,6 +22,8 @@ pub(super) struct Driven {
     inputs: Vec<Input>,
     /// What times may be off by rounding, s.
     slack: f64,
+    /// Does the motion follow what drives it within a step? Else it takes values at the ends of steps.
+    is_followed: bool,
 }
 
 struct Input {
@@ -38,6 +42,14 @@ pub(super) struct Ramp {
     pub(super) rate: f64,
     /// Has its step been taken? Then it only says how fast the input changed up to now.
     pub(super) is_over: bool,
+}
+
+/// What an input acts on: degrees of freedom with the force that one unit of it is, N, and contacts whose sliders it
+/// moves.
+#[derive(Default)]
+pub(super) struct Reach {
+    pub(super) pushes: Vec<(usize, f64)>,
+    pub(super) moves: Vec<usize>,
 }
 
 impl Ramp {
@@ -68,7 +80,9 @@ impl Driven {
                 inputs.push(Input { variable, signals, ramp: None });
             }
         }
-        Self { scene: given.clone(), inputs, slack: (NOTHING * given.step).min(MOST_SLACK) }
+        let slack = (NOTHING * given.step).min(MOST_SLACK);
+        let is_followed = given.method == Method::EventDriven;
+        Self { scene: given.clone(), inputs, slack, is_followed }
     }
 
     /// Gives an input this ramp, in place of the one that it has.
@@ -144,8 +158,8 @@ impl Driven {
     }
 
     /// Brings the inputs to a step from one time to another (s), where without signals they would be as
-    /// `given`: velocities of sliders are those at its end, where contacts are held, all others those at
-    /// its beginning. Gives the variables whose value this changes to `changed`.
+    /// `given`: velocities of sliders are those at its end, where contacts are held (in exact motion those that lead
+    /// there, before any jump), all others those at its beginning. Gives the variables whose value this changes to `changed`.
     ///
     /// # Errors
     /// A value that cannot be: which, when, and what it must be. That input stays as it is.
@@ -159,7 +173,8 @@ impl Driven {
         for Input { variable, signals, ramp } in &self.inputs {
             let value = |scene| read_scene(scene, variable).unwrap_or(0.0);
             let t = if is_velocity(variable) { end } else { start };
-            let added = signals.iter().map(|&i| given.signals[i].shape.at(t, self.slack));
+            let from = if self.is_followed { start } else { t };
+            let added = signals.iter().map(|&i| given.signals[i].shape.onward(from, t, self.slack));
             let given = ramp.map_or(value(given), |ramp| value(given) + ramp.at(t));
             let sum = added.fold(given, |sum, added| sum + added);
             if sum == value(&self.scene) {
@@ -195,13 +210,60 @@ impl Driven {
     /// By how much the velocity of a contact's slider changes over a step, m/s.
     pub(super) fn slider_change(&self, [start, end]: [f64; 2], contact: usize) -> f64 {
         let at = |t: f64| {
+            let from = if self.is_followed { start } else { t };
             let inputs = self.of_slider(contact);
             inputs.fold(0.0, |sum, input| {
                 let ramp = input.ramp.map_or(0.0, |ramp| ramp.at(t));
-                self.shapes(input).fold(sum + ramp, |sum, shape| sum + shape.at(t, self.slack))
+                let shapes = self.shapes(input);
+                shapes.fold(sum + ramp, |sum, shape| sum + shape.onward(from, t, self.slack))
             })
         };
         at(end) - at(start)
+    }
+
+    /// Is it one of the waves?
+    fn is_wave(&self, shape: &Shape) -> bool {
+        self.is_followed && matches!(shape, Shape::Sine(_))
+    }
+
+    /// The sines that drive the motion, where `reach` says what an input acts on; none where the motion takes values
+    /// at the ends of steps.
+    pub(super) fn waves(&self, reach: impl Fn(&Variable) -> Reach) -> Vec<Wave> {
+        let wave = |(variable, sine): (&Variable, &Sine)| {
+            let Reach { pushes, moves } = reach(variable);
+            let pulsation = TAU * sine.frequency;
+            Wave { amplitude: 0.0, pulsation, phase: 0.0, pushes, moves }
+        };
+        self.sines().map(wave).collect()
+    }
+
+    /// Brings waves to a step that begins at time `t` (s).
+    pub(super) fn bring_waves(&self, t: f64, waves: &mut [Wave]) {
+        for (wave, (_, sine)) in waves.iter_mut().zip(self.sines()) {
+            wave.amplitude = if sine.is_on(t + self.slack) { sine.amplitude } else { 0.0 };
+            wave.phase = sine.phase_at(t);
+        }
+    }
+
+    /// The sines that are waves, each with the input that it drives.
+    fn sines(&self) -> impl Iterator<Item = (&Variable, &Sine)> {
+        let all = self.inputs.iter().filter(|_| self.is_followed);
+        all.flat_map(move |input| {
+            self.shapes(input).filter_map(|shape| match shape {
+                Shape::Sine(sine) => Some((&input.variable, sine)),
+                _ => None,
+            })
+        })
+    }
+
+    /// The first edge of a signal after time `t` (s), before `end`, that the motion must stop at.
+    pub(super) fn edge_between(&self, t: f64, end: f64) -> Option<f64> {
+        if !self.is_followed {
+            return None;
+        }
+        let shapes = self.scene.signals.iter().map(|signal| &signal.shape);
+        let edges = shapes.map(|shape| shape.next_edge(t, self.slack));
+        Some(edges.fold(f64::INFINITY, f64::min)).filter(|edge| edge + self.slack < end)
     }
 
     /// How fast the acceleration of a contact's slider changes from time `t` (s) on, m/s³.
@@ -215,10 +277,18 @@ impl Driven {
         self.inputs.iter().map(move |input| (&input.variable, self.rate(input, t, 0.0)))
     }
 
-    /// The driven external forces and preloads, with how fast they change from time `t` (s) on, per second.
+    /// The driven external forces and preloads, with how fast they change from time `t` (s) on, per second,
+    /// [`waves`](Self::waves) apart.
     pub(super) fn load_rates(&self, t: f64) -> impl Iterator<Item = (&Variable, f64)> {
-        self.rates(t).filter(|(variable, _)| {
-            matches!(variable.template.quantity, Quantity::ExternalForce | Quantity::Preload)
+        let loads = self.inputs.iter().filter(|input| {
+            let quantity = input.variable.template.quantity;
+            matches!(quantity, Quantity::ExternalForce | Quantity::Preload)
+        });
+        loads.map(move |input| {
+            let ramp = input.ramp.map_or(0.0, |ramp| ramp.rate);
+            let shapes = self.shapes(input).filter(|shape| !self.is_wave(shape));
+            let rate = shapes.fold(0.0 + ramp, |sum, shape| sum + shape.rate(t, self.slack));
+            (&input.variable, rate)
         })
     }
 

@@ -139,8 +139,8 @@ impl Look {
 pub type Prepare<'a> = &'a (dyn Fn(&mut Scene) -> Result<Look, Error> + Sync);
 
 /// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
-/// the quickest way to where a motion ends, and the truest. A step holds the values of signals, so signals make steps
-/// shorter. What exact motion does not take, as Stribeck's law, keeps its own.
+/// the quickest way to where a motion ends, and the truest. A step holds friction that a signal drives, so signals make
+/// steps shorter. What exact motion does not take, as Stribeck's law, keeps its own.
 pub fn pace(scene: &mut Scene, look: &Look) {
     if EventDriven::new(&LumpedModel::from(&*scene)).is_ok() {
         let longest = scene.signals.iter().map(|signal| span(&signal.shape) / STEPS_A_SIGNAL);

@@ -16,7 +16,7 @@ use amontons::contact::{ContactForce, ContactState};
 use amontons::simulation::{Simulation, Snapshot};
 pub use motion::Place;
 use motion::Span;
-pub(super) use motion::{Memory, fastest};
+pub(super) use motion::{Memory, Swing, fastest};
 use nalgebra::DVector;
 
 /// A step asked for that is shorter than this part of the internal step is not taken.

@@ -20,12 +20,13 @@ use amontons::Error;
 use amontons::contact::residual::{Instant, Scales, Violation, residual};
 use amontons::contact::{ContactForce, ContactState, Friction};
 use amontons::model::LumpedModel;
-use amontons::scene::{Method, Scene, Signal, parse};
+use amontons::scene::{Method, Scene, Shape, Signal, Sine, parse};
 use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{
     Simulation, Snapshot, Variable, assign, read_scene, variables, write_scene,
 };
 use nalgebra::{DMatrix, DVector};
+use std::f64::consts::TAU;
 
 /// The integrators; every case is run with each of them, unless it says why not.
 pub const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
@@ -281,12 +282,15 @@ impl Run {
         }
     }
 
-    /// How fast the external forces and the velocities of the sliders change from `time` on, N/s and m/s².
+    /// How fast the external forces and the velocities of the sliders change from `time` on, N/s and m/s², sines apart.
     fn rates(&mut self, time: f64) -> [DVector<f64>; 2] {
         let (n, contacts) = (self.model.dofs(), self.model.contacts.len());
         let slack = 1e-6 * self.h();
         let [with, without] = [1.0, 0.0].map(|part| {
-            self.drive(|signal, _| part * signal.shape.rate(time, slack));
+            self.drive(|signal, _| match &signal.shape {
+                Shape::Sine(_) => 0.0,
+                shape => part * shape.rate(time, slack),
+            });
             let (scene, places) = (&self.acting, self.model.contacts.iter());
             let velocities = places.map(|contact| contact.velocity(scene.slider.velocity));
             [
@@ -296,6 +300,36 @@ impl Run {
         });
         let [force, velocity] = with;
         [force - &without[0], velocity - &without[1]]
+    }
+
+    /// The sines of forces and slider velocities that act from `time` on.
+    fn swings(&mut self, time: f64) -> Vec<exact::Swing> {
+        let slack = 1e-6 * self.h();
+        let sines: Vec<(Signal, Sine)> = self
+            .signals
+            .iter()
+            .filter_map(|(_, signal)| match signal.shape {
+                Shape::Sine(sine) if sine.is_on(time + slack) => Some((signal.clone(), sine)),
+                _ => None,
+            })
+            .collect();
+        let swing = |(driving, sine): (Signal, Sine)| {
+            let [with, without] = [1.0, 0.0].map(|part| {
+                self.drive(|signal, _| if *signal == driving { part } else { 0.0 });
+                let (scene, places) = (&self.acting, self.model.contacts.iter());
+                let velocities = places.map(|contact| contact.velocity(scene.slider.velocity));
+                let force = DVector::from_iterator(self.model.dofs(), scene.external_forces());
+                (force, DVector::from_iterator(self.model.contacts.len(), velocities))
+            });
+            let phase = sine.phase_at(time);
+            exact::Swing {
+                pulsation: TAU * sine.frequency,
+                start: [phase.sin(), phase.cos()].map(|part| sine.amplitude * part),
+                pushes: with.0 - without.0,
+                moves: with.1 - without.1,
+            }
+        };
+        sines.into_iter().map(swing).collect()
     }
 
     /// Adds to the inputs that have signals.

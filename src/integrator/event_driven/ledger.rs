@@ -25,6 +25,8 @@ pub struct Passage<'a> {
     /// The outer forces, N, and the velocities of the sliders, m/s, where it begins.
     pub(super) force: &'a [f64],
     pub(super) surface: &'a [f64],
+    /// The accelerations of the sliders there, m/s².
+    pub(super) acceleration: &'a [f64],
     pub(super) drive: &'a Drive,
     /// How much of the span.
     pub(super) part: f64,
@@ -63,6 +65,8 @@ pub(in crate::integrator) struct Writer {
     moved: Vec<f64>,
     /// C dx/du likewise, N s.
     damped: Vec<f64>,
+    /// One power of the forces of waves, N.
+    wave: Vec<f64>,
     /// Of one contact: T, N, and how far the slider moves against the mass, m.
     friction: Polynomial,
     slipped: Polynomial,
@@ -75,6 +79,7 @@ impl Writer {
             model: model.clone(),
             moved: room(),
             damped: room(),
+            wave: vec![0.0; model.dofs()],
             friction: [0.0; ORDER + 1],
             slipped: [0.0; ORDER + 1],
         }
@@ -110,7 +115,7 @@ impl Writer {
 impl Witness for Writer {
     fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion) {
         let Some(ledger) = &mut motion.ledger else { return };
-        let Passage { dynamics, series, force, surface, drive, part } = passage;
+        let Passage { dynamics, series, force, surface, acceleration, drive, part } = passage;
         let (dofs, time) = (force.len(), part * series.span());
         let powers = series.order();
         self.moved.resize(powers * dofs, 0.0);
@@ -125,13 +130,22 @@ impl Witness for Writer {
         }
         ledger.damping += self.damping(dynamics.damping, time);
 
-        // Forces are f + ḟ t; both are looked at once for each power.
+        // Forces are f + ḟ t, and what oscillates; the first two are looked at once for each power.
         let mut work = 0.0;
         for (k, moved) in self.moved.chunks_exact(dofs).enumerate() {
             for (dof, moved) in moved.iter().enumerate() {
                 let constant = (force[dof] + ledger.balance[dof]) * INTEGRATED[k];
                 let rising = time * drive.force_rate[dof] * INTEGRATED[k + 1];
                 work += moved * (constant + rising);
+            }
+        }
+        let mut power = 1.0;
+        for i in 1..series.waves.powers() {
+            power *= part;
+            self.wave.fill(0.0);
+            series.waves.add_forces(&drive.waves, i, &mut self.wave);
+            for (k, moved) in self.moved.chunks_exact(dofs).enumerate() {
+                work += power * INTEGRATED[i + k] * dot(moved, &self.wave);
             }
         }
         ledger.forces += work;
@@ -148,7 +162,11 @@ impl Witness for Writer {
                 power *= part;
             }
             let friction = &self.friction[..terms];
-            let carried = [time * surface[i], time * time * drive.slider_acceleration[i]];
+            let mut carried: Polynomial = [0.0; ORDER + 1];
+            carried[0] = time * surface[i];
+            carried[1] = time * time * acceleration[i];
+            series.waves.add_velocity(&drive.waves, i, (time, part), &mut carried);
+            let carried = &carried[..series.waves.powers().max(2)];
             let slipped = &mut self.slipped[..powers];
             for (slipped, moved) in slipped.iter_mut().zip(self.moved.chunks_exact(dofs)) {
                 *slipped = -contact.tangent.dot(moved);
@@ -156,7 +174,7 @@ impl Witness for Writer {
             for (slipped, carried) in slipped.iter_mut().zip(carried) {
                 *slipped += carried;
             }
-            ledger.slider += integral(friction, &carried);
+            ledger.slider += integral(friction, carried);
             ledger.friction += integral(friction, slipped);
         }
     }

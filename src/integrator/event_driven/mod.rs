@@ -6,7 +6,8 @@
 //! contact says which state follows ([`EventDriven::change`]); a touch-down is a perfectly inelastic
 //! impact with friction, as the forward increment scheme has it.
 //!
-//! Over an internal step forces and slider velocities change linearly, friction coefficients not at all.
+//! Over an internal step forces and slider velocities change linearly and as waves do ([`waves`]), friction
+//! coefficients not at all.
 //! Errors are those of rounding, so the step decides how often inputs are looked at, not how accurate
 //! the motion is.
 
@@ -19,6 +20,7 @@ mod roots;
 mod rounding;
 mod series;
 mod watch;
+mod waves;
 
 use super::contact_problem::Freedom;
 use super::dynamics::Dynamics;
@@ -31,8 +33,9 @@ pub(super) use ledger::Writer;
 use ledger::{Passage, Witness};
 use reduced::MOST_PLACES;
 use rounding::{NOISE, THROWN, pulls};
-use series::{ORDER, Polynomial, Series};
+use series::{Instant, ORDER, Polynomial, Series};
 use watch::Event;
+use waves::Waves;
 
 /// The most contacts that may share masses: their equations take the cube of their number.
 const MAX_GROUP: usize = 256;
@@ -44,7 +47,7 @@ const MAX_STANDSTILL: u64 = 16;
 const MOST_OPENINGS: u32 = 5;
 /// More series than this in one internal step are more oscillations than anyone waits for: of the fastest, a
 /// series covers about three radians.
-const MAX_SERIES: u64 = 100_000;
+const MAX_SERIES: u32 = 100_000;
 /// A series that covers no more than this part of what is left of a step will not end it.
 const SHORTEST: f64 = 1e-12;
 
@@ -64,9 +67,11 @@ pub struct EventDriven<W = ()> {
     pulls: Vec<[Direction; 2]>,
     /// The polynomial at hand.
     polynomial: Polynomial,
-    /// The outer forces, N, and the velocities of the sliders, m/s, at the instant that was reached.
+    /// The outer forces, N, and the velocities (m/s) and accelerations (m/s²) of the sliders at the instant that
+    /// was reached.
     force: Vec<f64>,
     surface: Vec<f64>,
+    surface_acceleration: Vec<f64>,
     /// The events at one instant.
     events: Vec<Option<Event>>,
     /// How often each contact has had one at the present instant.
@@ -133,6 +138,7 @@ impl<W: Witness> EventDriven<W> {
             polynomial: [0.0; ORDER + 1],
             force: vec![0.0; model.dofs()],
             surface: vec![0.0; contacts],
+            surface_acceleration: vec![0.0; contacts],
             events: vec![None; contacts],
             repeats: vec![0; contacts],
             before: vec![ContactState::Detached; contacts],
@@ -149,6 +155,9 @@ impl<W: Witness> EventDriven<W> {
         motion.statistics.steps += 1;
         let (mut left, mut events, mut standstill, mut expanded) = (h, 0, 0, 0);
         self.repeats.fill(0);
+        if f64::from(MAX_SERIES) * Waves::reach(&drive.waves, h) < h {
+            return Err(StepFailure::TooManySeries { most: MAX_SERIES.into() });
+        }
         self.reach(drive, h, left);
         self.follow_slider(motion, h);
         self.note_closed(motion);
@@ -156,9 +165,11 @@ impl<W: Witness> EventDriven<W> {
             self.stop_approach(motion, drive)?;
         }
         while left > 0.0 {
-            let Self { series, dynamics, force, .. } = self;
+            let Self { series, dynamics, force, surface_acceleration, .. } = self;
             let start = (&*motion.displacement, &*motion.velocity);
-            series.expand(dynamics, &motion.contacts, drive, force, start, left);
+            let now = Instant { outer: force, slider: surface_acceleration, passed: h - left };
+            let most = Waves::reach(&drive.waves, left);
+            series.expand(dynamics, &motion.contacts, drive, now, start, most);
             let reach = series.span();
             if reach <= SHORTEST * left {
                 // No series covers numbers that have left their range: whoever looks at the motion is to
@@ -169,7 +180,7 @@ impl<W: Witness> EventDriven<W> {
             }
             expanded += 1;
             if expanded > MAX_SERIES {
-                return Err(StepFailure::TooManySeries { most: MAX_SERIES });
+                return Err(StepFailure::TooManySeries { most: MAX_SERIES.into() });
             }
             let event = self.next_event(motion, drive);
             let part = event.unwrap_or(1.0);
@@ -183,7 +194,10 @@ impl<W: Witness> EventDriven<W> {
             }
             if passed > 0.0 {
                 let Self { witness, dynamics, series, force, surface, .. } = self;
-                witness.passes(Passage { dynamics, series, force, surface, drive, part }, motion);
+                let acceleration = &self.surface_acceleration;
+                let passage =
+                    Passage { dynamics, series, force, surface, acceleration, drive, part };
+                witness.passes(passage, motion);
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
                 // What is left ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
@@ -221,6 +235,23 @@ impl<W: Witness> EventDriven<W> {
             .zip(drive.slider_velocity.iter().zip(&drive.slider_acceleration))
         {
             *surface = end - acceleration * left;
+        }
+        self.surface_acceleration.copy_from_slice(&drive.slider_acceleration);
+        for wave in drive.waves.iter().filter(|wave| wave.amplitude != 0.0) {
+            let passed = h - left;
+            let [start, now, end] = [0.0, passed, h].map(|t| wave.after(t));
+            for &(dof, force) in &wave.pushes {
+                self.force[dof] += force * (now - start);
+            }
+            // The drive has its chord, which meets those of the neighbouring steps to the last digit: a phase that
+            // is rounded would let a contact slip that sticks to what nearly stands.
+            let chord = end - start;
+            let (above, rate) =
+                ((now - start) - chord * (passed / h), wave.rate_after(passed) - chord / h);
+            for &contact in &wave.moves {
+                self.surface[contact] += above;
+                self.surface_acceleration[contact] += rate;
+            }
         }
     }
 
@@ -349,7 +380,7 @@ impl<W: Witness> EventDriven<W> {
             };
             problem.free[i] = [
                 contact.normal.dot(&self.dynamics.acceleration),
-                contact.tangent.dot(&self.dynamics.acceleration) - drive.slider_acceleration[i],
+                contact.tangent.dot(&self.dynamics.acceleration) - self.surface_acceleration[i],
             ];
         }
         motion.statistics.count_sweeps(self.dynamics.problem.solve(&motion.contacts)?);
@@ -415,6 +446,10 @@ impl<W: Witness> Integrator for EventDriven<W> {
     ) -> Result<(), StepFailure> {
         self.series.law.respond(&self.dynamics, kept, push, response);
         Ok(())
+    }
+
+    fn expect_waves(&mut self, count: usize) {
+        self.series.expect_waves(count);
     }
 
     fn set_damping(&mut self, damping: Damping) {

@@ -78,14 +78,15 @@ impl ReducedLaws {
         }
     }
 
-    /// The matrices of these states, under this drive and the outer forces (N) of the moment.
+    /// The matrices of these states, under the friction of this drive, and the outer forces (N) and accelerations of
+    /// the sliders (m/s²) of the moment.
     pub(super) fn of(
         &mut self,
         dynamics: &Dynamics,
         law: &mut StateLaw,
         states: &[ContactState],
         drive: &Drive,
-        outer: &[f64],
+        (outer, slider): (&[f64], &[f64]),
     ) -> &Reduced {
         let friction = &drive.friction;
         if self.friction != *friction {
@@ -122,10 +123,10 @@ impl ReducedLaws {
             slot.outer.fill(f64::NAN);
             slot.key = Some(key);
         }
-        if slot.outer != outer || slot.slider != drive.slider_acceleration {
+        if slot.outer != outer || slot.slider != slider {
             law.set(dynamics, states, friction);
             slot.outer.copy_from_slice(outer);
-            slot.slider.copy_from_slice(&drive.slider_acceleration);
+            slot.slider.copy_from_slice(slider);
             let acting = Acting { outer, slider: &slot.slider, ..nothing };
             law.apply(dynamics, acting, &mut slot.load);
         }

@@ -3,6 +3,7 @@
 use super::law::{Acting, StateLaw, held_dofs};
 use super::reduced::{MOST_PLACES, MOST_STATES, ReducedLaws};
 use super::roots;
+use super::waves::Waves;
 use crate::contact::ContactState;
 use crate::integrator::Drive;
 use crate::integrator::dynamics::Dynamics;
@@ -11,7 +12,7 @@ use crate::model::{Damping, Direction};
 /// The highest power of the displacements.
 pub(super) const ORDER: usize = 28;
 /// The highest power of the forces.
-const FORCE_ORDER: usize = ORDER - 2;
+pub(super) const FORCE_ORDER: usize = ORDER - 2;
 /// What the last two terms may be against the first ones; those that are left out are much smaller.
 const TRUNCATION: f64 = 0.5 * f64::EPSILON;
 /// By how much a step that the series does not cover is shortened, again and again.
@@ -68,6 +69,13 @@ pub(super) struct Series {
     /// (m/s²) with which a slider carries it.
     is_free: Vec<f64>,
     carried: Vec<f64>,
+    /// The degrees of freedom that sliders carry, each with the contact.
+    carriers: Vec<(usize, usize)>,
+    /// What oscillates, and one power of the accelerations that sliders have of it.
+    pub(super) waves: Waves,
+    swung: Vec<f64>,
+    /// What the waves give, row by row; of small structures alone.
+    wave_rows: Vec<f64>,
     /// c_k, m, row by row; zero beyond the degrees of freedom.
     displacement: Vec<f64>,
     /// λ_k, N, row by row in the places of multipliers.
@@ -83,6 +91,15 @@ pub(super) struct Series {
     velocity: Vec<f64>,
     outer_rate: Vec<f64>,
     zeros: Vec<f64>,
+}
+
+/// What acts at the beginning of a series: outer forces, N, accelerations of the sliders, m/s², and how much of the
+/// step has passed, s.
+#[derive(Clone, Copy)]
+pub(super) struct Instant<'a> {
+    pub(super) outer: &'a [f64],
+    pub(super) slider: &'a [f64],
+    pub(super) passed: f64,
 }
 
 /// A small number as a double.
@@ -117,6 +134,10 @@ impl Series {
             slider: Vec::with_capacity(contacts),
             is_free,
             carried: vec![0.0; places],
+            carriers: Vec::with_capacity(contacts),
+            waves: Waves::new(),
+            swung: vec![0.0; contacts],
+            wave_rows: Vec::new(),
             displacement: vec![0.0; (ORDER + 1) * places],
             forces: vec![0.0; (FORCE_ORDER + 1) * places],
             swing: vec![0.0; places],
@@ -129,6 +150,14 @@ impl Series {
         }
     }
 
+    /// Makes room for as many waves.
+    pub(super) fn expect_waves(&mut self, count: usize) {
+        self.waves.make_room(count);
+        if self.reduced.is_some() && count > 0 {
+            self.wave_rows.resize((FORCE_ORDER + 1) * self.places, 0.0);
+        }
+    }
+
     /// To be called after a change of damping.
     pub(super) fn forget(&mut self) {
         if let Some(reduced) = &mut self.reduced {
@@ -136,18 +165,18 @@ impl Series {
         }
     }
 
-    /// The series from (x, ẋ) under the outer forces (N) and their rates in the drive. It covers up to
-    /// `most` (s), and next to nothing where its numbers have left their range.
+    /// The series from (x, ẋ) under what acts at its beginning, and the rates and waves in the drive. It covers up
+    /// to `most` (s), and next to nothing where its numbers have left their range.
     pub(super) fn expand(
         &mut self,
         dynamics: &Dynamics,
         states: &[ContactState],
         drive: &Drive,
-        outer: &[f64],
+        now: Instant<'_>,
         (x, v): (&[f64], &[f64]),
         most: f64,
     ) {
-        self.hold(dynamics, states, &drive.slider_acceleration);
+        self.hold(dynamics, states, now.slider);
         self.span = most;
         for _ in 0..MOST_TRIALS {
             let (first, others) = self.displacement.split_at_mut(self.places);
@@ -155,12 +184,13 @@ impl Series {
             for (c, v) in others.iter_mut().zip(v) {
                 *c = v * self.span;
             }
+            self.waves.expand(&drive.waves, now.passed, self.span);
             match self.places {
-                4 if self.reduced.is_some() => self.small::<4, 2>(dynamics, drive, outer),
-                8 if self.reduced.is_some() => self.small::<8, 4>(dynamics, drive, outer),
-                12 if self.reduced.is_some() => self.small::<12, 6>(dynamics, drive, outer),
-                16 if self.reduced.is_some() => self.small::<16, 8>(dynamics, drive, outer),
-                _ => self.large(dynamics, drive, outer),
+                4 if self.reduced.is_some() => self.small::<4, 2>(dynamics, drive, now),
+                8 if self.reduced.is_some() => self.small::<8, 4>(dynamics, drive, now),
+                12 if self.reduced.is_some() => self.small::<12, 6>(dynamics, drive, now),
+                16 if self.reduced.is_some() => self.small::<16, 8>(dynamics, drive, now),
+                _ => self.large(dynamics, drive, now),
             }
             let last = &self.displacement[(self.order - 1) * self.places..][..2 * self.places];
             if last.iter().all(|c| c.is_finite()) {
@@ -184,9 +214,11 @@ impl Series {
         self.slider.extend_from_slice(slider);
         self.is_free[..self.dofs].fill(1.0);
         self.carried.fill(0.0);
+        self.carriers.clear();
         held_dofs(dynamics, states, |dof, by| {
             self.is_free[dof] = 0.0;
             self.carried[dof] = by.map_or(0.0, |contact| slider[contact]);
+            self.carriers.extend(by.map(|contact| (dof, contact)));
         });
     }
 
@@ -195,16 +227,20 @@ impl Series {
         &mut self,
         dynamics: &Dynamics,
         drive: &Drive,
-        outer: &[f64],
+        now: Instant<'_>,
     ) {
         self.order = 0;
         let rate = self.small_rate::<N>(dynamics, drive);
+        let waves = self.waves.powers();
+        self.write_wave_rows(dynamics, drive);
         let Some(reduced) = &mut self.reduced else { return };
-        let matrices = reduced.of(dynamics, &mut self.law, &self.states, drive, outer);
+        let Instant { outer, slider, .. } = now;
+        let matrices = reduced.of(dynamics, &mut self.law, &self.states, drive, (outer, slider));
         let Damping { alpha, beta } = dynamics.damping;
         let is_damped = alpha != 0.0 || !dynamics.dampers.is_empty();
         let displacement = self.displacement.as_chunks_mut::<N>().0;
         let forces = self.forces.as_chunks_mut::<N>().0;
+        let swings = self.wave_rows.as_chunks::<N>().0;
         let (is_free, carried) = (first::<N>(&self.is_free), first::<N>(&self.carried));
         let (per_span, square) = (1.0 / self.span, self.span * self.span);
         let (mut negligible, mut swing) = (0.0, [0.0; N]);
@@ -214,11 +250,13 @@ impl Series {
             self.order = k + 2;
             let start = match k {
                 0 => matrices.load(),
+                1 if waves > 1 => std::array::from_fn(|i| rate[i] + swings[1][i]),
                 1 => rate,
+                _ if k < waves => swings[k],
                 _ => [0.0; N],
             };
-            // What a slider carries along has no powers beyond the second.
-            let all = k <= 2;
+            // What a slider carries along has no powers beyond the second, unless it oscillates.
+            let all = k <= 2 + waves;
             let factor = power.ahead * per_span;
             let damped = beta * factor;
             let stretch = std::array::from_fn(|i| c[i] + damped * next[i]);
@@ -229,6 +267,13 @@ impl Series {
             *row = sum;
             let factor = square * power.integrated_twice;
             *new = std::array::from_fn(|i| factor * sum[i] * is_free[i]);
+            if (1..waves).contains(&k) {
+                let swung = &mut self.swung;
+                self.waves.write_accelerations(&drive.waves, (k, power.ahead), self.span, swung);
+                for &(dof, contact) in &self.carriers {
+                    new[dof] += factor * swung[contact];
+                }
+            }
             if k == 0 {
                 *new = std::array::from_fn(|i| new[i] + factor * carried[i]);
                 negligible = TRUNCATION * (size(c) + size(next) + size(new));
@@ -241,7 +286,7 @@ impl Series {
             for (swing, force) in swing.iter_mut().zip(sum) {
                 *swing += force.abs();
             }
-            if k % 2 == 1 && size(next) + size(new) <= negligible {
+            if k % 2 == 1 && k >= waves && size(next) + size(new) <= negligible {
                 break;
             }
         }
@@ -265,13 +310,30 @@ impl Series {
         row.map(|value| self.span * value)
     }
 
-    /// The recursion with sparse matrices.
-    fn large(&mut self, dynamics: &Dynamics, drive: &Drive, outer: &[f64]) {
-        let Self { law, stretch, velocity, zeros, outer_rate, dofs, span, .. } = self;
-        law.set(dynamics, &self.states, &drive.friction);
-        for (scaled, rate) in outer_rate.iter_mut().zip(&drive.force_rate) {
-            *scaled = *span * rate;
+    /// Writes what each power of the waves gives.
+    fn write_wave_rows(&mut self, dynamics: &Dynamics, drive: &Drive) {
+        let Self { law, waves, wave_rows, outer_rate, swung, zeros, dofs, places, span, .. } = self;
+        if waves.powers() == 0 {
+            return;
         }
+        law.set(dynamics, &self.states, &drive.friction);
+        wave_rows.resize((FORCE_ORDER + 1) * *places, 0.0);
+        let rows = wave_rows.chunks_exact_mut(*places).zip(&POWERS).enumerate();
+        for (k, (row, power)) in rows.take(waves.powers()).skip(1) {
+            outer_rate.fill(0.0);
+            waves.add_forces(&drive.waves, k, outer_rate);
+            waves.write_accelerations(&drive.waves, (k, power.ahead), *span, swung);
+            let zeros = &zeros[..*dofs];
+            let acting =
+                Acting { stretch: zeros, velocity: zeros, outer: outer_rate, slider: swung };
+            law.apply(dynamics, acting, row);
+        }
+    }
+
+    /// The recursion with sparse matrices.
+    fn large(&mut self, dynamics: &Dynamics, drive: &Drive, now: Instant<'_>) {
+        let Self { law, stretch, velocity, zeros, outer_rate, dofs, span, waves, swung, .. } = self;
+        law.set(dynamics, &self.states, &drive.friction);
         let places = self.places;
         let (per_span, square) = (1.0 / *span, *span * *span);
         let mut negligible = 0.0;
@@ -285,17 +347,39 @@ impl Series {
                 velocity[dof] = power.ahead * per_span * next[dof];
                 stretch[dof] = c[dof] + dynamics.damping.beta * velocity[dof];
             }
+            let swings = (1..waves.powers()).contains(&k);
+            if k == 1 {
+                for (scaled, rate) in outer_rate.iter_mut().zip(&drive.force_rate) {
+                    *scaled = *span * rate;
+                }
+            } else if swings {
+                outer_rate.fill(0.0);
+            }
+            if swings {
+                waves.add_forces(&drive.waves, k, outer_rate);
+                waves.write_accelerations(&drive.waves, (k, power.ahead), *span, swung);
+            }
+            let [no_force, no_acceleration] = [*dofs, self.slider.len()].map(|n| &zeros[..n]);
             let outer = match k {
-                0 => outer,
+                0 => now.outer,
                 1 => &*outer_rate,
-                _ => &zeros[..*dofs],
+                _ if swings => &*outer_rate,
+                _ => no_force,
             };
-            let slider =
-                if k == 0 { &*drive.slider_acceleration } else { &zeros[..self.slider.len()] };
+            let slider = match k {
+                0 => now.slider,
+                _ if swings => &*swung,
+                _ => no_acceleration,
+            };
             law.apply(dynamics, Acting { stretch, velocity, outer, slider }, row);
             let factor = square * power.integrated_twice;
             for ((new, row), is_free) in new.iter_mut().zip(&*row).zip(&self.is_free) {
                 *new = factor * row * is_free;
+            }
+            if swings {
+                for &(dof, contact) in &self.carriers {
+                    new[dof] += factor * swung[contact];
+                }
             }
             if k == 0 {
                 for (new, carried) in new.iter_mut().zip(&self.carried) {
@@ -310,7 +394,7 @@ impl Series {
             for (swing, force) in self.swing.iter_mut().zip(&*row) {
                 *swing += force.abs();
             }
-            if k % 2 == 1 && size(next) + size(new) <= negligible {
+            if k % 2 == 1 && k >= waves.powers() && size(next) + size(new) <= negligible {
                 break;
             }
         }
@@ -343,6 +427,7 @@ impl Series {
         };
         scale(&mut self.displacement);
         scale(&mut self.forces);
+        self.waves.shorten(part);
     }
 
     /// The time that is covered, s.

@@ -146,7 +146,7 @@ impl<W: Witness> EventDriven<W> {
 
     /// Writes what must not become negative as a polynomial; its number of terms.
     fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
-        let Self { series, dynamics, polynomial, surface, .. } = self;
+        let Self { series, dynamics, polynomial, surface, surface_acceleration, .. } = self;
         let rows = &dynamics.contacts[contact];
         match event {
             Event::Touch => series.along(&rows.normal, polynomial),
@@ -154,7 +154,8 @@ impl<W: Witness> EventDriven<W> {
                 let terms = series.moved(&rows.tangent, polynomial);
                 let span = series.span();
                 polynomial[0] -= span * surface[contact];
-                polynomial[1] -= span * span * drive.slider_acceleration[contact];
+                polynomial[1] -= span * span * surface_acceleration[contact];
+                series.waves.add_velocity(&drive.waves, contact, (-span, 1.0), polynomial);
                 if series.state(contact) == ContactState::Slide {
                     polynomial[..terms].iter_mut().for_each(|value| *value = -*value);
                 }

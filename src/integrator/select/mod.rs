@@ -145,7 +145,7 @@ impl<'a> Rule<'a> {
         let periods = scene.experiment.stop_time * frequency.unwrap_or(0.0) / TAU;
         Self {
             scene,
-            cost: Cost::of(model),
+            cost: Cost::of(model).driven(&scene.signals),
             frequency,
             takes_event_driven: super::EventDriven::new(model).is_ok(),
             events: EVENTS_A_PERIOD * model.contacts.len() as f64 * periods,

@@ -5,11 +5,11 @@ use std::f64::consts::TAU;
 
 /// What a time may be off from the beginning of a step, in parts of it.
 const ON_THE_GRID: f64 = 1e-6;
-/// What the square of the angle of a sine in a step costs where each step follows its tangent: measured 0.2.
-const CURVED: f64 = 0.5;
+/// Exact motion does not follow more radians of a sine in one step.
+const MOST_RADIANS: f64 = 1e5;
 
-/// The relative error that a signal causes: an edge within a step comes late, and so does all that is held
-/// over it; where forces and velocities change linearly over a step, what is left is their curvature.
+/// The relative error that a signal causes. Exact motion follows forces and velocities as they are, and stops at
+/// their edges; it holds friction over a step. The paper's scheme holds all, and an edge within a step comes late.
 pub(super) fn error(
     signal: &Signal,
     scene: &Scene,
@@ -17,27 +17,28 @@ pub(super) fn error(
     step: f64,
     frequency: f64,
 ) -> f64 {
-    let is_held = method == Method::ForwardIncrement || signal.drives_friction();
+    let is_exact = method == Method::EventDriven;
+    if is_exact && !signal.drives_friction() {
+        return match &signal.shape {
+            Shape::Sine(sine) if TAU * sine.frequency * step > MOST_RADIANS => f64::INFINITY,
+            _ => 0.0,
+        };
+    }
     let stop = scene.experiment.stop_time;
     let late = |time: f64| {
         let off = (time / step - (time / step).round()).abs();
-        if time <= 0.0 || time >= stop || off <= ON_THE_GRID { 0.0 } else { step }
+        let is_met = is_exact || off <= ON_THE_GRID;
+        if time <= 0.0 || time >= stop || is_met { 0.0 } else { step }
     };
     let jump = |time: f64| frequency * late(time);
-    // How much of a change over `length` (s) a step holds back, or goes on beyond where it ends.
-    let slope = |length: f64| step / length;
-    let straight = |start: f64, end: f64| match is_held {
-        true => slope(end - start),
-        false => (jump(start) + jump(end)) * slope(end - start).min(1.0),
-    };
+    // How much of a change a step holds back.
+    let straight = |start: f64, end: f64| step / (end - start);
     match &signal.shape {
         Shape::Constant(_) => 0.0,
         Shape::Pulse(pulse) => jump(pulse.start) + pulse.end.map_or(0.0, jump),
         Shape::Ramp(ramp) => straight(ramp.start, ramp.end),
         Shape::Sine(sine) => {
-            let angle = TAU * sine.frequency * step;
-            let within = if is_held { angle } else { CURVED * angle * angle };
-            within + jump(sine.start) + sine.end.map_or(0.0, jump)
+            TAU * sine.frequency * step + jump(sine.start) + sine.end.map_or(0.0, jump)
         }
         Shape::Table(table) if table.between == Between::Constant => {
             table.points.iter().fold(0.0, |sum, [time, _]| sum + jump(*time))
@@ -71,29 +72,31 @@ mod tests {
     }
 
     #[test]
-    fn edges_on_the_grid_cost_exact_motion_nothing() {
-        let exact = |shape, step| of("module[1].f1", shape, Method::EventDriven, step);
+    fn edges_cost_exact_motion_nothing_wherever_they_are() {
+        let of_method = |method, shape, step| of("module[1].f1", shape, method, step);
+        let exact = |shape, step| of_method(Method::EventDriven, shape, step);
         let pulse = || Shape::Pulse(Pulse { value: 1.0, start: 0.25, end: Some(0.5) });
-        assert_eq!(exact(pulse(), 0.05), 0.0);
-        assert_eq!(exact(pulse(), 0.1), 1e3 * 0.1);
+        assert_eq!([0.05, 0.1].map(|step| exact(pulse(), step)), [0.0; 2]);
+        let scheme = |step| of_method(Method::ForwardIncrement, pulse(), step);
+        assert_eq!([0.05, 0.1].map(scheme), [0.0, 1e3 * 0.1]);
         let ramp = || Shape::Ramp(Ramp { from: 0.0, to: 1.0, start: 0.0, end: 0.3 });
-        assert_eq!(exact(ramp(), 0.1), 0.0);
+        assert_eq!([0.1, 0.2].map(|step| exact(ramp(), step)), [0.0; 2]);
         // Held over a step, friction is behind by half of it however the step is placed.
         assert!(of("friction.coefficient", ramp(), Method::EventDriven, 0.1) > 0.3);
         assert!(of("module[1].f1", ramp(), Method::ForwardIncrement, 0.1) > 0.3);
     }
 
     #[test]
-    fn a_sine_costs_second_order_along_a_line_and_first_where_it_is_held() {
+    fn a_sine_costs_nothing_where_it_is_followed_and_first_order_where_it_is_held() {
         let sine = || {
             let sine = Sine { amplitude: 1.0, frequency: 3.0, phase: 0.0, start: 0.0, end: None };
             Shape::Sine(sine)
         };
-        let ratio = |input: &str| {
-            let of = |step| of(input, sine(), Method::EventDriven, step);
-            of(1e-3) / of(5e-4)
-        };
-        assert!((ratio("module[1].f1") - 4.0).abs() < 1e-9);
-        assert!((ratio("friction.coefficient") - 2.0).abs() < 1e-9);
+        let exact = |input: &str, step| of(input, sine(), Method::EventDriven, step);
+        assert_eq!(exact("module[1].f1", 1e-3), 0.0);
+        // One step cannot follow any number of periods.
+        assert_eq!(exact("module[1].f1", 1e4), f64::INFINITY);
+        let held = |step| exact("friction.coefficient", step);
+        assert!((held(1e-3) / held(5e-4) - 2.0).abs() < 1e-9);
     }
 }

@@ -22,13 +22,14 @@ impl Run {
     #[track_caller]
     pub(super) fn judge_instant(&mut self, span: &Span, look: &Look, held: usize, is_end: bool) {
         let (force, lost) = self.outer(span, look);
+        let sliders = span.acceleration(look.t);
         let state = &self.memory.held[held];
-        let forces = &state.multipliers * &force + &state.carried * &span.acceleration;
+        let forces = &state.multipliers * &force + &state.carried * &sliders;
         let lost = lost * state.multipliers.amax().max(1.0);
-        let accelerations = &state.mobility * &force + &state.follows * &span.acceleration;
-        let places = (0..span.acceleration.len()).map(|i| [forces[2 * i], forces[2 * i + 1]]);
+        let accelerations = &state.mobility * &force + &state.follows * &sliders;
+        let places = (0..sliders.len()).map(|i| [forces[2 * i], forces[2 * i + 1]]);
         for (i, pair) in places.enumerate() {
-            let slider = [span.slider(i, look.t), span.acceleration[i]];
+            let slider = [span.slider(i, look.t), sliders[i]];
             self.at = (look.t - self.h(), is_end);
             self.judge_contact(
                 i,
@@ -49,12 +50,13 @@ impl Run {
         let (force, lost) = self.outer(span, look);
         let state = &self.memory.held[held];
         let states = state.states.clone();
-        let forces = &state.multipliers * &force + &state.carried * &span.acceleration;
-        let accelerations = &state.mobility * &force + &state.follows * &span.acceleration;
+        let sliders = span.acceleration(look.t);
+        let forces = &state.multipliers * &force + &state.carried * &sliders;
+        let accelerations = &state.mobility * &force + &state.follows * &sliders;
         let lost = lost * state.multipliers.amax().max(1.0);
         let drift = self.exact_drift();
         let allowed = (LAW + drift) * self.scales.force + lost;
-        for i in 0..span.acceleration.len() {
+        for i in 0..span.steady.len() {
             let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * i + k));
             let slip_velocity = span.slider(i, look.t) - tangent.dot(&look.place[1]);
             if slip_velocity.abs() > (STANDS + drift) * self.scales.velocity {
@@ -63,7 +65,7 @@ impl Run {
             let own = normal.dot(&(&self.inverse_mass * normal));
             let doing = Doing {
                 force: [forces[2 * i], forces[2 * i + 1]],
-                slip: span.acceleration[i] - tangent.dot(&accelerations),
+                slip: sliders[i] - tangent.dot(&accelerations),
                 nothing: [own * allowed, allowed],
             };
             if doing.slip * doing.force[1] < 0.0 {
@@ -204,7 +206,7 @@ impl Run {
         let [fastest, gained] = self.gained(span, before, after);
         // Some thousand bits: closed contacts are put where they belong at each change. Of inclined ones that
         // bounce off each other, one bounce more or less.
-        let bounces = (0..span.acceleration.len()).any(|i| {
+        let bounces = (0..span.steady.len()).any(|i| {
             let normal = self.directions.column(2 * i);
             let opening = |look: &Look| normal.dot(&look.place[1]).abs();
             let fast = opening(before).max(opening(after));
@@ -244,7 +246,7 @@ impl Run {
             "at {time} s it moves by {moved} m at once"
         );
         // A start may press a closed contact further.
-        let approaches = (0..span.acceleration.len()).any(|i| {
+        let approaches = (0..span.steady.len()).any(|i| {
             let normal = self.directions.column(2 * i);
             let [x, v] = &before.place;
             normal.dot(x) <= STANDS * self.scales.length && normal.dot(v) < -STANDS * fastest
@@ -264,7 +266,7 @@ impl Run {
         };
         let allowed = LAW + self.exact_drift() + 10.0 * lost / scales.force;
         let nothing = [allowed * fastest, allowed * scales.force];
-        let contacts = 0..span.acceleration.len();
+        let contacts = 0..span.steady.len();
         let kinematics: Vec<[f64; 3]> = contacts
             .clone()
             .map(|i| {
@@ -350,7 +352,7 @@ impl Run {
         let time = self.time();
         let mut span = self.span(time);
         // What the sliders do at this very instant, also where they bend later.
-        [_, span.acceleration] = self.rates(time);
+        [_, span.steady] = self.rates(time);
         let reported = self.forces();
         // One that is at its limit and does not slip yet is about to.
         let friction = &span.start.friction;
@@ -370,7 +372,7 @@ impl Run {
         let state = &self.memory.held[held];
         let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);
         let given = DVector::from_iterator(2 * reported.len(), pairs);
-        let acceleration = &span.acceleration;
+        let acceleration = &span.acceleration(0.0);
         let needed = &state.multipliers * &force + &state.carried * acceleration;
         let lost = lost * state.multipliers.amax().max(1.0);
         let off = (&self.directions * (&given - &needed)).amax();

@@ -39,24 +39,58 @@ pub(in crate::judge) struct Memory {
 /// Position and velocity at one instant.
 pub type Place = [DVector<f64>; 2];
 
-/// What acts over a step: forces and slider velocities change linearly.
+/// A sine that acts over a step.
+pub(in crate::judge) struct Swing {
+    /// 1/s.
+    pub(in crate::judge) pulsation: f64,
+    /// Its amplitude times sine and cosine of its phase, where the step begins.
+    pub(in crate::judge) start: [f64; 2],
+    /// The force that a unit of it is, and the velocities that it gives sliders.
+    pub(in crate::judge) pushes: DVector<f64>,
+    pub(in crate::judge) moves: DVector<f64>,
+}
+
+impl Swing {
+    /// Sine and cosine `t` (s) later.
+    fn at(&self, t: f64) -> [f64; 2] {
+        let ((sin, cos), [s, c]) = ((self.pulsation * t).sin_cos(), self.start);
+        [s * cos + c * sin, c * cos - s * sin]
+    }
+
+    /// By how much it has changed by then.
+    fn change(&self, t: f64) -> f64 {
+        self.at(t)[0] - self.start[0]
+    }
+}
+
+/// What acts over a step: forces and slider velocities change linearly and by sines.
 pub(super) struct Span {
     pub(super) start: Acting,
-    /// N/s.
+    /// What is linear: N/s.
     pub(super) rate: DVector<f64>,
     /// m/s².
-    pub(super) acceleration: DVector<f64>,
+    pub(super) steady: DVector<f64>,
+    swings: Vec<Swing>,
     /// Is this so, or does a slider's velocity bend within the step?
     pub(super) is_straight: bool,
 }
 
 impl Span {
     pub(super) fn force(&self, t: f64) -> DVector<f64> {
-        &self.start.force + &self.rate * t
+        let swings = self.swings.iter().map(|swing| &swing.pushes * swing.change(t));
+        swings.fold(&self.start.force + &self.rate * t, |sum, force| sum + force)
     }
 
     pub(super) fn slider(&self, contact: usize, t: f64) -> f64 {
-        self.start.slider_velocity[contact] + self.acceleration[contact] * t
+        let swings = self.swings.iter().map(|swing| swing.moves[contact] * swing.change(t));
+        self.start.slider_velocity[contact] + self.steady[contact] * t + swings.sum::<f64>()
+    }
+
+    /// The accelerations of the sliders, m/s².
+    pub(super) fn acceleration(&self, t: f64) -> DVector<f64> {
+        let swings = self.swings.iter();
+        let swings = swings.map(|swing| &swing.moves * (swing.pulsation * swing.at(t)[1]));
+        swings.fold(self.steady.clone(), |sum, acceleration| sum + acceleration)
     }
 }
 
@@ -150,13 +184,20 @@ impl Run {
         let [middle, end] = [0.5, 1.0].map(|part| at(self, time + part * h));
         let [rate, _] = self.rates(time);
         let start = self.acting_at([time, time]);
+        let swings = self.swings(time);
         let contacts = start.slider_velocity.len();
-        let change = |i: usize| end[i] - start.slider_velocity[i];
-        let acceleration = DVector::from_fn(contacts, |i, _| change(i) / h);
-        let bends = |i: usize| (middle[i] - start.slider_velocity[i] - 0.5 * change(i)).abs();
+        let swung = |i: usize, t: f64| -> f64 {
+            swings.iter().map(|swing| swing.moves[i] * swing.change(t)).sum()
+        };
+        let change = |i: usize| end[i] - start.slider_velocity[i] - swung(i, h);
+        let steady = DVector::from_fn(contacts, |i, _| change(i) / h);
+        let bends = |i: usize| {
+            let moved = middle[i] - start.slider_velocity[i] - swung(i, 0.5 * h);
+            (moved - 0.5 * change(i)).abs()
+        };
         let scale = self.scales.velocity;
         let is_straight = (0..contacts).all(|i| bends(i) <= 1e-12 * scale.max(end[i].abs()));
-        Span { start, rate, acceleration, is_straight }
+        Span { start, rate, steady, swings, is_straight }
     }
 
     /// Where the motion goes in `t` (s) from `from`, where `begin` (s) of the step have passed, without
@@ -170,18 +211,34 @@ impl Run {
     ) -> (Place, f64) {
         let n = self.model.dofs();
         let omega = self.fastest;
+        let swings: Vec<[f64; 2]> = span.swings.iter().map(|swing| swing.at(begin)).collect();
+        let swung = span.swings.iter().zip(&swings).map(|(swing, now)| &swing.pushes * now[0]);
         let rest = span.force(begin) - &self.stiffness * self.total(&DVector::zeros(n));
+        let rest = swung.fold(rest, |rest, force| rest - force);
         let state = &self.memory.held[held];
-        let constant = &state.mobility * &rest + &state.follows * &span.acceleration;
+        let constant = &state.mobility * &rest + &state.follows * &span.steady;
         let linear = &state.mobility * &span.rate;
+        // What sine and cosine of each swing give.
+        let swung = span.swings.iter().map(|swing| {
+            let carried = &state.follows * &swing.moves * swing.pulsation;
+            (swing.pulsation, [&state.mobility * &swing.pushes, carried])
+        });
+        let swung: Vec<(f64, [DVector<f64>; 2])> = swung.collect();
         // Two more unknowns, a constant and the time, of the size of the velocities that they make.
         let size = (constant.norm() / omega).max(linear.norm() / (omega * omega));
+        let size = swung.iter().zip(&swings).fold(size, |size, ((_, [sine, cosine]), [s, c])| {
+            size.max((sine.norm() + cosine.norm()) * s.hypot(*c) / omega)
+        });
         let size = if size > 0.0 { size } else { 1.0 };
         let mut key = vec![held as f64, t, size];
         key.extend(constant.iter().chain(linear.iter()));
+        for (pulsation, [sine, cosine]) in &swung {
+            key.extend([*pulsation].iter().chain(sine.iter()).chain(cosine.iter()));
+        }
+        let places = 2 * n + 2 + 2 * swung.len();
         let known = self.memory.kept.iter().position(|(known, _)| *known == key);
         let place = known.unwrap_or_else(|| {
-            let mut matrix = DMatrix::zeros(2 * n + 2, 2 * n + 2);
+            let mut matrix = DMatrix::zeros(places, places);
             matrix.view_mut((0, n), (n, n)).fill_diagonal(omega);
             let part = |block: &DMatrix<f64>, factor: f64| -(&state.mobility * block) * factor;
             matrix.view_mut((n, 0), (n, n)).copy_from(&part(&self.stiffness, 1.0 / omega));
@@ -189,6 +246,12 @@ impl Run {
             matrix.view_mut((n, 2 * n), (n, 1)).copy_from(&(&constant / size));
             matrix.view_mut((n, 2 * n + 1), (n, 1)).copy_from(&(&linear / (size * omega)));
             matrix[(2 * n + 1, 2 * n)] = omega;
+            for (i, (pulsation, columns)) in swung.iter().enumerate() {
+                let [sine, cosine] = [0, 1].map(|k| 2 * n + 2 + 2 * i + k);
+                matrix.view_mut((n, sine), (n, 1)).copy_from(&columns[0]);
+                matrix.view_mut((n, cosine), (n, 1)).copy_from(&columns[1]);
+                (matrix[(sine, cosine)], matrix[(cosine, sine)]) = (*pulsation, -pulsation);
+            }
             if self.memory.kept.len() >= KEPT {
                 self.memory.kept.clear();
             }
@@ -196,7 +259,8 @@ impl Run {
             self.memory.kept.len() - 1
         });
         let start = from[0].iter().map(|x| omega * x).chain(from[1].iter().copied());
-        let start = DVector::from_iterator(2 * n + 2, start.chain([size, 0.0]));
+        let start = start.chain([size, 0.0]).chain(swings.into_iter().flatten());
+        let start = DVector::from_iterator(places, start);
         let end = &self.memory.kept[place].1 * &start;
         let reached = [end.rows(0, n) / omega, end.rows(n, n).into_owned()];
         let largest = |z: &DVector<f64>| z.rows(0, 2 * n).amax();

@@ -31,7 +31,9 @@ impl Case {
 
     fn expand(&self, (dynamics, series): &mut (Dynamics, Series), states: &[ContactState]) {
         let start = (&*self.x, &*self.v);
-        series.expand(dynamics, states, &self.drive, &self.drive.force, start, 1e-3);
+        let Drive { force, slider_acceleration, .. } = &self.drive;
+        let now = Instant { outer: force, slider: slider_acceleration, passed: 0.0 };
+        series.expand(dynamics, states, &self.drive, now, start, 1e-3);
     }
 }
 

@@ -1,0 +1,125 @@
+//! Oscillations that drive a motion, as power series in time.
+
+use super::series::{FORCE_ORDER, ORDER, Polynomial};
+use crate::integrator::Wave;
+
+/// A series covers at the most this many radians of a wave: what its highest power lacks is then rounding.
+const REACH: f64 = 2.5;
+/// A power of a wave below this part of its amplitude is left out.
+const NEGLIGIBLE: f64 = 0.5 * f64::EPSILON;
+
+/// The powers of all waves over the span of a series, in which s goes from 0 to 1.
+pub(super) struct Waves {
+    /// A polynomial a wave.
+    values: Vec<Polynomial>,
+    /// How many powers they have; none where nothing oscillates.
+    powers: usize,
+}
+
+impl Waves {
+    pub(super) fn new() -> Self {
+        Self { values: Vec::new(), powers: 0 }
+    }
+
+    /// Makes room for as many waves.
+    pub(super) fn make_room(&mut self, count: usize) {
+        self.values.resize(count, [0.0; ORDER + 1]);
+    }
+
+    /// How far (s) a series may go, up to `most`.
+    pub(super) fn reach(waves: &[Wave], most: f64) -> f64 {
+        waves.iter().fold(most, |most, wave| {
+            if wave.amplitude == 0.0 { most } else { most.min(REACH / wave.pulsation) }
+        })
+    }
+
+    /// The powers over `span` (s) from `passed` (s) after the beginning of the step on.
+    pub(super) fn expand(&mut self, waves: &[Wave], passed: f64, span: f64) {
+        self.make_room(waves.len());
+        self.powers = 0;
+        for (wave, values) in waves.iter().zip(&mut self.values) {
+            values.fill(0.0);
+            if wave.amplitude == 0.0 {
+                continue;
+            }
+            let angle = wave.pulsation * span;
+            let phase = wave.phase_after(passed);
+            let (sin, cos) = (libm::sin(phase), libm::cos(phase));
+            // The derivatives of a sine.
+            let turns = [sin, cos, -sin, -cos];
+            let (mut factor, mut power) = (1.0, 0.0);
+            for (k, value) in values[..=FORCE_ORDER].iter_mut().enumerate() {
+                *value = wave.amplitude * factor * turns[k % 4];
+                self.powers = self.powers.max(k + 1);
+                // The last one is for the rate alone.
+                if factor <= NEGLIGIBLE {
+                    break;
+                }
+                power += 1.0;
+                factor *= angle / power;
+            }
+        }
+    }
+
+    /// What the powers become where the span is shortened to this part.
+    pub(super) fn shorten(&mut self, part: f64) {
+        for values in &mut self.values {
+            let mut power = 1.0;
+            for value in values {
+                *value *= power;
+                power *= part;
+            }
+        }
+    }
+
+    /// How many powers there are; none where nothing oscillates.
+    pub(super) fn powers(&self) -> usize {
+        self.powers
+    }
+
+    /// Adds power `k` of the forces to `outer` (N).
+    pub(super) fn add_forces(&self, waves: &[Wave], k: usize, outer: &mut [f64]) {
+        for (wave, values) in waves.iter().zip(&self.values) {
+            for &(dof, force) in &wave.pushes {
+                outer[dof] += force * values[k];
+            }
+        }
+    }
+
+    /// Writes power `k` of the accelerations that the sliders have of waves (m/s²); `span` is that of the series, s.
+    pub(super) fn write_accelerations(
+        &self,
+        waves: &[Wave],
+        (k, ahead): (usize, f64),
+        span: f64,
+        sliders: &mut [f64],
+    ) {
+        sliders.fill(0.0);
+        for (wave, values) in waves.iter().zip(&self.values) {
+            for &contact in &wave.moves {
+                sliders[contact] += ahead * values[k + 1] / span;
+            }
+        }
+    }
+
+    /// Adds `factor` times the powers of a slider's velocity (m/s) from the second on, each again `ratio` times
+    /// what the one before is multiplied by.
+    pub(super) fn add_velocity(
+        &self,
+        waves: &[Wave],
+        contact: usize,
+        (factor, ratio): (f64, f64),
+        polynomial: &mut [f64],
+    ) {
+        for (wave, values) in waves.iter().zip(&self.values) {
+            if wave.moves.binary_search(&contact).is_err() {
+                continue;
+            }
+            let mut factor = factor * ratio * ratio;
+            for (sum, value) in polynomial.iter_mut().zip(values).take(self.powers).skip(2) {
+                *sum += factor * value;
+                factor *= ratio;
+            }
+        }
+    }
+}
