@@ -98,6 +98,17 @@ impl Error {
     }
 }
 
+/// A number in a message: the shortest that reads back as the same double, with a power of ten where it is far from one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Short(pub f64);
+
+impl fmt::Display for Short {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let text = format!("{:?}", self.0);
+        f.write_str(text.strip_suffix(".0").unwrap_or(&text))
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)
@@ -111,3 +122,24 @@ impl fmt::Debug for Error {
 }
 
 impl std::error::Error for Error {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_in_messages_are_short_whatever_their_size() {
+        for (value, text) in [
+            (6.0, "6"),
+            (-0.25, "-0.25"),
+            (0.0002, "0.0002"),
+            (1e-300, "1e-300"),
+            (1e308, "1e308"),
+            (-2.5e17, "-2.5e17"),
+            (123_456_789.0, "123456789"),
+            (f64::INFINITY, "inf"),
+        ] {
+            assert_eq!(Short(value).to_string(), text);
+        }
+    }
+}

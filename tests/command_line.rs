@@ -436,3 +436,33 @@ fn a_limit_cycle_skips_friction_above_the_static_one_with_a_note() {
     assert_eq!(values, ["0.3", "0.4"]);
     program::assert_refused(&range("friction.coefficient=0.5:0.6:0.1"), 3, &["friction.static"]);
 }
+
+#[test]
+fn times_that_no_run_can_have_are_refused_with_what_can() {
+    let folder = folder();
+    let refused = |arguments: &[&str], code: i32, words: &[&str]| {
+        let all = [&["simulate", "set1", "-o", "out.csv"], arguments].concat();
+        let output = amontons(folder.path(), &all);
+        program::assert_refused(&output, code, words);
+        let longest = text(&output.stderr).split(|c: char| !c.is_ascii_digit()).map(str::len).max();
+        assert!(longest < Some(20), "{}", text(&output.stderr));
+        assert!(!folder.path().join("out.csv.partial").exists());
+    };
+    let step = "integrator.step = 1e-300: takes 6.0e300 steps up to experiment.stop_time = 6";
+    refused(&["--step", "1e-300"], 3, &[step, "choose a longer one, of 7.0e-16 s at least"]);
+    refused(&["--step", "1e-321"], 3, &["integrator.step = 1e-321: takes more than 1e308 steps"]);
+    refused(&["--step", "1e-300", "--integrator", "event-driven"], 3, &[step]);
+    refused(
+        &["--stop-time", "1e308"],
+        3,
+        &["more than 1e9 rows up to experiment.stop_time = 1e308"],
+    );
+    let long = ["--stop-time", "1e308", "--output-interval", "1e307"];
+    refused(&long, 3, &["integrator.step = 1e-6: takes more than 1e308 steps"]);
+    refused(&["--output-interval", "1e-300"], 3, &["more than 1e9 rows", "longer one"]);
+    for value in ["0", "-1", "nan", "inf"] {
+        for option in ["--step", "--stop-time", "--output-interval"] {
+            refused(&[option, value], 2, &["must be a number above zero, in seconds"]);
+        }
+    }
+}

@@ -1,6 +1,7 @@
 //! When runs are looked at, and the ladder of steps that goes with it.
 
 use crate::Error;
+use crate::error::Short;
 use crate::scene::{Method, Scene};
 
 /// A window is looked at no less often than this.
@@ -64,8 +65,9 @@ impl Grid {
         let kept = count * scene.external_forces().count() as f64;
         if kept > MOST_KEPT {
             return Err(Error::argument(format!(
-                "a window of {stop} s is {kept:.1e} displacements to compare, more than \
-                 {MOST_KEPT:e}; choose a shorter --stop-time, or a longer output_interval in the scene's [experiment]"
+                "a window of {} s is {kept:.1e} displacements to compare, more than \
+                 {MOST_KEPT:e}; choose a shorter --stop-time, or a longer output_interval in the scene's [experiment]",
+                Short(stop)
             )));
         }
         let (intervals, per_output) = (count as u64, per_output as u64);

@@ -8,9 +8,14 @@ use super::{
     problem, ring,
 };
 use crate::Error;
+use crate::error::Short;
 
 /// The most rows of results that a run may have.
 const MAX_ROWS: f64 = 1e9;
+
+/// The most steps that a run may have: counts beyond are no whole numbers among the doubles, and times would not go on
+/// by a step.
+pub const MAX_STEPS: f64 = 9_007_199_254_740_992.0;
 
 /// The most rows of a dense matrix whose eigenvalues are found during a run: some 30 ms for each contact state.
 /// From 256 on the analyser finds them in another way, and in other last digits.
@@ -184,10 +189,20 @@ impl Scene {
         for (i, signal) in self.signals.iter().enumerate() {
             signal.shape.check(&format!("signal[{}]", i + 1), &mut problems);
         }
-        if stop_time / output_interval > MAX_ROWS {
+        let end = format!("up to experiment.stop_time = {}", Short(stop_time));
+        if self.selection.tolerance().is_none() && stop_time / self.step > MAX_STEPS {
             let message = format!(
-                "gives more than {MAX_ROWS:e} rows up to experiment.stop_time = {stop_time}"
+                "takes {} steps {end}, more than can be counted",
+                count(stop_time / self.step)
             );
+            let help =
+                format!("choose a longer one, of {} s at least", least(stop_time / MAX_STEPS));
+            problems.push(
+                Problem::new("integrator.step", message).help(help).of(format!("{:e}", self.step)),
+            );
+        }
+        if stop_time / output_interval > MAX_ROWS {
+            let message = format!("gives more than {MAX_ROWS:e} rows {end}");
             problems.push(
                 Problem::new("experiment.output_interval", message)
                     .help("choose a longer one")
@@ -218,6 +233,17 @@ impl Scene {
     }
 }
 
+/// A number of steps that is beyond counting, in a message.
+pub(crate) fn count(steps: f64) -> String {
+    if steps.is_finite() { format!("{steps:.1e}") } else { "more than 1e308".to_owned() }
+}
+
+/// The least of some values, in a message: rounded upwards.
+pub(crate) fn least(value: f64) -> String {
+    const UPWARDS: f64 = 1.05;
+    format!("{:.1e}", UPWARDS * value)
+}
+
 /// What is wrong with a static friction coefficient beside a kinetic one.
 pub(super) fn weak_static_friction(
     path: impl FnOnce() -> String,
@@ -227,10 +253,10 @@ pub(super) fn weak_static_friction(
     let wish = Rule::FRICTION.broken_by(static_friction);
     let wish = wish.or((static_friction < kinetic).then_some("is below the kinetic friction"))?;
     let problem = Problem::new(path(), wish).of(static_friction);
-    Some(
-        problem
-            .help(format!("a contact that stands holds at least what it has slipping, {kinetic}")),
-    )
+    Some(problem.help(format!(
+        "a contact that stands holds at least what it has slipping, {}",
+        Short(kinetic)
+    )))
 }
 
 /// The path of a part's value, or of the part where there is no key.

@@ -50,6 +50,7 @@ mod time_table;
 pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find, named};
 #[cfg(feature = "tools")]
 pub(crate) use check::meant_input;
+pub(crate) use check::{MAX_STEPS, count, least};
 pub use effects::Effects;
 #[cfg(feature = "tools")]
 pub use file::schema;

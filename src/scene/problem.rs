@@ -1,10 +1,14 @@
 //! What is wrong with a scene.
 
 use crate::Error;
+use crate::error::Short;
 use std::fmt;
 
 /// The most problems that one message lists.
 pub(super) const MAX_PROBLEMS: usize = 20;
+
+/// A number with more characters says less than its power of ten.
+const LONG: usize = 24;
 
 /// Something wrong with a scene: where, what, and what would be right.
 #[derive(Clone, Debug, PartialEq)]
@@ -26,10 +30,12 @@ impl Problem {
         Self { path: path.into(), value: None, message: message.into(), help: String::new() }
     }
 
-    /// The value that stands at the place.
+    /// The value that stands at the place; a number that is far from one in short.
     #[must_use]
     pub fn of(self, value: impl fmt::Display) -> Self {
-        Self { value: Some(value.to_string()), ..self }
+        let text = value.to_string();
+        let number = text.parse().ok().filter(|_| text.len() > LONG).map(Short);
+        Self { value: Some(number.map_or(text, |number| number.to_string())), ..self }
     }
 
     /// What would be right.

@@ -4,6 +4,7 @@
 //! `libm` crate, whose bits do not depend on the machine.
 
 use super::{Problem, Rule};
+use crate::error::Short;
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
@@ -279,7 +280,7 @@ impl Shape {
         rule(&format!("{key}.start"), start, Rule::Finite);
         rule(&format!("{key}.end"), end, Rule::Finite);
         if end <= start {
-            let message = format!("must be after start = {start}");
+            let message = format!("must be after start = {}", Short(start));
             problems.push(Problem::new(format!("{path}.{key}.end"), message).of(end));
         }
     }
@@ -369,7 +370,8 @@ impl Table {
         }
         let falls = |two: &[[f64; 2]]| two[1][0] < two[0][0];
         if let Some(i) = self.points.windows(2).position(falls) {
-            let message = format!("must not be before the point above, at {} s", self.points[i][0]);
+            let message =
+                format!("must not be before the point above, at {} s", Short(self.points[i][0]));
             let place = format!("{path}.points[{}]", i + 2);
             problems.push(Problem::new(place, message).of(format!("{:?}", self.points[i + 1])));
         }

@@ -1,6 +1,7 @@
 //! What a run has needed that its scene leaves out of the law of contact.
 
 use super::Simulation;
+use crate::error::Short;
 use crate::integrator::Statistics;
 
 /// All of it since the start, in words; empty where it has needed nothing.
@@ -23,7 +24,7 @@ pub(crate) fn newly_broken(simulation: &Simulation, before: Statistics) -> Vec<S
 #[cold]
 fn words(simulation: &Simulation, has_slipped: bool, has_pulled: bool) -> Vec<String> {
     let Statistics { reversed_slips, pulled_contacts, .. } = simulation.statistics();
-    let time = simulation.time();
+    let time = Short(simulation.time());
     let slips = has_slipped.then(|| {
         format!(
             "up to {time} s masses slipped against the direction that friction keeps in this scene \

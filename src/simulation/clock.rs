@@ -1,5 +1,6 @@
 //! Time from a step count, never accumulated.
 
+use crate::scene::MAX_STEPS;
 use serde::{Deserialize, Serialize};
 
 /// A step asked for is a whole multiple of the internal step if it misses it by this part.
@@ -91,6 +92,11 @@ impl Clock {
         Self { start, steps: 0, asked: start }
     }
 
+    /// Where its count of steps begins, s.
+    pub(super) fn start(self) -> f64 {
+        self.start
+    }
+
     /// Present time, s, in the words of whoever asked for it.
     pub(super) fn time(self) -> f64 {
         self.asked
@@ -127,10 +133,9 @@ impl Clock {
     /// `None` if the target lies in the past or farther ahead than can be counted.
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
     pub(super) fn way_to(self, target: f64, step: f64) -> Option<Leg> {
-        const COUNTABLE: f64 = (1_u64 << 53) as f64;
         let asked = target - self.asked;
         let rounding = 4.0 * f64::EPSILON * target.abs();
-        if !(asked >= -rounding && (target - self.start) / step < COUNTABLE) {
+        if !(asked >= -rounding && (target - self.start) / step < MAX_STEPS) {
             return None;
         }
         let multiple = nearest(asked / step) * step;

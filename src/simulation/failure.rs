@@ -4,9 +4,10 @@ use super::catalogue::Quantity;
 use super::clock::Leg;
 use super::{Simulation, Variable, read_scene, variables};
 use crate::Error;
+use crate::error::Short;
 use crate::integrator::{Motion, StepFailure};
 use crate::model::ring::MODULE_DOFS;
-use crate::scene::Structure;
+use crate::scene::{self, Structure};
 
 /// An input or parameter beyond this, in SI units, is what a motion that leaves the range of numbers comes from.
 const HUGE: f64 = 1e100;
@@ -95,13 +96,34 @@ impl Simulation {
         if leg.done == 0 {
             return error.clone();
         }
-        let time = self.time();
+        let time = Short(self.time());
         error.in_words(format!("{error}; up to {time} s all was well"))
     }
 
+    /// Words on a time (s) that no steps lead to.
+    #[cold]
+    pub(super) fn unreachable(&self, target: f64) -> Error {
+        let (time, step) = (self.time(), self.scene.step);
+        let way = format!("cannot go from {} s to {} s", Short(time), Short(target));
+        if !target.is_finite() {
+            return Error::step(format!("{way}: a time must be a finite number"));
+        }
+        if target < time {
+            return Error::step(format!("{way}: time does not go back"));
+        }
+        Error::step(format!(
+            "{way}: from the start that takes {} steps of integrator.step = {} s, more than can be counted; choose a longer \
+             step, of {} s at least",
+            scene::count((target - self.clock.start()) / step),
+            Short(step),
+            scene::least((target - self.clock.start()) / scene::MAX_STEPS)
+        ))
+    }
+
     fn step_failed(&self, target: f64, what: &str) -> Error {
-        let time = self.time();
-        if target == time {
+        let (time, is_there) = (Short(self.time()), target == self.time());
+        let target = Short(target);
+        if is_there {
             return Error::step(format!("at {time} s {what}"));
         }
         Error::step(format!("between {time} s and {target} s {what}; up to {time} s all was well"))

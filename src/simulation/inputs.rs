@@ -3,6 +3,7 @@
 
 use super::{Simulation, Variable, assign, variables};
 use crate::Error;
+use crate::error::Short;
 use crate::scene::{Between, Lack, Scene, Table, TimeTable, meant_input};
 use crate::simulation::catalogue::Causality;
 use std::path::Path;
@@ -97,5 +98,5 @@ pub fn is_close(a: f64, b: f64) -> bool {
 }
 
 fn at(t: f64, error: &Error) -> Error {
-    Error::step(format!("with the inputs at {t} s, {error}"))
+    Error::step(format!("with the inputs at {} s, {error}", Short(t)))
 }

@@ -2,6 +2,7 @@
 
 use super::signals::Driven;
 use crate::Error;
+use crate::error::Short;
 use crate::scene::{Scene, Shape};
 
 /// The scene as it is at time `t` (s): its signals are added to what they drive, and then left out.
@@ -24,7 +25,7 @@ pub fn signals_left_out(scene: &Scene, t: f64) -> Option<String> {
     }
     let of = |signal: &crate::scene::Signal| {
         let (shape, value) = (shape_name(&signal.shape), signal.shape.at(t, 0.0));
-        format!("{value} to {} ({shape})", signal.input)
+        format!("{} to {} ({shape})", Short(value), signal.input)
     };
     let all: Vec<String> = scene.signals.iter().map(of).collect();
     let added = match &all[..] {
@@ -33,7 +34,8 @@ pub fn signals_left_out(scene: &Scene, t: f64) -> Option<String> {
         [] => String::new(),
     };
     Some(format!(
-        "the scene is taken as it is at t = {t} s, where its signals add {added}; how they change over time is left out"
+        "the scene is taken as it is at t = {} s, where its signals add {added}; how they change over time is left out",
+        Short(t)
     ))
 }
 

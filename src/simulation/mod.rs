@@ -57,6 +57,7 @@ pub use warning::{step_warning, warnings};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
+use crate::error::Short;
 use crate::integrator::{self, Drive, Energy, Integrator, Ledger, Motion, Selected, Statistics};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{self, Equilibrium, LumpedModel, Numbering};
@@ -326,9 +327,8 @@ impl Simulation {
 
     /// The way to time `target` (s).
     fn leg_to(&mut self, target: f64) -> Result<Leg, Error> {
-        let leg = self.clock.way_to(target, self.scene.step).ok_or_else(|| {
-            Error::step(format!("cannot go from {} s to {target} s", self.time()))
-        })?;
+        let leg = self.clock.way_to(target, self.scene.step);
+        let leg = leg.ok_or_else(|| self.unreachable(target))?;
         if !leg.is_done() {
             self.begin_rates(leg.arrival.grid_time(self.scene.step))?;
         }
@@ -541,7 +541,7 @@ fn limit_left(acting: &Scene, time: f64, error: &Error) -> Error {
         beta => format!(" and damping.beta = {beta:?}"),
     };
     let with = format!("with friction.coefficient = {friction:?}{damping}");
-    error.in_words(format!("at {time} s, {with}, {error}"))
+    error.in_words(format!("at {} s, {with}, {error}", Short(time)))
 }
 
 /// Refuses static friction that inputs or signals have brought below the kinetic one.
@@ -551,9 +551,12 @@ fn check_friction(model: &LumpedModel, scene: &Scene, time: f64) -> Result<(), E
         let Friction { kinetic, static_, .. } = contact.coefficients(common);
         if static_ < kinetic {
             return Err(Error::step(format!(
-                "at {time} s static friction of {} is {static_}, below its kinetic friction of \
-                 {kinetic}; raise it, or lower the kinetic one",
-                scene.contact_name(i)
+                "at {} s static friction of {} is {}, below its kinetic friction of {}; raise it, or lower the \
+                 kinetic one",
+                Short(time),
+                scene.contact_name(i),
+                Short(static_),
+                Short(kinetic)
             )));
         }
     }

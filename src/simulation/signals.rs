@@ -6,6 +6,7 @@ use super::catalogue::{Quantity, variables};
 use super::clock::NOTHING;
 use super::values::{check_value, read_scene, write_scene};
 use crate::Error;
+use crate::error::Short;
 use crate::integrator::Wave;
 use crate::scene::{Method, Scene, Shape, Sine};
 use serde::{Deserialize, Serialize};
@@ -132,7 +133,10 @@ impl Driven {
             let value = read_scene(given, variable).unwrap_or(0.0) + ramp.at(end);
             check_value(variable, value).map_err(|error| {
                 let rate = ramp.rate;
-                Error::step(format!("at {end} s, with a rate of {rate:?} per second, {error}"))
+                Error::step(format!(
+                    "at {} s, with a rate of {rate:?} per second, {error}",
+                    Short(end)
+                ))
             })?;
         }
         Ok(())
@@ -182,7 +186,7 @@ impl Driven {
             }
             if let Err(error) = check_value(variable, sum) {
                 let by = if signals.is_empty() { "its rate" } else { "the scene's signals" };
-                let message = format!("at {t} s, with {by}, {error}");
+                let message = format!("at {} s, with {by}, {error}", Short(t));
                 result = result.and(Err(Error::step(message)));
                 continue;
             }

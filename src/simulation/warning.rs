@@ -3,6 +3,7 @@
 use super::Simulation;
 use super::catalogue::{Quantity, variables};
 use super::doubts::doubts;
+use crate::error::Short;
 use crate::model::LumpedModel;
 use crate::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
 use crate::stability::critical_step;
@@ -116,6 +117,7 @@ fn step_at_start_warnings(scene: &Scene) -> Vec<String> {
             return None;
         };
         (value != 0.0).then(|| {
+            let value = Short(value);
             format!("signal[{}] on {input} is a step to {value} at t = 0: {consequence}", i + 1)
         })
     };

@@ -1,6 +1,7 @@
 //! How a motion is looked at: which output, how often, for how long.
 
 use crate::Error;
+use crate::error::Short;
 use crate::integrator::EventDriven;
 use crate::model::LumpedModel;
 use crate::scene::{Method, Scene, Selection, Shape};
@@ -81,16 +82,20 @@ impl Look {
         let rows = (wanted / interval).round();
         if rows < FEWEST_ROWS {
             return Err(Error::argument(format!(
-                "a window of {wanted} s has {rows} rows, {interval} s apart, too few for its spectrum; give a \
+                "a window of {} s has {rows} rows, {} s apart, too few for its spectrum; give a \
                  --window of {} s or more, or a shorter --interval",
-                FEWEST_ROWS * interval
+                Short(wanted),
+                Short(interval),
+                Short(FEWEST_ROWS * interval)
             )));
         }
         if rows > MOST_WISHED_ROWS {
             return Err(Error::argument(format!(
-                "a window of {wanted} s has {rows:.3e} rows, {interval} s apart, more than fit into memory; give a --window \
+                "a window of {} s has {rows:.3e} rows, {} s apart, more than fit into memory; give a --window \
                  of {} s or less, or a longer --interval",
-                MOST_WISHED_ROWS * interval
+                Short(wanted),
+                Short(interval),
+                Short(MOST_WISHED_ROWS * interval)
             )));
         }
         let window = rows * interval;

@@ -2,6 +2,7 @@
 
 use crate::arguments::Simulate;
 use crate::{scenes, sweep};
+use amontons::error::Short;
 use amontons::output::{Pending, check_inputs_stay};
 use amontons::progress::Progress;
 use amontons::scene::{self, Experiment, Scene};
@@ -38,7 +39,8 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
         if experiment.stop_time > scene.experiment.stop_time {
             eprintln!(
                 "note: that is for the scene's {} s; for {} s give them in its [experiment]",
-                scene.experiment.stop_time, experiment.stop_time
+                Short(scene.experiment.stop_time),
+                Short(experiment.stop_time)
             );
         }
     }
@@ -71,7 +73,7 @@ fn write_output(
             eprintln!(
                 "{}: {} s in {} steps, {} changes of contact state, {} touch-downs",
                 path.display(),
-                run.simulation.time(),
+                Short(run.simulation.time()),
                 statistics.steps,
                 statistics.state_changes(),
                 statistics.touch_downs
@@ -93,8 +95,8 @@ fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error
         stop_time: arguments.stop_time.unwrap_or(scene.experiment.stop_time),
         output_interval: arguments.output_interval.unwrap_or(scene.experiment.output_interval),
     };
-    Scene { experiment, ..scene.clone() }.check()?;
     arguments.integrator.apply(&mut scene)?;
+    Scene { experiment, ..scene.clone() }.check()?;
     Ok((scene, experiment))
 }
 

@@ -7,6 +7,7 @@ use super::lifecycle::{Call, Entry, Noted, Phase};
 use super::logger::{Category, Logger};
 use super::types::fmi2Status;
 use crate::Error;
+use crate::error::Short;
 use crate::scene::{self, Rule, Scene, Selection};
 use crate::simulation::catalogue::{Causality, Kind, Quantity, Variability, fmu_variables};
 use crate::simulation::{
@@ -56,8 +57,8 @@ fn check_experiment(start: f64, stop: Option<f64>) -> Result<(), Error> {
     if start.is_finite() && stop.is_none_or(|stop| stop >= start) {
         return Ok(());
     }
-    let stop = stop.map_or_else(|| "none".to_owned(), |stop| stop.to_string());
-    Err(Error::call(format!("start time {start} and stop time {stop} do not fit")))
+    let stop = stop.map_or_else(|| "none".to_owned(), |stop| Short(stop).to_string());
+    Err(Error::call(format!("start time {} and stop time {stop} do not fit", Short(start))))
 }
 
 /// The types of number that cross the boundary.
@@ -349,15 +350,18 @@ impl Instance {
         let target = current + size;
         if !simulation.same_time(current, simulation.time()) {
             return Err(Error::call(format!(
-                "asked to step from {current} s, but the instance is at {} s",
-                simulation.time()
+                "asked to step from {} s, but the instance is at {} s",
+                Short(current),
+                Short(simulation.time())
             )));
         }
         if let Some(stop) = stop.filter(|&stop| target > stop)
             && !simulation.same_time(target, stop)
         {
             return Err(Error::call(format!(
-                "asked to step to {target} s, beyond the stop time {stop} s of the experiment"
+                "asked to step to {} s, beyond the stop time {} s of the experiment",
+                Short(target),
+                Short(stop)
             )));
         }
         let before = simulation.statistics();
@@ -365,7 +369,7 @@ impl Instance {
         let changes = simulation.statistics().state_changes() - before.state_changes();
         let broken = newly_broken(simulation, before);
         if listening && changes > 0 {
-            self.inform(&format!("{changes} changes of contact state up to {target} s"));
+            self.inform(&format!("{changes} changes of contact state up to {} s", Short(target)));
         }
         for assumption in broken {
             self.warn(&assumption);

@@ -31,6 +31,7 @@ use super::look::{ROWS_A_PERIOD, frequencies, output};
 use super::{Watch, unit};
 use crate::Error;
 use crate::contact::ContactState;
+use crate::error::Short;
 use crate::model::LumpedModel;
 use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Quantity;
@@ -144,9 +145,10 @@ pub fn transient(
     let kept = experiment.stop_time / interval * (outputs.len() + scene.contact_count()) as f64;
     if kept > MOST_KEPT {
         return Err(Error::argument(format!(
-            "{} s with a row each {interval} s are {kept:.1e} values, more than {MOST_KEPT:e}; choose a shorter \
+            "{} s with a row each {} s are {kept:.1e} values, more than {MOST_KEPT:e}; choose a shorter \
              --stop-time, or a single output with --of",
-            experiment.stop_time
+            Short(experiment.stop_time),
+            Short(interval)
         )));
     }
     let follower = linear.follower(scene, &simulation, interval);
