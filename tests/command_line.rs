@@ -466,3 +466,31 @@ fn times_that_no_run_can_have_are_refused_with_what_can() {
         }
     }
 }
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_run_names_the_file_that_its_rows_are_in() {
+    let interrupted = |arguments: &[&str], words: &str| {
+        let folder = folder();
+        let mut command = Command::new(env!("CARGO_BIN_EXE_amontons"));
+        command.current_dir(folder.path()).args(["simulate", "set1", "-o", "out.csv"]);
+        let child = command.args(arguments).stderr(Stdio::piped()).spawn().unwrap();
+        std::thread::sleep(std::time::Duration::from_secs(2));
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
+        let begun = std::time::Instant::now();
+        let output = child.wait_with_output().unwrap();
+        assert!(begun.elapsed().as_secs() < 5, "{:?}", begun.elapsed());
+        program::assert_refused(&output, 130, &["interrupted at", words, "out.csv.partial"]);
+        assert!(!folder.path().join("out.csv").exists());
+        fs::read_to_string(folder.path().join("out.csv.partial")).unwrap()
+    };
+    let rows = interrupted(&["--stop-time", "1e4"], "s of 10000 s");
+    // Whole rows, more than a buffer of them.
+    assert!(rows.lines().count() > 100 && rows.ends_with('\n'));
+    let columns = |line: &str| line.split(',').count();
+    assert!(rows.lines().all(|line| columns(line) == columns(rows.lines().next().unwrap())));
+    // Within the first row.
+    let rows = interrupted(&["--step", "1e-14", "--stop-time", "10"], "at 0 s of 10 s");
+    assert_eq!(rows.lines().count(), 2);
+}

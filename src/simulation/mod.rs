@@ -69,9 +69,13 @@ use monitor::Monitor;
 use serde::{Deserialize, Serialize};
 use signals::{Driven, Reach};
 use start::{check_closed, initial_motion};
+use std::ops::ControlFlow;
 
 /// Steps taken between two looks at whether the motion is still finite.
 const CHUNK: u64 = 1 << 16;
+/// Steps times degrees of freedom between two questions whether to go on: well below a second.
+#[cfg(feature = "tools")]
+const UNASKED: u64 = 1_000_000;
 
 /// A scene in motion.
 pub struct Simulation {
@@ -307,10 +311,37 @@ impl Simulation {
     /// one; a step that fails, or leaves the range of numbers; signals that lead to an impossible
     /// value. Then the motion is not to be used.
     pub fn advance_to(&mut self, target: f64) -> Result<(), Error> {
+        self.advance(target, CHUNK, || ControlFlow::Continue(())).map(|_| ())
+    }
+
+    /// The same, asking now and then whether to go on; where it is not, the motion stays on its way and is not to be
+    /// used.
+    ///
+    /// # Errors
+    /// As [`advance_to`](Self::advance_to).
+    #[cfg(feature = "tools")]
+    #[allow(clippy::cast_possible_truncation)]
+    pub fn advance_while(
+        &mut self,
+        target: f64,
+        go_on: impl FnMut() -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, Error> {
+        let most = (UNASKED / self.model.dofs().max(1) as u64).clamp(1, CHUNK);
+        self.advance(target, most, go_on)
+    }
+
+    /// Advances to time `target` (s), by up to `most` steps between two questions whether to go on.
+    fn advance(
+        &mut self,
+        target: f64,
+        most: u64,
+        mut go_on: impl FnMut() -> ControlFlow<()>,
+    ) -> Result<ControlFlow<()>, Error> {
         let mut leg = self.leg_to(target)?;
         while let Some(count) = self.prepare(&leg).map_err(|error| self.stopped(&error, &leg))? {
             let edge = self.edge_ahead(&leg);
             let step = length_to(edge, &leg);
+            let count = count.min(most);
             self.integrator
                 .advance(&mut self.motion, &self.drive, step, count)
                 .map_err(|failure| self.failed(failure, target))?;
@@ -320,9 +351,12 @@ impl Simulation {
             }
             leg.take(count);
             self.check_taken(&leg)?;
+            if !leg.is_done() && go_on().is_break() {
+                return Ok(ControlFlow::Break(()));
+            }
         }
         self.arrive(&leg);
-        Ok(())
+        Ok(ControlFlow::Continue(()))
     }
 
     /// The way to time `target` (s).

@@ -21,7 +21,7 @@ const EXIT_CODES: &str = "Start with `amontons scenes`, which lists scenes to be
 grow, from which friction on) are the second program's: `amontons-stability --help`.\n\nExit codes: 0 done, 1 a file could not be read or written or a picture not \
 drawn, 2 the command line makes no sense (an unknown option or variable), 3 the \
 scene is impossible (its file, a value, no equilibrium, a step above the critical one), 4 the run \
-failed, 130 interrupted (accuracy and --sweep print what is done, studies keep it and continue from it, export writes nothing)";
+failed, 130 interrupted (simulate leaves its rows in FILE.csv.partial, accuracy and --sweep print what is done, studies keep it and continue from it, export writes nothing)";
 
 #[derive(Subcommand)]
 pub enum Command {

@@ -1,6 +1,7 @@
 //! `amontons simulate`.
 
 use crate::arguments::Simulate;
+use crate::interrupt::{self, Interrupted};
 use crate::{scenes, sweep};
 use amontons::error::Short;
 use amontons::output::{Pending, check_inputs_stay};
@@ -13,6 +14,7 @@ use amontons::simulation::{
 use amontons::sweep::range::check_once;
 use std::error::Error;
 use std::io::{BufWriter, ErrorKind, Write, stdout};
+use std::ops::ControlFlow::{Break, Continue};
 use std::path::Path;
 
 pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
@@ -62,9 +64,16 @@ fn write_output(
         None => write_run(run, scene, experiment, &mut BufWriter::new(stdout().lock())),
         Some(path) => {
             let mut file = Pending::create(path)?;
+            interrupt::listen();
             if let Err(error) = write_run(run, scene, experiment, &mut file) {
+                let mut rows = "the rows up to the failure";
+                if error.is::<Interrupted>() {
+                    let [time, stop] = [run.simulation.time(), experiment.stop_time].map(Short);
+                    eprintln!("note: interrupted at {time} s of {stop} s");
+                    rows = "its rows";
+                }
                 if let Some(partial) = file.partial() {
-                    eprintln!("the rows up to the failure are in {}", partial.display());
+                    eprintln!("{rows} are in {}", partial.display());
                 }
                 return Err(error);
             }
@@ -109,7 +118,7 @@ struct Run {
 impl Run {
     /// Moves on to time `target` (s), inputs held, or only to where they jump on the way. Gives the time
     /// reached.
-    fn advance_towards(&mut self, target: f64) -> Result<f64, amontons::Error> {
+    fn advance_towards(&mut self, target: f64) -> Result<f64, Box<dyn Error>> {
         let Self { simulation, inputs } = self;
         let mut time = target;
         if let Some(inputs) = inputs {
@@ -119,8 +128,10 @@ impl Run {
                 time = jump;
             }
         }
-        simulation.advance_to(time)?;
-        Ok(time)
+        match simulation.advance_while(time, interrupt::stopped)? {
+            Continue(()) => Ok(time),
+            Break(()) => Err(Box::new(Interrupted)),
+        }
     }
 }
 
@@ -147,6 +158,9 @@ fn write_run(
     write_row(&mut run.simulation, time, &outputs, out)?;
     for (intervals, (target, _)) in experiment.row_times().enumerate() {
         while time < target {
+            if interrupt::stopped().is_break() {
+                return Err(Box::new(Interrupted));
+            }
             time = run.advance_towards(target)?;
             write_row(&mut run.simulation, time, &outputs, out)?;
         }
