@@ -437,6 +437,81 @@ fn a_limit_cycle_skips_friction_above_the_static_one_with_a_note() {
     program::assert_refused(&range("friction.coefficient=0.5:0.6:0.1"), 3, &["friction.static"]);
 }
 
+/// What is said of a scene file that must be refused with 200 MB of memory, within some seconds (most of them for
+/// machines that do other things).
+#[cfg(unix)]
+fn refused_with_little(folder: &Path, scene: &str, input: Stdio) -> String {
+    let program = env!("CARGO_BIN_EXE_amontons");
+    let begun = std::time::Instant::now();
+    let command = format!("ulimit -v 300000; exec '{program}' simulate {scene}");
+    let output =
+        Command::new("sh").args(["-c", &command]).current_dir(folder).stdin(input).output();
+    let output = output.unwrap();
+    assert_eq!(output.status.code(), Some(3), "{scene}: {}", text(&output.stderr));
+    assert!(begun.elapsed().as_secs() < 5, "{scene}: {:?}", begun.elapsed());
+    text(&output.stderr)
+}
+
+#[cfg(unix)]
+#[test]
+fn what_is_larger_than_any_scene_is_refused_before_it_takes_memory() {
+    let folder = folder();
+    let refused = |scene: &str, words: &str| {
+        let message = refused_with_little(folder.path(), scene, Stdio::null());
+        assert!(message.contains(words), "{message}");
+    };
+    // A hundred megabytes; nothing of them is read.
+    let large = fs::File::create(folder.path().join("large.toml")).unwrap();
+    large.set_len(100_000_000).unwrap();
+    refused("large.toml", "larger than 64 MB");
+    refused("/dev/zero", "larger than 64 MB");
+    let masses = "[[mass]]\n".repeat(1_000_001);
+    fs::write(folder.path().join("masses.toml"), masses).unwrap();
+    refused("masses.toml", "has 1000001 [[mass]]: a network has at most 1000000");
+    let list = format!("mass = [{}", "{},".repeat(5_000_000));
+    fs::write(folder.path().join("list.toml"), list).unwrap();
+    refused("list.toml", "more than the 8000000 values that a scene file may have");
+    // What does not end.
+    let mut endless = Command::new("yes").stdout(Stdio::piped()).spawn().unwrap();
+    let lines = endless.stdout.take().unwrap();
+    let message = refused_with_little(folder.path(), "/dev/stdin", lines.into());
+    assert!(message.contains("larger than 64 MB"), "{message}");
+    endless.wait().unwrap();
+}
+
+#[cfg(unix)]
+#[test]
+fn a_long_text_of_nothing_but_errors_is_refused_by_its_first_ones() {
+    let folder = folder();
+    let refused = |name: &str, content: String, words: &str| {
+        fs::write(folder.path().join(name), content).unwrap();
+        let message = refused_with_little(folder.path(), name, Stdio::null());
+        assert!(message.contains(words) && message.len() < 20_000, "{}", message.len());
+    };
+    refused("lines.toml", "= ] \"\n".repeat(200_000), "lines.toml:1:");
+    let keys: Vec<String> = (0..100_000).map(|i| format!("key{i} = 1\n")).collect();
+    refused("keys.toml", keys.concat(), " problems or more in keys.toml");
+}
+
+#[cfg(unix)]
+#[test]
+fn tables_of_any_size_are_read_no_further_than_their_bound() {
+    let folder = folder();
+    let input = ["simulate", "set1", "--stop-time", "0.01", "--input"];
+    assert_refused(
+        folder.path(),
+        &[&input[..], &["/dev/zero"]].concat(),
+        3,
+        &["larger than 256 MB"],
+    );
+    let signal = "\n[[signal]]\ninput = \"module[1].f1\"\ntable = { file = \"push.csv\" }\n";
+    let path = scene_file(folder.path(), "[integrator]", &format!("{signal}[integrator]"));
+    let table = fs::File::create(folder.path().join("push.csv")).unwrap();
+    table.set_len(300_000_000).unwrap();
+    let words = ["push.csv", "is too large", "256 MB together"];
+    assert_refused(folder.path(), &["simulate", path.to_str().unwrap()], 3, &words);
+}
+
 #[test]
 fn times_that_no_run_can_have_are_refused_with_what_can() {
     let folder = folder();

@@ -96,8 +96,16 @@ struct DampingTable {
 /// `tools`), key, and what would be right.
 pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
     let place = path.display().to_string();
-    let bytes = std::fs::read(path).map_err(|error| Error::file(path, &error))?;
+    let bytes = text::read(path, text::MAX_SCENE).map_err(|error| Error::file(path, &error))?;
+    let bytes = bytes.ok_or_else(|| {
+        Error::scene(format!(
+            "{place} is larger than {}, the most that a scene file may have; values over time belong into a CSV file \
+             beside it",
+            text::megabytes(text::MAX_SCENE)
+        ))
+    })?;
     let text = text::decode(&place, "a scene file (TOML)", bytes)?;
+    text::check_amount(&place, &text)?;
     let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
     let mut folder = Folder::new(path.parent());
     let scene = parse_in(&mut folder, &name, &place, &text)?;

@@ -115,8 +115,17 @@ impl<'a> Folder<'a> {
             // Some systems would take the two for one when the FMU is unpacked.
             Some(place) => return Err(format!("is {} but for its case", self.texts[place].0)),
             None => {
-                let bytes = std::fs::read(folder.join(name))
+                let before: usize = self.texts.iter().map(|(_, text)| text.len()).sum();
+                let most = text::MAX_TABLES.saturating_sub(before as u64);
+                let bytes = text::read(&folder.join(name), most)
                     .map_err(|error| format!("cannot be read: {error}"))?;
+                let bytes = bytes.ok_or_else(|| {
+                    format!(
+                        "is too large: the CSV files of a scene have at most {} together; take rows that are further \
+                         apart",
+                        text::megabytes(text::MAX_TABLES)
+                    )
+                })?;
                 let text =
                     text::decode(name, CSV_FILE, bytes).map_err(|error| error.to_string())?;
                 self.tables.push(TimeTable::parse(&text));

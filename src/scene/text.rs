@@ -1,6 +1,74 @@
-//! The text of a file, from its bytes.
+//! The text of a file, from its bytes; neither is larger than what it should be.
 
+use super::MAX_PARTS;
 use crate::Error;
+use std::fs::File;
+use std::io::{self, Read};
+use std::path::Path;
+
+/// The most bytes of a scene file: half a million masses, each on a spring and a contact.
+pub(super) const MAX_SCENE: u64 = 64_000_000;
+/// The most bytes of the CSV files of values over time that a scene names, together, and of one that gives inputs.
+pub(super) const MAX_TABLES: u64 = 256_000_000;
+/// The most values of a scene file: read, each takes some hundred bytes.
+const MAX_VALUES: usize = 8_000_000;
+
+/// The bytes of a file, `None` where it has more than `most`: of what does not end, no more are read than that.
+pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
+    let file = File::open(path)?;
+    let length = file.metadata()?.len();
+    if length > most {
+        return Ok(None);
+    }
+    let mut bytes = Vec::with_capacity(usize::try_from(length).unwrap_or(0) + 1);
+    file.take(most + 1).read_to_end(&mut bytes)?;
+    Ok((bytes.len() as u64 <= most).then_some(bytes))
+}
+
+/// A number of bytes in a message.
+pub(super) fn megabytes(bytes: u64) -> String {
+    format!("{} MB", bytes / 1_000_000)
+}
+
+/// Refuses a text that says more than a scene may hold, before it is parsed, which would take time and memory.
+///
+/// # Errors
+/// What there is too much of.
+pub(super) fn check_amount(place: &str, text: &str) -> Result<(), Error> {
+    let mut counts = ["mass", "spring", "damper", "contact"].map(|kind| (kind, 0));
+    for line in text.lines().filter(|line| line.starts_with("[[")) {
+        let name = line[2..].split(']').next().unwrap_or_default().trim();
+        if let Some((_, count)) = counts.iter_mut().find(|(kind, _)| *kind == name) {
+            *count += 1;
+        }
+    }
+    if let Some((kind, count)) = counts.into_iter().find(|(_, count)| *count > MAX_PARTS) {
+        return Err(Error::scene(format!(
+            "{place} has {count} [[{kind}]]: a network has at most {MAX_PARTS} of a kind"
+        )));
+    }
+    let (mut values, mut lines, mut points, mut gaps) = (0, 0, 0, 0);
+    let mut was_blank = false;
+    for byte in text.bytes() {
+        let is_blank = matches!(byte, b' ' | b'\t');
+        gaps += usize::from(is_blank && !was_blank);
+        was_blank = is_blank;
+        match byte {
+            b'=' | b',' | b'[' | b'{' => values += 1,
+            b'\n' => lines += 1,
+            b'.' => points += 1,
+            _ => {}
+        }
+    }
+    // A value has a line, a decimal point and two gaps at the most, and to the parser each of them is something to keep.
+    if values > MAX_VALUES || lines.max(points).max(gaps) > 2 * MAX_VALUES {
+        return Err(Error::scene(format!(
+            "{place} has more than the {MAX_VALUES} values that a scene file may have; values over time belong into a CSV \
+             file beside it"
+        )));
+    }
+    Ok(())
+}
 
 /// The text of the file at `place`, which should be `what` (a scene file). A byte order mark is not part
 /// of it.

@@ -2,6 +2,7 @@
 
 use super::{Between, Table, text};
 use crate::Error;
+use crate::error::Short;
 use std::path::Path;
 
 /// A CSV file of values over time: a header whose first column is `time` (s), commas between, times
@@ -22,7 +23,14 @@ impl TimeTable {
     /// The file cannot be read, or as [`parse`](Self::parse).
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display().to_string();
-        let bytes = std::fs::read(path).map_err(|error| Error::file(path, &error))?;
+        let bytes =
+            text::read(path, text::MAX_TABLES).map_err(|error| Error::file(path, &error))?;
+        let bytes = bytes.ok_or_else(|| {
+            Error::scene(format!(
+                "{place} is larger than {}, the most that a table of inputs may have; take rows that are further apart",
+                text::megabytes(text::MAX_TABLES)
+            ))
+        })?;
         let text = text::decode(&place, CSV_FILE, bytes)?;
         Self::parse(&text).map_err(|message| Error::scene(format!("{place}: {message}")))
     }
@@ -70,7 +78,9 @@ impl TimeTable {
                 && now < before
             {
                 return Err(format!(
-                    "line {line}: time {now} s comes after {before} s; sort the rows by time"
+                    "line {line}: time {} s comes after {} s; sort the rows by time",
+                    Short(now),
+                    Short(before)
                 ));
             }
         }

@@ -29,6 +29,11 @@ use std::collections::HashSet;
 use std::ops::Range;
 use toml::de::DeTable;
 
+/// Of a text that is longer (bytes) nobody reads more than the first error: each of its lines may be one.
+const MOST_RECOVERED: usize = 1_000_000;
+/// The most problems that are looked for; a message lists far fewer.
+const MOST_PROBLEMS: usize = 1000;
+
 /// A problem with its place in the text, in bytes.
 #[derive(Clone, Debug, PartialEq)]
 struct Located {
@@ -54,26 +59,43 @@ pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
     text: &str,
     finish: impl FnOnce(T) -> Result<S, Vec<Problem>>,
 ) -> Result<S, Error> {
-    let (mut document, errors) = DeTable::parse_recoverable(text);
+    let (mut document, errors) = if text.len() <= MOST_RECOVERED {
+        DeTable::parse_recoverable(text)
+    } else {
+        match DeTable::parse(text) {
+            Ok(document) => (document, Vec::new()),
+            Err(error) => {
+                let problem = syntax::problem(text, &error);
+                return Err(Error::scene(render::report(place, text, &[problem], true)));
+            }
+        }
+    };
     let lines = syntax::Lines::of(text);
     let unread = lines.with(&errors);
     let mut problems = syntax::problems(text, &lines, &errors);
     let is_whole = problems.is_empty();
     let end = text.trim_end().len();
     let walked = walk::problems(&mut document, &schema::<T>(), end);
+    let mut are_all = walked.len() < MOST_PROBLEMS;
     problems.extend(
         walked
             .into_iter()
             .filter(|walked| is_whole || !walked.may_follow(&lines, &unread))
             .map(|walked| walked.problem),
     );
-    if is_whole {
-        let deserializer = toml::Deserializer::from(document.clone());
-        match T::deserialize(deserializer) {
+    // Of a file that is full of problems nobody asks what its values would mean.
+    if is_whole && are_all {
+        // What the walk has not touched is there again when it is parsed anew: a copy would take as much memory.
+        let is_touched = !problems.is_empty();
+        let copy = is_touched.then(|| document.clone());
+        match T::deserialize(toml::Deserializer::from(document)) {
             Ok(file) => match finish(file) {
                 Ok(made) if problems.is_empty() => return Ok(made),
                 Ok(_) => {}
-                Err(found) => {
+                Err(mut found) => {
+                    are_all = found.len() <= MOST_PROBLEMS;
+                    found.truncate(MOST_PROBLEMS);
+                    let document = copy.unwrap_or_else(|| DeTable::parse_recoverable(text).0);
                     let mut known: HashSet<Range<usize>> =
                         problems.iter().map(|problem| problem.span.clone()).collect();
                     for problem in found {
@@ -90,7 +112,7 @@ pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
         }
     }
     problems.sort_by_key(|problem| problem.span.start);
-    Err(Error::scene(render::report(place, text, &problems)))
+    Err(Error::scene(render::report(place, text, &problems, are_all)))
 }
 
 #[cfg(test)]

@@ -6,8 +6,8 @@ use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::ops::Range;
 
 /// All problems of a text, each as: what is wrong, file:line:column, the line with the place
-/// underlined, what would be right.
-pub(super) fn report(place: &str, text: &str, problems: &[Located]) -> String {
+/// underlined, what would be right. Are there those that were looked for, or may there be more?
+pub(super) fn report(place: &str, text: &str, problems: &[Located], are_all: bool) -> String {
     let reports = problems.iter().take(MAX_PROBLEMS).map(|problem| {
         let annotation = AnnotationKind::Primary.span(in_one_line(text, &problem.span));
         let snippet = Snippet::source(text).path(place).annotation(annotation);
@@ -19,7 +19,8 @@ pub(super) fn report(place: &str, text: &str, problems: &[Located]) -> String {
         Renderer::plain().render(&[group])
     });
     let count = problems.len();
-    let head = (count > 1).then(|| format!("{count} problems in {place}"));
+    let more = if are_all { "" } else { " or more" };
+    let head = (count > 1).then(|| format!("{count} problems{more} in {place}"));
     let parts: Vec<String> = head.into_iter().chain(reports).chain(and_more(count)).collect();
     parts.join("\n\n")
 }

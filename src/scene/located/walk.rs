@@ -3,7 +3,7 @@
 use super::kind::{self, alternatives, found, quoted, takes};
 use super::object::{Choice, Keys, choose, properties};
 use super::wording::{addition, no_such_word, table_name, wrong_kind};
-use super::{Located, number};
+use super::{Located, MOST_PROBLEMS, number};
 use crate::scene::Problem;
 use crate::scene::nearest::nearest;
 use serde_json::Value;
@@ -43,6 +43,9 @@ impl<'s> Walk<'s> {
     }
 
     fn value(&mut self, value: &mut Spanned<DeValue<'_>>, schema: &'s Value, path: &str) {
+        if self.met.len() >= MOST_PROBLEMS {
+            return;
+        }
         let span = value.span();
         let kind = found(value.get_ref());
         let parts: Vec<&Value> =
@@ -153,7 +156,8 @@ impl<'s> Walk<'s> {
             return;
         }
         let is_unknown = |key: &&Spanned<DeString<'_>>| known.schema(key.get_ref()).is_none();
-        let unknown: Vec<_> = table.keys().filter(is_unknown).cloned().collect();
+        let unknown = table.keys().filter(is_unknown).take(MOST_PROBLEMS);
+        let unknown: Vec<_> = unknown.cloned().collect();
         for key in unknown {
             let keys = known.properties.iter().map(|(key, _)| *key);
             let meant = nearest(key.get_ref(), keys.clone());
