@@ -186,6 +186,77 @@ fn twenty_pads_on_a_disc_come_to_lie_on_it() {
         run.judge_report();
     }
     assert!(run.forces().iter().all(|force| force.normal_force > 0.0));
+    assert!(run.simulation.statistics().ended_hops > 0);
+}
+
+/// Pads around a disc on springs, each with a velocity of its own: they bounce until they lie on it.
+fn disc(pads: u32) -> Scene {
+    let mut text = "slider = { velocity = 0.2, angle = 0.0 }\n\
+                    friction = { coefficient = 0.4, static = 0.6 }\n\
+                    integrator = { method = \"event-driven\", step = 1e-5 }\n\
+                    effects = { energy = true }\n\
+                    mass = [{ name = \"disc\", mass = 2.0 }"
+        .to_owned();
+    let (mut springs, mut contacts, mut initial) = (String::new(), String::new(), String::new());
+    for direction in ["x", "y"] {
+        springs += &format!(
+            "{{ name = \"d{direction}\", between = [\"disc\", \"ground\"], direction = \"{direction}\", stiffness = 1e6 }},"
+        );
+    }
+    for i in 0..pads {
+        let angle = TAU * f64::from(i) / f64::from(pads);
+        // Parts of one that no two pads share.
+        let part = |ratio: f64| (ratio * f64::from(i)).fract();
+        let (mass, force) = (0.2 + 0.1 * part(0.618), -100.0 - 30.0 * part(0.414));
+        text += &format!(
+            ", {{ name = \"p{i}\", mass = {mass:?}, angle = {angle:?}, force = [0.0, {force:?}] }}"
+        );
+        for (name, direction, stiffness) in [("t", angle, 2e5), ("n", angle + 1.2, 3e5)] {
+            springs += &format!(
+                "{{ name = \"{name}{i}\", between = [\"p{i}\", \"ground\"], direction = {direction:?}, stiffness = {stiffness:?} }},"
+            );
+        }
+        contacts +=
+            &format!("{{ name = \"c{i}\", mass = \"p{i}\", on = \"disc\", angle = {angle:?} }},");
+        let [vx, vy] = [0.25 * part(0.732), 0.12 * part(0.236)];
+        initial += &format!("{{ mass = \"p{i}\", vx = {vx:?}, vy = {vy:?} }},");
+    }
+    text += &format!("]\nspring = [{springs}]\ncontact = [{contacts}]\ninitial = [{initial}]\n");
+    parse("disc", &text).unwrap()
+}
+
+#[test]
+fn events_of_pads_that_come_to_lie_on_a_disc_grow_about_as_their_number() {
+    // Without an end to small hops 16 pads have some 50,000 events, and 32 some seven million.
+    let events = [16, 32].map(|pads| {
+        let mut simulation = Simulation::new(disc(pads), 0.0).unwrap();
+        simulation.advance_to(0.01).unwrap();
+        let statistics = simulation.statistics();
+        assert!(statistics.ended_hops > 0);
+        assert!(simulation.contact_forces().unwrap().iter().all(|force| force.normal_force > 0.0));
+        let energies = simulation.energy().unwrap();
+        assert!(energies.residual.abs() < 1e-12 * energies.friction, "{pads}: {energies:?}");
+        statistics.events as f64
+    });
+    println!("{events:?}");
+    assert!(events[1] < 6.0 * events[0] && events[1] < 1000.0 * 32.0, "{events:?}");
+}
+
+#[test]
+fn ended_hops_change_a_motion_by_no_more_than_their_size_and_less_in_shorter_steps() {
+    let ends = [1e-4, 1e-5, 1e-6, 1e-8].map(|step| {
+        let mut simulation = Simulation::new(Scene { step, ..disc(12) }, 0.0).unwrap();
+        simulation.advance_to(2e-4).unwrap();
+        (simulation.statistics().ended_hops, simulation.velocity().to_vec())
+    });
+    let fastest = ends[3].1.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
+    let off = |end: &(u64, Vec<f64>)| {
+        let pairs = end.1.iter().zip(&ends[3].1);
+        pairs.fold(0.0_f64, |most, (a, b)| most.max((a - b).abs())) / fastest
+    };
+    println!("{:?}", ends.each_ref().map(|end| (end.0, off(end))));
+    assert!(ends[1].0 > 10 && ends[3].0 == 0);
+    assert!(off(&ends[0]) < 1e-5 && off(&ends[1]) < 1e-6 && off(&ends[2]) < 1e-9);
 }
 
 #[test]

@@ -1,6 +1,7 @@
 //! The table of a study in words, without times: for the command line, and for the page in an FMU.
 
 use super::{Errors, Row, Study};
+use crate::integrator::Statistics;
 use crate::scene::Scene;
 
 /// What stands over the columns.
@@ -143,6 +144,15 @@ impl Study {
                  amplitude and frequency"
                     .to_owned(),
             );
+        }
+        let ended = |statistics: &Statistics| statistics.ended_hops;
+        let reference = ended(&self.reference.statistics);
+        let most = rows.iter().map(|row| ended(&row.statistics)).fold(reference, u64::max);
+        if most > 0 {
+            notes.push(format!(
+                "event-driven motion ended up to {most} hops of contacts that land many times within a step \
+                 (reference: {reference}); the errors of the rows have what that costs"
+            ));
         }
         notes
     }

@@ -133,6 +133,6 @@ fn present(model: &LumpedModel, balance: &[f64], motion: &Motion) -> [f64; 2] {
 }
 
 /// ½ uᵀ A u.
-fn half_form(matrix: &SparseMatrix, u: &[f64]) -> f64 {
+pub(super) fn half_form(matrix: &SparseMatrix, u: &[f64]) -> f64 {
     (0..u.len()).fold(0.0, |sum, row| sum + 0.5 * u[row] * matrix.row_times(row, u))
 }

@@ -47,6 +47,7 @@ pub struct Change {
 pub(super) struct Count {
     changes: u64,
     touch_downs: u64,
+    ended_hops: u64,
     events: u64,
 }
 
@@ -54,7 +55,8 @@ impl Count {
     pub(super) fn of(simulation: &Simulation) -> Self {
         let statistics = simulation.statistics();
         let (changes, touch_downs) = (statistics.state_changes(), statistics.touch_downs);
-        Self { changes, touch_downs, events: statistics.events }
+        let (ended_hops, events) = (statistics.ended_hops, statistics.events);
+        Self { changes, touch_downs, ended_hops, events }
     }
 }
 
@@ -112,6 +114,11 @@ impl Run {
         let end = Look { t: h, count, states, place: self.now.clone() };
         self.let_off.steps += 1;
         let (_, states, count) = self.start.as_ref().unwrap();
+        if end.count.ended_hops > count.ended_hops {
+            // What ends a hop is no impulse that a contact can give.
+            self.let_off.ended += 1;
+            return;
+        }
         let mut states = states.clone();
         let place = self.before.clone();
         let mut from = Look { t: 0.0, count: *count, states: states.clone(), place };

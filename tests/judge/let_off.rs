@@ -24,19 +24,21 @@ pub struct LetOff {
     /// Let off: contacts on masses that they share which slip from a step of the paper's scheme on, and could
     /// have held if all others had gone on in their states.
     pub coupled: u64,
+    /// Let off: steps of exact motion in which hops were ended before they began.
+    pub ended: u64,
 }
 
 impl LetOff {
     /// All that was let off.
     pub fn total(&self) -> u64 {
-        self.bent + self.crowded + self.merged + self.coupled
+        self.bent + self.crowded + self.merged + self.coupled + self.ended
     }
 }
 
 impl AddAssign for LetOff {
     fn add_assign(&mut self, other: Self) {
-        let Self { steps, changes, impacts, releases, flickers, bent, crowded, merged, coupled } =
-            other;
+        let Self { steps, changes, impacts, releases, flickers, .. } = other;
+        let Self { bent, crowded, merged, coupled, ended, .. } = other;
         self.steps += steps;
         self.changes += changes;
         self.impacts += impacts;
@@ -46,6 +48,7 @@ impl AddAssign for LetOff {
         self.crowded += crowded;
         self.merged += merged;
         self.coupled += coupled;
+        self.ended += ended;
     }
 }
 

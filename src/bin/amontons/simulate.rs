@@ -79,8 +79,12 @@ fn write_output(
             }
             file.complete()?;
             let statistics = run.simulation.statistics();
+            let ended = match statistics.ended_hops {
+                0 => String::new(),
+                count => format!(", {count} hops ended"),
+            };
             eprintln!(
-                "{}: {} s in {} steps, {} changes of contact state, {} touch-downs",
+                "{}: {} s in {} steps, {} changes of contact state, {} touch-downs{ended}",
                 path.display(),
                 Short(run.simulation.time()),
                 statistics.steps,

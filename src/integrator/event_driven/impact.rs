@@ -1,7 +1,7 @@
 //! Instants at which velocities end or jump: slips that stop, and impacts.
 
 use super::ledger::{Strike, Witness};
-use super::rounding::THROWN;
+use super::rounding::{THROWN, least_hop};
 use super::watch::Event;
 use super::{Drive, EventDriven, Motion, StepFailure};
 use crate::contact::ContactState;
@@ -32,13 +32,19 @@ impl<W: Witness> EventDriven<W> {
 
     /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
     /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
-    /// there: else two that throw each other off would go on to do so.
-    pub(super) fn impact(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
+    /// there: else two that throw each other off would go on to do so. `speed` (m/s) is the fastest velocity before.
+    pub(super) fn impact(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        speed: f64,
+    ) -> Result<(), StepFailure> {
         let Dynamics { contacts, problem, responses, freedom_of, .. } = &mut self.dynamics;
         for (i, contact) in contacts.iter().enumerate() {
             let state = motion.contacts[i];
             if self.events[i] == Some(Event::Touch) {
                 self.closed[i] = frictionless(true);
+                self.landings[i] += 1;
                 motion.statistics.touch_downs += u64::from(state == ContactState::Detached);
             }
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
@@ -56,22 +62,28 @@ impl<W: Witness> EventDriven<W> {
         }
         let Self { witness, dynamics, surface, .. } = self;
         witness.is_struck(Strike { dynamics, surface }, motion);
-        self.stand(motion);
+        self.stand(motion, speed);
         Ok(())
     }
 
-    /// Takes away what rounding has left of the gaps of contacts in an impact, and of the normal
-    /// velocities of those that it does not throw off: it would be another touch-down where they open.
-    pub(super) fn stand(&mut self, motion: &mut Motion) {
-        let least = THROWN * self.speed(motion);
+    /// Takes away what rounding has left of the gaps of contacts in an impact, and the normal velocities of
+    /// those that it does not throw off: a hop of theirs would be rounding, or one of many ([`least_hop`]).
+    pub(super) fn stand(&mut self, motion: &mut Motion, speed: f64) {
+        let mut ended = 0;
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let is_closed = self.closed[i] != ContactState::Detached;
-            let is_kept = is_closed && contact.normal.dot(&motion.velocity) <= least;
+            let opening = contact.normal.dot(&motion.velocity);
+            let is_kept = is_closed && opening <= least_hop(self.landings[i]) * speed;
+            ended += u64::from(is_kept && opening > THROWN * speed);
             // Those that the impact has stopped have no slip either, not even that of rounding.
             self.kept[i] = match self.dynamics.problem.states[i] {
                 ContactState::Stick if is_kept => ContactState::Stick,
                 _ => frictionless(is_kept),
             };
+        }
+        motion.statistics.ended_hops += ended;
+        if ended > 0 {
+            self.witness.sees_hops_end(motion, 1.0);
         }
         if self.is_inclined {
             // All at once: what is taken from one is given to its neighbours.
@@ -93,6 +105,9 @@ impl<W: Witness> EventDriven<W> {
             if let (Some(dof), ContactState::Stick) = (contact.tangent.as_unit(), self.kept[i]) {
                 motion.velocity[dof] = self.surface[i];
             }
+        }
+        if ended > 0 {
+            self.witness.sees_hops_end(motion, -1.0);
         }
     }
 }

@@ -4,6 +4,7 @@
 use super::series::{ORDER, Polynomial, Series, index};
 use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
+use crate::integrator::ledger::half_form;
 use crate::integrator::{Drive, Motion};
 use crate::model::{Damping, LumpedModel};
 
@@ -45,6 +46,9 @@ pub trait Witness: Send {
     fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion);
 
     fn is_struck(&mut self, strike: Strike<'_>, motion: &mut Motion);
+
+    /// Sees the velocities before (`sign` 1) and after (−1) hops are ended.
+    fn sees_hops_end(&mut self, motion: &mut Motion, sign: f64);
 }
 
 /// Nobody.
@@ -54,6 +58,9 @@ impl Witness for () {
 
     #[inline(always)]
     fn is_struck(&mut self, _: Strike<'_>, _: &mut Motion) {}
+
+    #[inline(always)]
+    fn sees_hops_end(&mut self, _: &mut Motion, _: f64) {}
 }
 
 /// Writes the ledger of the motion. Between events all integrands are products of polynomials, so its entries are
@@ -189,6 +196,11 @@ impl Witness for Writer {
             let mean = [0, 1].map(|part| 0.5 * (before[part] + after[part]));
             ledger.add_impulses(problem.forces[i], mean, surface[i]);
         }
+    }
+
+    fn sees_hops_end(&mut self, motion: &mut Motion, sign: f64) {
+        let Some(ledger) = &mut motion.ledger else { return };
+        ledger.impact += sign * half_form(&self.model.mass, &motion.velocity);
     }
 }
 

@@ -32,7 +32,7 @@ use impact::frictionless;
 pub(super) use ledger::Writer;
 use ledger::{Passage, Witness};
 use reduced::MOST_PLACES;
-use rounding::{NOISE, THROWN, pulls};
+use rounding::{NOISE, pulls};
 use series::{Instant, ORDER, Polynomial, Series};
 use watch::Event;
 use waves::Waves;
@@ -76,6 +76,8 @@ pub struct EventDriven<W = ()> {
     events: Vec<Option<Event>>,
     /// How often each contact has had one at the present instant.
     repeats: Vec<u32>,
+    /// How often each contact has landed in the present internal step.
+    landings: Vec<u32>,
     before: Vec<ContactState>,
     /// Which contacts were closed at some time of one instant: those take part in its impacts.
     closed: Vec<ContactState>,
@@ -141,6 +143,7 @@ impl<W: Witness> EventDriven<W> {
             surface_acceleration: vec![0.0; contacts],
             events: vec![None; contacts],
             repeats: vec![0; contacts],
+            landings: vec![0; contacts],
             before: vec![ContactState::Detached; contacts],
             closed: vec![ContactState::Detached; contacts],
             kept: vec![ContactState::Detached; contacts],
@@ -155,6 +158,7 @@ impl<W: Witness> EventDriven<W> {
         motion.statistics.steps += 1;
         let (mut left, mut events, mut standstill, mut expanded) = (h, 0, 0, 0);
         self.repeats.fill(0);
+        self.landings.fill(0);
         if f64::from(MAX_SERIES) * Waves::reach(&drive.waves, h) < h {
             return Err(StepFailure::TooManySeries { most: MAX_SERIES.into() });
         }
@@ -353,7 +357,7 @@ impl<W: Witness> EventDriven<W> {
         let speed = self.speed(motion);
         self.stop(motion);
         if landed {
-            self.impact(motion, drive)?;
+            self.impact(motion, drive, speed)?;
         }
         self.dynamics.free_acceleration(motion, &self.force);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
@@ -367,9 +371,7 @@ impl<W: Witness> EventDriven<W> {
             problem.freedom[i] = match (self.events[i], motion.contacts[i]) {
                 (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
                 // An impact may throw other contacts off, and changes the slip of all.
-                _ if landed && contact.normal.dot(&motion.velocity) > THROWN * speed => {
-                    Freedom::Open
-                }
+                _ if landed && self.kept[i] == ContactState::Detached => Freedom::Open,
                 _ if landed && slip.abs() > NOISE * speed.max(self.surface[i].abs()) => {
                     slipping(slip.signum())
                 }
