@@ -5,7 +5,7 @@ mod program;
 
 use amontons::accuracy::Study;
 use amontons::model::LumpedModel;
-use amontons::scene::{Method, Scene, builtin};
+use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::assign;
 use amontons::stability::candidates::bistability;
 use amontons::study::{
@@ -49,6 +49,59 @@ fn only(jumps: &[Jump], way: Way) -> &Jump {
     let mut of_way = jumps.iter().filter(|jump| jump.way == way);
     let (Some(jump), None) = (of_way.next(), of_way.next()) else { panic!("{jumps:?}") };
     jump
+}
+
+/// Where a sine drives a block that slides, both ways end in that small motion, and neither meets the larger one of sticking
+/// and slipping, to which the scene's own start leads. Both were once said to be all there is, since only rest was left
+/// by the scene's own start.
+#[test]
+fn the_scenes_own_start_is_tried_beside_a_driven_motion_as_it_is_beside_rest() {
+    let text = r#"
+        slider = { velocity = 0.1, angle = 0.0 }
+        friction = { coefficient = 0.4, static = 0.6 }
+        integrator = { method = "event-driven", step = 1.0e-3 }
+        experiment = { stop_time = 20.0, output_interval = 0.01 }
+        [[mass]]
+        name = "p"
+        mass = 1.0
+        force = [0.0, -10.0]
+        [[spring]]
+        name = "s"
+        between = ["p", "ground"]
+        direction = "x"
+        stiffness = 100.0
+        [[damper]]
+        name = "d"
+        between = ["p", "ground"]
+        direction = "x"
+        damping = 0.4
+        [[contact]]
+        name = "c"
+        mass = "p"
+        [[signal]]
+        input = "mass.p.fx"
+        sine = { amplitude = 0.15, frequency = 1.2687 }
+        [[initial]]
+        mass = "p"
+        vx = 0.3
+    "#;
+    let mut scene = parse("driven", text).unwrap();
+    let look = Look::of(&scene, &Wish::default()).unwrap();
+    pace(&mut scene, &look);
+    let found = whole(&(scene, look), &[0.38, 0.4, 0.55], 0.02);
+    let forced = |point: &Point| (amplitude(point) / 4.0990e-3 - 1.0).abs() < 1e-3;
+    assert!(found.rising.iter().all(forced), "{:?}", found.rising);
+    // The farther µ is below 0.6, at which friction lets go, the farther the block springs back.
+    let [low, high, alone] = &found.falling[..] else { panic!("{:?}", found.falling) };
+    let sizes = [low, high].map(amplitude);
+    assert!(forced(alone) && sizes[0] > sizes[1] && sizes[1] > 0.02, "{sizes:?}, {alone:?}");
+    let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
+    assert!(!range.rests && range.range[0] == 0.38 && range.bounded == [false, true]);
+    assert!((0.4..0.55).contains(&range.range[1]), "{range:?}");
+}
+
+fn amplitude(point: &Point) -> f64 {
+    point.ending.as_ref().unwrap().amplitude
 }
 
 #[test]

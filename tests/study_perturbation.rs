@@ -54,6 +54,84 @@ fn damped_block(zeta: f64) -> Scene {
     parse("damped", &(at_rest + &damper)).unwrap()
 }
 
+/// A block of 1 kg, pressed on a belt with 10 N and held by a spring and a damper (100 N/m, 0.4 N s/m), under a sine of
+/// 0.15 N at this frequency, Hz.
+fn driven_block(frequency: f64) -> Scene {
+    let text = format!(
+        r#"
+        slider = {{ velocity = {BELT}, angle = 0.0 }}
+        friction = {{ coefficient = 0.4, static = 0.6 }}
+        integrator = {{ method = "event-driven", step = 1.0e-3 }}
+        experiment = {{ stop_time = 20.0, output_interval = 0.01 }}
+        [[mass]]
+        name = "p"
+        mass = 1.0
+        force = [0.0, -10.0]
+        [[spring]]
+        name = "s"
+        between = ["p", "ground"]
+        direction = "x"
+        stiffness = 100.0
+        [[damper]]
+        name = "d"
+        between = ["p", "ground"]
+        direction = "x"
+        damping = 0.4
+        [[contact]]
+        name = "c"
+        mass = "p"
+        [[signal]]
+        input = "mass.p.fx"
+        sine = {{ amplitude = 0.15, frequency = {frequency:?} }}
+        "#
+    );
+    parse("driven", &text).unwrap()
+}
+
+/// The amplitude, m, of what slides for ever under that sine.
+fn forced(frequency: f64) -> f64 {
+    let pulsation = std::f64::consts::TAU * frequency;
+    0.15 / (OMEGA * OMEGA - pulsation * pulsation).hypot(0.4 * pulsation)
+}
+
+/// A motion that a sine drives is where all others end that slide; no contact ever changes its state in it. It was once
+/// said to have no size of its own, as a motion has that nothing drives and nothing damps, and a threshold beside it stayed
+/// hidden.
+#[test]
+fn what_a_sine_drives_for_ever_is_an_attractor_though_its_contact_always_slides() {
+    for frequency in [1.0, 1.2687] {
+        let found = found(&driven_block(frequency), "mass.p.vx", &[0.0, 0.02, 0.3], 1e-2);
+        let [slides, .., sticks] = &found.attractors[..] else { panic!("{:?}", found.attractors) };
+        assert!(slides.kind == Kind::Periodic && sticks.kind.is_cycle(), "{sticks:?}");
+        assert!((slides.amplitude / forced(frequency) - 1.0).abs() < 1e-6, "{slides:?}");
+        assert!(!slides.taken[2] && sticks.amplitude > BELT / OMEGA, "{sticks:?}");
+        let [threshold] = &found.thresholds[..] else { panic!("{:?}", found.thresholds) };
+        assert_eq!(threshold.attractors, [0, 1]);
+        // It has to reach the belt's velocity, damped a little on the way and helped or hindered by the sine.
+        assert!((0.8 * BELT..1.2 * BELT).contains(&threshold.between[0]), "{threshold:?}");
+    }
+}
+
+/// Nothing damps the block, so each motion that stays slower than the belt goes on with the size that it has. Those that
+/// stick lose energy until they just touch the belt's velocity, with an amplitude of v/ω₀, whatever they began with. Rounding
+/// says whether such a motion sticks for an instant, and once decided whether it was an attractor.
+#[test]
+fn undamped_motions_that_have_stuck_all_end_in_the_one_that_just_touches_the_velocity_of_the_belt()
+{
+    let belt = builtin("belt").unwrap().scene();
+    let amplitudes: Vec<f64> = (3..=20).map(|i| 0.017 * f64::from(i)).collect();
+    let found = found(&belt, "mass.block.vx", &amplitudes, 1e-3);
+    let [touches] = &found.attractors[..] else { panic!("{:?}", found.attractors) };
+    assert!((touches.amplitude * OMEGA / BELT - 1.0).abs() < 1e-5, "{touches:?}");
+    for run in &found.runs {
+        assert_eq!(run.attractor, Some(0), "{}", run.amplitude);
+    }
+    let mut small = belt;
+    assign(&mut small, "initial.mass.block.x", 0.0).unwrap();
+    let small = self::found(&small, "mass.block.vx", &[0.03, 0.06, 0.09], 1e-3);
+    assert!(small.attractors.is_empty(), "{:?}", small.attractors);
+}
+
 /// Let go at −d, a block that slides has its largest velocity, d ω₀ e^{−δt}, at t = atan2(ω_d, δ)/ω_d; let go at +d,
 /// half a period later. Where that is the belt's velocity it sticks, and then slips and sticks for ever.
 #[test]

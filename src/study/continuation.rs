@@ -174,9 +174,9 @@ pub struct Both {
 pub struct Continuation {
     /// By ascending µ.
     pub rising: Vec<Point>,
-    /// By ascending µ too. The way begins from the scene's own start at the last value. Where both ways rest, the scene's
-    /// start is tried as well, from high values to low ones; the first motion that it leads to stands in place of rest,
-    /// as far as it can be followed.
+    /// By ascending µ too. The way begins from the scene's own start at the last value. Where both ways end in the same
+    /// motion, the scene's start is tried as well, from high values to low ones; the first other motion that it leads to
+    /// stands in place of that one, as far as it can be followed.
     pub falling: Vec<Point>,
     /// By ascending µ, rising ones first.
     pub jumps: Vec<Jump>,
@@ -234,7 +234,7 @@ struct Followed {
 struct Found {
     /// Upwards and downwards.
     ways: Vec<Followed>,
-    /// A motion that the scene's own start leads to where both ways rest.
+    /// Another motion, which the scene's own start leads to where both ways end in the same one.
     begun: Option<Followed>,
 }
 
@@ -243,9 +243,9 @@ impl Found {
         self.ways.iter().chain(&self.begun)
     }
 
-    /// What the scene's own start has led to at a value at which the way downwards rests.
+    /// What the scene's own start has led to at a value at which both ways end in the same motion.
     fn begun_at(&self, friction: f64) -> Option<&Reached> {
-        let begun = self.begun.as_ref().filter(|_| self.ways[1].rests_at(friction));
+        let begun = self.begun.as_ref().filter(|_| agreed(&self.ways, friction).is_some());
         begun.and_then(|begun| begun.at(friction))
     }
 }
@@ -264,19 +264,20 @@ pub fn continuation(
         assign(&mut plan.scene.clone(), FRICTION, *value)?;
     }
     let done = AtomicUsize::new(0);
-    // Two ways, and the comparisons: about a tenth.
+    let run = Run { plan, journal, watch };
+    // Two ways, the scene's own starts and the comparisons: about a tenth.
+    let pieces = if run.has_own_start() { 3.2 } else { 2.2 };
     #[allow(clippy::cast_precision_loss)]
-    let all = 2.2 * plan.values.len() as f64;
+    let all = pieces * plan.values.len() as f64;
     #[allow(clippy::cast_precision_loss)]
     let step_done = || (watch.progress)(done.fetch_add(1, Ordering::Relaxed) as f64 / all);
-    let run = Run { plan, journal, watch };
     let ways = collect(2, &|i| run.follow(Way::ALL[i], &step_done), &|_| {})?;
     let Some(ways) = ways.into_iter().collect::<Option<Vec<Followed>>>() else { return Ok(None) };
     // Nothing was followed: a way ends at its first failure.
     if let [Err(failure), Err(_)] = [0, 1].map(|way: usize| &ways[way].passed[0].point.ending) {
         return Err(Error::scene(failure.clone()));
     }
-    let Some(begun) = run.begin(&ways)? else { return Ok(None) };
+    let Some(begun) = run.begin(&ways, &step_done)? else { return Ok(None) };
     let found = Found { ways, begun };
     let Some((bistable, unknown)) = run.compare_ways(&found)? else { return Ok(None) };
     let mut compared = Vec::new();
@@ -292,6 +293,20 @@ pub fn continuation(
         falling.filter_map(|value| found.begun_at(*value).or_else(|| found.ways[1].at(*value)));
     let (rising, falling) = (points(rising), points(falling));
     Ok(Some(Continuation { rising, falling, jumps, bistable, unknown, compared }))
+}
+
+/// The motion that both ways end in at a value that they have passed, if it is the same one and is known.
+fn agreed(ways: &[Followed], friction: f64) -> Option<&Ending> {
+    let [rising, falling] = ways else { return None };
+    let [up, down] = [rising.at(friction)?.ending()?, falling.at(friction)?.ending()?];
+    let are_alike =
+        [up, down].iter().all(|ending| is_known(ending)) && distance(up, down) <= OTHER_EXTENT;
+    are_alike.then_some(down)
+}
+
+/// Has a motion settled, or is it on its way to rest or away from it?
+fn is_known(ending: &Ending) -> bool {
+    ending.kind != Kind::Unsettled || ending.is_known()
 }
 
 fn points<'a>(reached: impl Iterator<Item = &'a Reached>) -> Vec<Point> {
@@ -330,43 +345,71 @@ impl Run<'_> {
         Ok(Some(followed))
     }
 
-    /// A motion that the scene's own start leads to where both ways rest, from the highest value on: it is followed
-    /// upwards to its end, and downwards to its end or to where the way upwards does not rest. `None` inside if there is
-    /// none.
-    fn begin(&self, ways: &[Followed]) -> Result<Option<Option<Followed>>, Error> {
+    /// Another motion, which the scene's own start leads to where both ways end in the same one: from the highest value at
+    /// which it does, it is followed upwards to its end, and downwards to its end or to where the ways part. `None` inside
+    /// if there is none.
+    fn begin(
+        &self,
+        ways: &[Followed],
+        step_done: &(dyn Fn() + Sync),
+    ) -> Result<Option<Option<Followed>>, Error> {
         // A scene that starts in its equilibrium finds nothing that the ways do not.
-        if Push::of_resting(self.plan.scene).is_some() {
+        if !self.has_own_start() {
             return Ok(Some(None));
         }
         // The way downwards has begun from the scene's start at the last value.
         let values = &self.plan.values[..self.plan.values.len() - 1];
-        for (place, value) in values.iter().enumerate().rev() {
-            if !ways.iter().all(|way| way.rests_at(*value)) {
-                continue;
-            }
-            let label = "begun".to_owned();
-            let Some(begun) = self.reach(&label, *value, Start::Scene(Way::Falling))? else {
+        let agreed_at = |place: usize| agreed(ways, values[place]);
+        let tried: Vec<usize> =
+            (0..values.len()).rev().filter(|place| agreed_at(*place).is_some()).collect();
+        for places in tried.chunks(2) {
+            let start = |i: usize| {
+                let reached = self.reach("begun", values[places[i]], Start::Scene(Way::Falling));
+                step_done();
+                reached
+            };
+            let reached = collect(places.len(), &start, &|_| {})?;
+            let Some(reached) = reached.into_iter().collect::<Option<Vec<Reached>>>() else {
                 return Ok(None);
             };
-            if !begun.ending().is_some_and(|ending| ending.kind.is_cycle()) {
-                continue;
+            let is_other = |(place, begun): &(usize, Reached)| {
+                let both = [begun.ending(), agreed_at(*place)];
+                matches!(both, [Some(ending), Some(of_both)]
+                    if ending.kind.is_cycle() && distance(ending, of_both) > OTHER_EXTENT)
+            };
+            if let Some((place, begun)) = places.iter().copied().zip(reached).find(is_other) {
+                let below = (0..place).rev().take_while(|below| agreed_at(below + 1).is_some());
+                let below: Vec<f64> = below.map(|below| values[below]).collect();
+                return Ok(self
+                    .follow_both_ways(begun, &below, &self.plan.values[place + 1..])?
+                    .map(Some));
             }
-            let mut down = Followed::from(Way::Falling, label, begun.clone());
-            // Where the way upwards does not rest, it has a motion beside rest itself.
-            let below = (0..place).rev().take_while(|below| ways[0].rests_at(values[below + 1]));
-            let below = below.map(|below| values[below]);
-            let mut up = Followed::from(Way::Falling, "begun, back:".to_owned(), begun);
-            let above = self.plan.values[place + 1..].iter().copied();
-            if !self.follow_to_its_end(Way::Falling, &mut down, below)?
-                || !self.follow_to_its_end(Way::Rising, &mut up, above)?
-            {
-                return Ok(None);
-            }
-            down.passed.extend(up.passed.into_iter().skip(1));
-            down.jumps.extend(up.jumps);
-            return Ok(Some(Some(down)));
         }
         Ok(Some(None))
+    }
+
+    /// Follows a motion downwards over the values below it and upwards over those above it, each to its end.
+    fn follow_both_ways(
+        &self,
+        begun: Reached,
+        below: &[f64],
+        above: &[f64],
+    ) -> Result<Option<Followed>, Error> {
+        let mut down = Followed::from(Way::Falling, "begun".to_owned(), begun.clone());
+        let mut up = Followed::from(Way::Falling, "begun, back:".to_owned(), begun);
+        if !self.follow_to_its_end(Way::Falling, &mut down, below)?
+            || !self.follow_to_its_end(Way::Rising, &mut up, above)?
+        {
+            return Ok(None);
+        }
+        down.passed.extend(up.passed.into_iter().skip(1));
+        down.jumps.extend(up.jumps);
+        Ok(Some(down))
+    }
+
+    /// Does the scene start anywhere else than in its equilibrium?
+    fn has_own_start(&self) -> bool {
+        Push::of_resting(self.plan.scene).is_none()
     }
 
     /// Follows a motion over some values up to its first jump; what comes after that is another motion. `false` if the
@@ -375,9 +418,9 @@ impl Run<'_> {
         &self,
         way: Way,
         followed: &mut Followed,
-        values: impl Iterator<Item = f64>,
+        values: &[f64],
     ) -> Result<bool, Error> {
-        for value in values {
+        for &value in values {
             if !followed.jumps.is_empty() || !followed.has_state() {
                 break;
             }
@@ -571,12 +614,12 @@ impl Run<'_> {
         found: &Found,
     ) -> Result<Option<Option<Third>>, Error> {
         // A scene that starts in its equilibrium starts as the way upwards does.
-        if Push::of_resting(self.plan.scene).is_some() {
+        if !self.has_own_start() {
             return Ok(Some(None));
         }
         let is_third = |ending: &Ending| {
             let is_other = |other: &&Ending| distance(other, ending) > OTHER_EXTENT;
-            (ending.kind != Kind::Unsettled || ending.is_known()) && two.iter().all(is_other)
+            is_known(ending) && two.iter().all(is_other)
         };
         let start = Start::Scene(Way::Falling);
         let Some(reached) = self.reach("start", friction, start)? else { return Ok(None) };
@@ -664,8 +707,7 @@ impl Run<'_> {
         else {
             return Ok(Some(None));
         };
-        let is_known = ending.kind != Kind::Unsettled || ending.is_known();
-        Ok(Some((is_known && there.jumps.is_empty()).then_some((ending, progress))))
+        Ok(Some((is_known(&ending) && there.jumps.is_empty()).then_some((ending, progress))))
     }
 }
 
@@ -677,10 +719,6 @@ impl Followed {
     /// What it has reached at a value that it has passed.
     fn at(&self, friction: f64) -> Option<&Reached> {
         self.passed.iter().find(|reached| reached.point.friction == friction)
-    }
-
-    fn rests_at(&self, friction: f64) -> bool {
-        self.at(friction).and_then(Reached::ending).is_some_and(Ending::rests)
     }
 
     /// Can it be followed further from where it is?

@@ -80,8 +80,9 @@ pub struct Ending {
     /// How fast the motion still grew or, below zero, decayed at the end, 1/s: of a linear motion the growth rate of its
     /// fastest growing mode. 0 where signals drive it on.
     pub rate: f64,
-    /// `true` where contacts were in the states of rest throughout the last window and their forces are linear: small
-    /// motions about the equilibrium, of which every size is one.
+    /// `true` of a small motion about the equilibrium that goes on with whatever size it has: contacts were in the states
+    /// of rest throughout the last window, their forces are linear, and motions of every size near this one are possible.
+    /// `false` where the motion is driven and all else decays, and of the largest motion of such a family.
     #[serde(default)]
     pub linear: bool,
     /// Size of the motion of all degrees of freedom together, m: root mean square of a mixture of their displacements.

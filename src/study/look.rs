@@ -19,7 +19,7 @@ const MOST_ROWS: f64 = 100_000.0;
 const MOST_WISHED_ROWS: f64 = 5e6;
 /// And no fewer, which its spectrum needs.
 const FEWEST_ROWS: f64 = 64.0;
-/// Steps of exact motion in the period of a sine that drives it: held over a step it is then true to 4e-7.
+/// Steps of exact motion in the period of a sine that drives friction: held over a step it is then true to 4e-7.
 const STEPS_A_SIGNAL: f64 = 2000.0;
 /// Windows that a motion may take to settle.
 const LONGEST: f64 = 60.0;
@@ -144,11 +144,12 @@ impl Look {
 pub type Prepare<'a> = &'a (dyn Fn(&mut Scene) -> Result<Look, Error> + Sync);
 
 /// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
-/// the quickest way to where a motion ends, and the truest. A step holds friction that a signal drives, so signals make
-/// steps shorter. What exact motion does not take, as Stribeck's law, keeps its own.
+/// the quickest way to where a motion ends, and the truest. A step holds friction that a signal drives, so such signals
+/// make steps shorter. What exact motion does not take, as Stribeck's law, keeps its own.
 pub fn pace(scene: &mut Scene, look: &Look) {
     if EventDriven::new(&LumpedModel::from(&*scene)).is_ok() {
-        let longest = scene.signals.iter().map(|signal| span(&signal.shape) / STEPS_A_SIGNAL);
+        let held = scene.signals.iter().filter(|signal| signal.drives_friction());
+        let longest = held.map(|signal| span(&signal.shape) / STEPS_A_SIGNAL);
         let longest = longest.fold(look.interval, f64::min);
         let step = look.interval / (look.interval / longest * (1.0 - 1e-9)).ceil();
         (scene.method, scene.step) = (Method::EventDriven, step);

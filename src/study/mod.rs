@@ -28,6 +28,7 @@ pub mod confirm;
 mod continuation;
 mod difference;
 mod ending;
+mod family;
 mod initial;
 mod journal;
 mod limit_cycle;

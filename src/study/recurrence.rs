@@ -66,7 +66,7 @@ pub struct Closure {
 
 /// Displacements and velocities of a motion, by the sizes of which distances between states are measured.
 #[derive(Clone, Copy, Debug)]
-struct Scale {
+pub(super) struct Scale {
     /// The largest half-range of a displacement, m, and of a velocity, m/s.
     displacement: f64,
     velocity: f64,
@@ -229,7 +229,7 @@ pub(super) fn has_no_shorter_period(closures: &[Closure]) -> bool {
 
 /// The way of one step of the paper's scheme, which sees events at whole steps only, in parts of the size of a motion with
 /// this frequency (Hz). 0 of exact motion.
-fn way_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
+pub(super) fn way_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
     match simulation.scene().method {
         Method::EventDriven => 0.0,
         Method::ForwardIncrement => TAU * frequency * simulation.scene().step,
@@ -248,7 +248,7 @@ pub(super) fn is_closed(simulation: &Simulation, frequency: f64, closure: Closur
 
 /// Moves on over two periods of the strongest line to find how large the motion is, then to where it is nearly as
 /// fast as it becomes, from which a return is seen best.
-fn begin_fast(
+pub(super) fn begin_fast(
     simulation: &mut Simulation,
     interval: f64,
     frequency: f64,

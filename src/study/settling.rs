@@ -5,6 +5,7 @@
 //! displacements, so that nothing hides where one output does not see it.
 
 use super::ending::{Ending, Kind};
+use super::family::is_one_of_many;
 use super::linear::{
     Growth, growth, has_linear_friction, has_states_of_rest, is_far, is_repeated, may_pull,
     stays_linear,
@@ -240,6 +241,11 @@ impl Settling {
             }
         };
         let mut ending = self.ending(kind, simulation.is_driven_on());
+        if ending.linear && (kind.is_cycle() || simulation.is_driven_on()) {
+            let strongest = self.seen.last().and_then(|seen| seen.lines.as_ref()?.lines.first());
+            let frequency = strongest.map(|line| line.frequency);
+            ending.linear = is_one_of_many(simulation, &self.look, frequency, is_over)?;
+        }
         if ending.linear && kind == Kind::Unsettled && !simulation.is_driven_on() {
             // Two windows may differ by noise; eigenvalues do not.
             let goes = |growth: &Growth| growth.is_growing() || growth.is_decaying();
