@@ -60,9 +60,9 @@ pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
         _ => extents.max(log(a.size, b.size)),
     };
     // Of two lines that are equally strong either may be the first.
-    let pitch = |a: &Ending, b: &Ending| match (a.frequency, &b.lines[..]) {
-        (Some(a), [_, ..]) => b.lines.iter().map(|line| log(a, line[0])).fold(1.0, f64::min),
-        (None, []) => 0.0,
+    let pitch = |a: &Ending, b: &Ending| match (&a.lines[..], &b.lines[..]) {
+        ([[a, _], ..], [_, ..]) => b.lines.iter().map(|line| log(*a, line[0])).fold(1.0, f64::min),
+        ([], []) => 0.0,
         _ => 1.0,
     };
     // The lines of a motion that may have no period wander from window to window.

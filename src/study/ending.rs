@@ -54,10 +54,10 @@ impl Kind {
 pub struct Ending {
     /// What kind of motion it is.
     pub kind: Kind,
-    /// Half of the difference between the output's largest and smallest value, in its unit. Of an equilibrium that of
-    /// what is left of the motion.
+    /// Half of the difference between the output's largest and smallest value, in its unit; 0 of an equilibrium.
     pub amplitude: f64,
-    /// Of the output's strongest line, Hz; `None` where nothing oscillates.
+    /// Of the output's strongest line, Hz; `None` where nothing oscillates, or the motion has not settled and its lines may
+    /// yet be others.
     pub frequency: Option<f64>,
     /// s after which the whole state of a periodic motion comes back.
     pub period: Option<f64>,
@@ -145,6 +145,13 @@ impl Ending {
             ),
             _ => None,
         }
+    }
+
+    /// Forgets what was left of the motion: at its end it rests.
+    pub(super) fn come_to_rest(&mut self) {
+        (self.amplitude, self.frequency) = (0.0, None);
+        self.lines.clear();
+        self.extents.fill(0.0);
     }
 
     /// Takes over what was found of a periodic motion.

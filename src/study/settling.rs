@@ -10,7 +10,7 @@ use super::linear::{
     Growth, growth, has_linear_friction, has_states_of_rest, is_far, is_repeated, may_pull,
     stays_linear,
 };
-use super::look::{Look, output};
+use super::look::{Look, output, unit};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
     Closure, Parting, closure, has_no_shorter_period, has_two_frequencies, is_closed, is_closing,
@@ -252,6 +252,12 @@ impl Settling {
             ending.rate = growth(simulation).filter(goes).map_or(0.0, |growth| growth.rate);
         }
         ending.parting = parting;
+        match kind {
+            Kind::Equilibrium => ending.come_to_rest(),
+            // Lines of one window need not be those of the next.
+            Kind::Unsettled if !ending.is_known() => ending.frequency = None,
+            _ => {}
+        }
         if let Some(closure) = self.closures.last().filter(|_| kind.is_cycle()) {
             ending.come_back(*closure);
         }
@@ -263,6 +269,10 @@ impl Settling {
             let OverSpan { amplitude, extents, shares } =
                 over_span(simulation, &self.output, span, self.look.interval)?;
             (ending.amplitude, ending.extents, ending.shares) = (amplitude, extents, shares);
+            let largest = ending.extents.iter().copied().fold(0.0, f64::max);
+            if unit(&self.output) == "m" && ending.amplitude <= ROUNDING * largest {
+                ending.amplitude = 0.0;
+            }
         }
         Ok(Some(ending))
     }

@@ -21,7 +21,9 @@ pub fn number(attractor: Option<usize>) -> String {
 
 /// Prints the attractors, one a line.
 pub fn print(attractors: &[Ending], of: &str, unit: &str) {
-    println!("\nattractors (amplitude and strongest frequency of {of})");
+    println!(
+        "\nattractors (amplitude and strongest frequency of {of}; motions that differ in their place alone are one)"
+    );
     for (place, ending) in attractors.iter().enumerate() {
         println!("  {}  {}", place + 1, words(ending, unit));
         if let Some(evidence) = ending.evidence().filter(|_| ending.kind == Kind::Undecided) {

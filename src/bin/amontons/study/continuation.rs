@@ -442,6 +442,7 @@ fn turn(becomes_unstable: bool) -> &'static str {
 fn told(ending: &Ending) -> String {
     match ending.kind {
         Kind::Unbounded => "growth without bound".to_owned(),
+        Kind::Equilibrium => "rest".to_owned(),
         _ => format!("{} of {}", describe(ending), metres(ending.amplitude)),
     }
 }
