@@ -83,6 +83,8 @@ pub struct EventDriven<W = ()> {
     closed: Vec<ContactState>,
     /// What is held at one instant: what slips that stop become, or those that an impact does not throw off.
     kept: Vec<ContactState>,
+    /// The states that contacts are first tried in after events.
+    likely: Vec<ContactState>,
     frictionless: Vec<Friction>,
     /// What the outer forces would accelerate a mass by at the most, m/s², and what that does in a step, m/s: beside
     /// it a velocity may be nothing.
@@ -147,6 +149,7 @@ impl<W: Witness> EventDriven<W> {
             before: vec![ContactState::Detached; contacts],
             closed: vec![ContactState::Detached; contacts],
             kept: vec![ContactState::Detached; contacts],
+            likely: vec![ContactState::Detached; contacts],
             frictionless: vec![Friction::from(0.0); contacts],
             driven: 0.0,
             gained: 0.0,
@@ -385,7 +388,13 @@ impl<W: Witness> EventDriven<W> {
                 contact.tangent.dot(&self.dynamics.acceleration) - self.surface_acceleration[i],
             ];
         }
-        motion.statistics.count_sweeps(self.dynamics.problem.solve(&motion.contacts)?);
+        let likely = |(event, state): (&Option<Event>, &ContactState)| match event {
+            Some(Event::Stop) => ContactState::Stick,
+            _ => *state,
+        };
+        let states = self.events.iter().zip(&motion.contacts).map(likely);
+        self.likely.iter_mut().zip(states).for_each(|(likely, state)| *likely = state);
+        motion.statistics.count_sweeps(self.dynamics.problem.solve(&self.likely)?);
         motion.statistics.events += 1;
         for i in 0..self.events.len() {
             let (state, new) = (motion.contacts[i], self.dynamics.problem.states[i]);

@@ -153,6 +153,8 @@ impl Reduced {
 
     /// `sum` and what stretches (m) give, `all` or those of the degrees of freedom that are free. N rows
     /// are P pairs.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     pub(super) fn add_springs<const N: usize, const P: usize>(
         &self,
         stretch: &[f64; N],
@@ -163,6 +165,8 @@ impl Reduced {
     }
 
     /// The same of velocities (m/s), for dampers and α.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     pub(super) fn add_dampers<const N: usize, const P: usize>(
         &self,
         velocity: &[f64; N],
@@ -172,7 +176,9 @@ impl Reduced {
         self.add::<N, P>(&self.dampers, velocity, all, sum)
     }
 
-    #[inline]
+    // The loops of a series are several times as fast where its sums stay in registers.
+    #[allow(clippy::inline_always)]
+    #[inline(always)]
     fn add<const N: usize, const P: usize>(
         &self,
         matrix: &[Pair],

@@ -230,7 +230,7 @@ impl Series {
         now: Instant<'_>,
     ) {
         self.order = 0;
-        let rate = self.small_rate::<N>(dynamics, drive);
+        let mut rate = self.small_rate::<N>(dynamics, drive);
         let waves = self.waves.powers();
         self.write_wave_rows(dynamics, drive);
         let Some(reduced) = &mut self.reduced else { return };
@@ -240,7 +240,10 @@ impl Series {
         let is_damped = alpha != 0.0 || !dynamics.dampers.is_empty();
         let displacement = self.displacement.as_chunks_mut::<N>().0;
         let forces = self.forces.as_chunks_mut::<N>().0;
-        let swings = self.wave_rows.as_chunks::<N>().0;
+        let swings = &self.wave_rows.as_chunks::<N>().0[..waves];
+        if let Some(first) = swings.get(1) {
+            rate = std::array::from_fn(|i| rate[i] + first[i]);
+        }
         let (is_free, carried) = (first::<N>(&self.is_free), first::<N>(&self.carried));
         let (per_span, square) = (1.0 / self.span, self.span * self.span);
         let (mut negligible, mut swing) = (0.0, [0.0; N]);
@@ -250,10 +253,8 @@ impl Series {
             self.order = k + 2;
             let start = match k {
                 0 => matrices.load(),
-                1 if waves > 1 => std::array::from_fn(|i| rate[i] + swings[1][i]),
                 1 => rate,
-                _ if k < waves => swings[k],
-                _ => [0.0; N],
+                _ => swings.get(k).copied().unwrap_or([0.0; N]),
             };
             // What a slider carries along has no powers beyond the second, unless it oscillates.
             let all = k <= 2 + waves;
@@ -267,9 +268,9 @@ impl Series {
             *row = sum;
             let factor = square * power.integrated_twice;
             *new = std::array::from_fn(|i| factor * sum[i] * is_free[i]);
-            if (1..waves).contains(&k) {
-                let swung = &mut self.swung;
-                self.waves.write_accelerations(&drive.waves, (k, power.ahead), self.span, swung);
+            if k > 0 && k < waves {
+                let (waves, swung) = (&self.waves, &mut self.swung);
+                waves.write_accelerations(&drive.waves, (k, power.ahead), self.span, swung);
                 for &(dof, contact) in &self.carriers {
                     new[dof] += factor * swung[contact];
                 }
