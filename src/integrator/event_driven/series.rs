@@ -185,12 +185,10 @@ impl Series {
                 *c = v * self.span;
             }
             self.waves.expand(&drive.waves, now.passed, self.span);
-            match self.places {
-                4 if self.reduced.is_some() => self.small::<4, 2>(dynamics, drive, now),
-                8 if self.reduced.is_some() => self.small::<8, 4>(dynamics, drive, now),
-                12 if self.reduced.is_some() => self.small::<12, 6>(dynamics, drive, now),
-                16 if self.reduced.is_some() => self.small::<16, 8>(dynamics, drive, now),
-                _ => self.large(dynamics, drive, now),
+            match (self.reduced.is_some(), self.waves.powers() > 0) {
+                (true, false) => self.by_matrices::<false>(dynamics, drive, now),
+                (true, true) => self.by_matrices::<true>(dynamics, drive, now),
+                (false, _) => self.large(dynamics, drive, now),
             }
             let last = &self.displacement[(self.order - 1) * self.places..][..2 * self.places];
             if last.iter().all(|c| c.is_finite()) {
@@ -222,8 +220,23 @@ impl Series {
         });
     }
 
+    /// The recursion with matrices of as many rows as there are places, with or without waves.
+    fn by_matrices<const WAVES: bool>(
+        &mut self,
+        dynamics: &Dynamics,
+        drive: &Drive,
+        now: Instant<'_>,
+    ) {
+        match self.places {
+            4 => self.small::<4, 2, WAVES>(dynamics, drive, now),
+            8 => self.small::<8, 4, WAVES>(dynamics, drive, now),
+            12 => self.small::<12, 6, WAVES>(dynamics, drive, now),
+            _ => self.small::<16, 8, WAVES>(dynamics, drive, now),
+        }
+    }
+
     /// The recursion with matrices of N rows, P pairs of rows.
-    fn small<const N: usize, const P: usize>(
+    fn small<const N: usize, const P: usize, const WAVES: bool>(
         &mut self,
         dynamics: &Dynamics,
         drive: &Drive,
@@ -231,7 +244,7 @@ impl Series {
     ) {
         self.order = 0;
         let mut rate = self.small_rate::<N>(dynamics, drive);
-        let waves = self.waves.powers();
+        let waves = if WAVES { self.waves.powers() } else { 0 };
         self.write_wave_rows(dynamics, drive);
         let Some(reduced) = &mut self.reduced else { return };
         let Instant { outer, slider, .. } = now;
