@@ -92,6 +92,28 @@ fn a_landing_that_friction_jams_ends_the_run_and_says_so() {
     );
 }
 
+/// Painlevé's paradox in sliding: as the surface turns back, friction would draw the mass into it. No finite force satisfies
+/// the law from that instant on, since N (cos 0.5 − 3 sin 0.5) = 40 N wants N below zero, and an open contact would close.
+#[test]
+fn a_surface_that_turns_to_where_friction_jams_ends_the_run_when_it_turns() {
+    for method in METHODS {
+        let mut run = Run::new(hard("surface_turns_and_jams"), method);
+        run.judged_until(0.0995);
+        let normal = on_a_line(40.0, -0.5, -3.0);
+        assert_near(run.forces()[0].normal_force, normal, 1e-12 * normal);
+        let error = loop {
+            if let Err(error) = run.try_jump(1) {
+                break error;
+            }
+            // The paper's scheme sees the velocity of the surface at the ends of its steps.
+            assert!(run.time() <= 0.1 + 1e-9, "{}", run.time());
+        };
+        let said = error.to_string();
+        let reason = "friction wedges contact.c: no contact force satisfies its law";
+        assert!(error.is_step() && said.contains(reason), "{said}");
+    }
+}
+
 #[test]
 fn a_mass_that_static_friction_cannot_hold_lands_and_stays() {
     for method in METHODS {
