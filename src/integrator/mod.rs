@@ -65,6 +65,9 @@ pub struct Statistics {
     pub reversed_slips: u64,
     /// How often a contact had to pull that cannot open.
     pub pulled_contacts: u64,
+    /// How often, when a run began or contacts changed their states, the law of contact had another solution than the one
+    /// that was taken, with another motion. Only contacts are looked at of which up to four share masses.
+    pub other_solutions: u64,
 }
 
 impl Statistics {
@@ -72,8 +75,9 @@ impl Statistics {
     pub(crate) fn are_countable(&self) -> bool {
         const MOST: u64 = 1 << 60;
         let Self { steps, entered, touch_downs, ended_hops, events, sweeps, .. } = *self;
-        let Self { most_sweeps, reversed_slips, pulled_contacts, .. } = *self;
-        let of_contacts = [touch_downs, ended_hops, reversed_slips, pulled_contacts];
+        let Self { most_sweeps, reversed_slips, pulled_contacts, other_solutions, .. } = *self;
+        let of_contacts =
+            [touch_downs, ended_hops, reversed_slips, pulled_contacts, other_solutions];
         let others = [steps, events, sweeps, most_sweeps].into_iter().chain(of_contacts);
         entered.into_iter().chain(others).all(|count| count <= MOST)
     }

@@ -1,4 +1,4 @@
-//! What a run has needed that its scene leaves out of the law of contact.
+//! What a run has needed that its scene leaves out of the law of contact, and where that law leaves its motion open.
 
 use super::Simulation;
 use crate::error::Short;
@@ -17,13 +17,19 @@ pub(crate) fn newly_broken(simulation: &Simulation, before: Statistics) -> Vec<S
     let now = simulation.statistics();
     let has_slipped = before.reversed_slips == 0 && now.reversed_slips > 0;
     let has_pulled = before.pulled_contacts == 0 && now.pulled_contacts > 0;
+    let has_others = before.other_solutions == 0 && now.other_solutions > 0;
     // Most short steps find nothing.
-    if has_slipped || has_pulled { words(simulation, has_slipped, has_pulled) } else { Vec::new() }
+    if has_slipped || has_pulled || has_others {
+        words(simulation, [has_slipped, has_pulled, has_others])
+    } else {
+        Vec::new()
+    }
 }
 
 #[cold]
-fn words(simulation: &Simulation, has_slipped: bool, has_pulled: bool) -> Vec<String> {
-    let Statistics { reversed_slips, pulled_contacts, .. } = simulation.statistics();
+fn words(simulation: &Simulation, [has_slipped, has_pulled, has_others]: [bool; 3]) -> Vec<String> {
+    let Statistics { reversed_slips, pulled_contacts, other_solutions, .. } =
+        simulation.statistics();
     let time = Short(simulation.time());
     let slips = has_slipped.then(|| {
         format!(
@@ -39,5 +45,12 @@ fn words(simulation: &Simulation, has_slipped: bool, has_pulled: bool) -> Vec<St
              open; leave `detachment = false` out"
         )
     });
-    slips.into_iter().chain(pulls).collect()
+    let others = has_others.then(|| {
+        format!(
+            "up to {time} s the law of contact had another solution besides the one that was taken, \
+             {other_solutions} times: contacts stay in the states that they are in as long as the \
+             law lets them; another motion is possible too, and another program may take it"
+        )
+    });
+    slips.into_iter().chain(pulls).chain(others).collect()
 }

@@ -198,7 +198,7 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 8;
+const VERSION: u8 = 9;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -433,8 +433,8 @@ mod tests {
         let values = variables(scene).iter().filter(|variable| variable.is_settable()).count();
         let chosen = if scene.selection == Selection::Given { 1 } else { 1 + NUMBER + 1 + NUMBER };
         let reference = 2 * list(dofs) + 2 * list(contacts);
-        // Entries of the four states, and eight others.
-        let counts = 4 + 8;
+        // Entries of the four states, and nine others.
+        let counts = 4 + 9;
         let motion = 2 * list(dofs) + length(contacts) + contacts + counts;
         let ledger = 1 + if scene.effects.energy { list(dofs) + 6 * NUMBER } else { 0 };
         let clock = 2 * NUMBER + 1;

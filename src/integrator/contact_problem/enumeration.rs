@@ -175,7 +175,7 @@ impl ContactProblem {
     }
 
     /// The states that a contact may be in.
-    fn possible(&self, contact: usize) -> &'static [ContactState] {
+    pub(super) fn possible(&self, contact: usize) -> &'static [ContactState] {
         use ContactState::{Detached, ReverseSlide, Slide, Stick};
         match self.freedom[contact] {
             Freedom::Law(_) => &[Stick, Slide, ReverseSlide, Detached],

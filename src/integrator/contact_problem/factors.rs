@@ -16,6 +16,8 @@ pub(super) struct Factors {
     rows: Vec<usize>,
     columns: Vec<usize>,
     scales: Vec<f64>,
+    /// The sign of the product of the pivots, with that of the order of rows and columns.
+    orientation: f64,
     /// Room for a solution.
     values: Vec<f64>,
 }
@@ -30,6 +32,7 @@ impl Factors {
             rows: vec![0; most],
             columns: vec![0; most],
             scales: vec![1.0; most],
+            orientation: 1.0,
             values: vec![0.0; most],
         }
     }
@@ -57,11 +60,12 @@ impl Factors {
     }
 
     fn eliminate(&mut self) {
-        let Self { size, entries, rows, columns, .. } = self;
+        let Self { size, entries, rows, columns, orientation, .. } = self;
         let size = *size;
         let entries = &mut entries[..size * size];
         let largest = entries.iter().fold(0.0, |largest, entry| f64::max(largest, entry.abs()));
         self.rank = 0;
+        *orientation = 1.0;
         for step in 0..size {
             let (mut row, mut column, mut most) = (step, step, -1.0);
             for i in step..size {
@@ -74,6 +78,9 @@ impl Factors {
             if most <= DEPENDENT * largest {
                 return;
             }
+            if (row == step) != (column == step) {
+                *orientation = -*orientation;
+            }
             rows.swap(step, row);
             columns.swap(step, column);
             if row != step {
@@ -85,6 +92,7 @@ impl Factors {
             }
             let (done, rest) = entries.split_at_mut((step + 1) * size);
             let pivot_row = &mut done[step * size..];
+            *orientation *= pivot_row[step].signum();
             pivot_row[step] = 1.0 / pivot_row[step];
             for row in rest.chunks_exact_mut(size) {
                 if row[step] != 0.0 {
@@ -97,6 +105,11 @@ impl Factors {
             }
             self.rank = step + 1;
         }
+    }
+
+    /// The sign of the determinant: 1, −1, or 0 where a row has been left out.
+    pub(super) fn orientation(&self) -> f64 {
+        if self.is_regular() { self.orientation } else { 0.0 }
     }
 
     /// Has no row been left out?
@@ -112,7 +125,7 @@ impl Factors {
             right[0] *= self.entries[0] * self.scales[0] * self.scales[0];
             return;
         }
-        let Self { size, rank, entries, rows, columns, scales, values } = self;
+        let Self { size, rank, entries, rows, columns, scales, values, .. } = self;
         let (size, rank) = (*size, *rank);
         let values = &mut values[..rank];
         for place in 0..rank {

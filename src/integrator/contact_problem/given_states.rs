@@ -141,6 +141,11 @@ impl GivenStates {
         self.groups[group].factors.is_regular()
     }
 
+    /// The sign of the determinant of a group's equations: 1, −1, or 0 where they are not independent.
+    pub(super) fn orientation(&self, group: usize) -> f64 {
+        self.groups[group].factors.orientation()
+    }
+
     /// T/N of a contact without a friction force of its own; zero for any other.
     pub(in crate::integrator) fn slope(&self, contact: usize) -> f64 {
         match self.demands[contact] {

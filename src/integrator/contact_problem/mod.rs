@@ -20,6 +20,7 @@ mod factors;
 mod freedom;
 mod given_states;
 mod lemke;
+mod others;
 mod states;
 #[cfg(test)]
 mod tests;
@@ -31,6 +32,7 @@ use enumeration::Enumeration;
 pub(super) use freedom::{Freedom, FreedomOf, freedom_of};
 pub(super) use given_states::{Demand, GivenStates};
 use lemke::Lemke;
+use others::Others;
 use states::{Acceleration, Strictness};
 
 /// Convergence check (24): the largest change of a multiplier in a sweep against the largest one.
@@ -63,6 +65,7 @@ pub(super) struct ContactProblem {
     swept: Vec<[f64; 2]>,
     lemke: Lemke,
     enumeration: Enumeration,
+    others: Others,
 }
 
 /// How Gauss–Seidel ended.
@@ -81,6 +84,7 @@ impl ContactProblem {
         let largest = delassus.largest_group();
         Self {
             given: GivenStates::new(&delassus),
+            others: Others::with_room(contacts, delassus.groups().len()),
             lemke: Lemke::with_room(largest),
             enumeration: Enumeration::with_room(largest),
             delassus,

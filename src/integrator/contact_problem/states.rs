@@ -18,9 +18,9 @@ pub(super) enum Strictness {
 /// The acceleration of a contact, m/s², along normal and tangent.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Acceleration {
-    value: [f64; 2],
+    pub(super) value: [f64; 2],
     /// The sum of the sizes of its terms, of which rounding is a part.
-    terms: [f64; 2],
+    pub(super) terms: [f64; 2],
 }
 
 impl ContactProblem {
@@ -105,7 +105,7 @@ impl ContactProblem {
     }
 
     /// The accelerations of a group under its forces.
-    fn accelerate(&mut self, group: usize) {
+    pub(super) fn accelerate(&mut self, group: usize) {
         for &contact in &self.delassus.groups()[group] {
             let mut value = self.free[contact];
             let mut terms = value.map(f64::abs);

@@ -249,10 +249,10 @@ impl Scene {
         worst
     }
 
-    /// Has any state whose equations are regular forces that obey the law?
-    fn has_regular_solution(&self) -> bool {
+    /// The forces that obey the law in states whose equations are regular.
+    fn regular_solutions(&self) -> impl Iterator<Item = DVector<f64>> {
         let contacts = self.friction.len();
-        all_states(u32::try_from(contacts).unwrap()).any(|states| {
+        all_states(u32::try_from(contacts).unwrap()).filter_map(move |states| {
             let mut columns = Vec::new();
             let mut rows = Vec::new();
             for (contact, state) in states.iter().enumerate() {
@@ -272,16 +272,29 @@ impl Scene {
                     rows.push(2 * contact + 1);
                 }
             }
-            if columns.is_empty() {
-                return self.missed(&DVector::zeros(2 * contacts)) <= 1e-12;
-            }
-            let basis = DMatrix::from_columns(&columns);
-            let matrix = (&self.delassus * &basis).select_rows(&rows);
-            let right = -self.free.select_rows(&rows);
-            let svd = matrix.clone().svd(false, false);
-            let is_regular = svd.singular_values.min() > 1e-9 * svd.singular_values.max();
-            let solution = matrix.lu().solve(&right);
-            is_regular && solution.is_some_and(|values| self.missed(&(basis * values)) <= 1e-12)
+            let forces = if columns.is_empty() {
+                DVector::zeros(2 * contacts)
+            } else {
+                let basis = DMatrix::from_columns(&columns);
+                let matrix = (&self.delassus * &basis).select_rows(&rows);
+                let right = -self.free.select_rows(&rows);
+                let svd = matrix.clone().svd(false, false);
+                let is_regular = svd.singular_values.min() > 1e-9 * svd.singular_values.max();
+                basis * matrix.lu().solve(&right).filter(|_| is_regular)?
+            };
+            (self.missed(&forces) <= 1e-12).then_some(forces)
+        })
+    }
+
+    /// Does another motion than that under these forces obey the law, in a state whose equations are regular? Another
+    /// one has an acceleration that differs by more than a part of the terms that it is the sum of.
+    fn has_another_motion(&self, forces: &DVector<f64>, part: f64) -> bool {
+        let acceleration = |forces: &DVector<f64>| &self.delassus * forces + &self.free;
+        let taken = acceleration(forces);
+        self.regular_solutions().any(|other| {
+            let terms = self.delassus.abs() * other.abs() + self.free.abs();
+            let off = (acceleration(&other) - &taken).abs();
+            off.iter().zip(&terms).any(|(off, terms)| *off > part * terms.max(1e-200))
         })
     }
 }
@@ -295,7 +308,7 @@ fn judge(scene: &Scene) -> Result<(), TestCaseError> {
             prop_assert!(missed <= 1e-10, "misses the law by {missed:e}: {:?}", problem.forces);
         }
         // That none obeys the law is for another search to say.
-        Err(StepFailure::Wedged { .. }) => prop_assert!(!scene.has_regular_solution()),
+        Err(StepFailure::Wedged { .. }) => prop_assert!(scene.regular_solutions().next().is_none()),
         Err(failure) => prop_assert!(false, "{failure:?}"),
     }
     Ok(())
@@ -316,5 +329,25 @@ proptest! {
         scene in scenes(6, true),
     ) {
         judge(&scene)?;
+    }
+
+    #[test]
+    fn another_solution_is_told_where_the_law_has_one_with_another_motion(
+        scene in prop_oneof![scenes(3, false), scenes(3, true)],
+    ) {
+        let mut problem = scene.problem();
+        if problem.solve(&scene.present).is_err() {
+            return Ok(());
+        }
+        let taken = DVector::from_vec(problem.forces.iter().flatten().copied().collect());
+        if problem.has_another_solution() {
+            // Contacts that share few degrees of freedom may stick all together, in a state with many forces.
+            let is_regular = scene.directions.ncols() >= scene.directions.nrows();
+            prop_assert!(!is_regular || scene.has_another_motion(&taken, 1e-9));
+        } else {
+            prop_assert!(!scene.has_another_motion(&taken, 1e-6));
+        }
+        let after = DVector::from_vec(problem.forces.iter().flatten().copied().collect());
+        prop_assert_eq!(taken, after);
     }
 }

@@ -55,6 +55,7 @@ impl<W: Witness> EventDriven<W> {
             problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
         motion.statistics.count_sweeps(problem.solve(&motion.contacts)?);
+        motion.statistics.other_solutions += u64::from(problem.has_another_solution());
         for (impulse, responses) in problem.forces.iter().zip(&*responses) {
             for (&impulse, response) in impulse.iter().zip(responses) {
                 response.add_to(&mut motion.velocity, impulse);

@@ -170,6 +170,7 @@ impl<W: Witness> EventDriven<W> {
         self.note_closed(motion);
         if motion.statistics.steps == 1 {
             self.stop_approach(motion, drive)?;
+            self.count_others_at_start(motion, drive);
         }
         while left > 0.0 {
             let Self { series, dynamics, force, surface_acceleration, .. } = self;
@@ -347,21 +348,20 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// The states that follow on the events, by the law of contact; `again`: at the instant of the last ones.
-    fn change(
-        &mut self,
-        motion: &mut Motion,
-        drive: &Drive,
-        again: bool,
-    ) -> Result<(), StepFailure> {
-        self.before.clone_from(&motion.contacts);
-        let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
-        let landed = self.events.iter().any(touched);
+    /// Counts whether the law of contact lets the motion begin in another way than it does.
+    fn count_others_at_start(&mut self, motion: &mut Motion, drive: &Drive) {
+        self.events.fill(None);
         let speed = self.speed(motion);
-        self.stop(motion);
-        if landed {
-            self.impact(motion, drive, speed)?;
-        }
+        self.pose(motion, drive, false, speed);
+        let problem = &mut self.dynamics.problem;
+        // What has no solution is told as soon as a state ends.
+        let has_others = problem.solve(&motion.contacts).is_ok() && problem.has_another_solution();
+        motion.statistics.other_solutions += u64::from(has_others);
+    }
+
+    /// Sets up the accelerations of this instant, as far as the events leave contacts free; `landed`: an impact has been
+    /// solved, before which the motion had this `speed` (m/s).
+    fn pose(&mut self, motion: &Motion, drive: &Drive, landed: bool, speed: f64) {
         self.dynamics.free_acceleration(motion, &self.force);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let slip = self.surface[i] - contact.tangent.dot(&motion.velocity);
@@ -388,13 +388,33 @@ impl<W: Witness> EventDriven<W> {
                 contact.tangent.dot(&self.dynamics.acceleration) - self.surface_acceleration[i],
             ];
         }
+    }
+
+    /// The states that follow on the events, by the law of contact; `again`: at the instant of the last ones.
+    fn change(
+        &mut self,
+        motion: &mut Motion,
+        drive: &Drive,
+        again: bool,
+    ) -> Result<(), StepFailure> {
+        self.before.clone_from(&motion.contacts);
+        let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
+        let landed = self.events.iter().any(touched);
+        let speed = self.speed(motion);
+        self.stop(motion);
+        if landed {
+            self.impact(motion, drive, speed)?;
+        }
+        self.pose(motion, drive, landed, speed);
         let likely = |(event, state): (&Option<Event>, &ContactState)| match event {
             Some(Event::Stop) => ContactState::Stick,
             _ => *state,
         };
         let states = self.events.iter().zip(&motion.contacts).map(likely);
         self.likely.iter_mut().zip(states).for_each(|(likely, state)| *likely = state);
-        motion.statistics.count_sweeps(self.dynamics.problem.solve(&self.likely)?);
+        let problem = &mut self.dynamics.problem;
+        motion.statistics.count_sweeps(problem.solve(&self.likely)?);
+        motion.statistics.other_solutions += u64::from(problem.has_another_solution());
         motion.statistics.events += 1;
         for i in 0..self.events.len() {
             let (state, new) = (motion.contacts[i], self.dynamics.problem.states[i]);

@@ -308,6 +308,7 @@ impl Series {
     }
 
     /// What rates of the outer forces, times the span, give.
+    #[inline]
     fn small_rate<const N: usize>(&mut self, dynamics: &Dynamics, drive: &Drive) -> [f64; N] {
         let mut row = [0.0; N];
         if drive.force_rate.iter().any(|rate| *rate != 0.0) {

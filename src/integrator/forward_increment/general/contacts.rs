@@ -82,6 +82,9 @@ impl Contacts {
             free[i] = [approach + (normal + gap / h) / h, drift + slip / h];
         }
         let sweeps = problem.solve(before)?;
+        let is_decided = motion.statistics.steps == 0 || problem.states != before;
+        let has_others = is_decided && problem.has_another_solution();
+        motion.statistics.other_solutions += u64::from(has_others);
         motion.statistics.steps += 1;
         motion.statistics.count_sweeps(sweeps);
 

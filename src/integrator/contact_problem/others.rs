@@ -1,0 +1,144 @@
+//! Whether the law of contact has another solution than the one that was taken.
+//!
+//! With little friction it has one. With more, or where a mass cannot move in all directions, the states of contacts may
+//! overlap: several of them obey the law, each with a motion of its own. Then the matrix of some state (eqs. 19–21 for all
+//! contacts of a group) has another sign of its determinant than without friction. A matrix of another sign is looked
+//! for first, since that needs no knowledge of the motion; where there is one, all states are tried.
+
+use super::given_states::Demand;
+use super::states::Strictness;
+use super::{ContactProblem, Freedom, MISSES};
+use crate::contact::ContactState;
+
+/// The most contacts of a group whose states are all tried whenever one of them changes its own: 4⁴ states.
+const MOST_CONTACTS: usize = 4;
+/// Motions are two where an acceleration differs by more than this part of the terms that it is the sum of.
+const OTHER: f64 = 1e-8;
+
+/// What is known of the groups, and room for a solution.
+pub(super) struct Others {
+    /// T/N up to which states have been looked at, one a contact.
+    limits: Vec<f64>,
+    /// `true` of a group of which some state may overlap with another.
+    may_overlap: Vec<bool>,
+    forces: Vec<[f64; 2]>,
+    states: Vec<ContactState>,
+    accelerations: Vec<[f64; 2]>,
+}
+
+impl Others {
+    pub(super) fn with_room(contacts: usize, groups: usize) -> Self {
+        Self {
+            limits: vec![0.0; contacts],
+            may_overlap: vec![false; groups],
+            forces: vec![[0.0; 2]; contacts],
+            states: vec![ContactState::Detached; contacts],
+            accelerations: vec![[0.0; 2]; contacts],
+        }
+    }
+}
+
+impl ContactProblem {
+    /// After [`solve`](Self::solve): has the law of contact another solution, with another motion? Groups of more than four
+    /// contacts are not looked at. The solution stays as it is.
+    pub(in crate::integrator) fn has_another_solution(&mut self) -> bool {
+        (0..self.given.groups()).any(|group| self.may_overlap(group) && self.overlaps(group))
+    }
+
+    /// May states of a group overlap with the friction that it has, or has had?
+    #[inline]
+    fn may_overlap(&mut self, group: usize) -> bool {
+        match self.delassus.groups()[group][..] {
+            // Friction does not change the normal force of a contact by itself whose directions are not coupled.
+            [contact] if self.delassus.own(contact)[1] == 0.0 => false,
+            _ => self.may_contacts_overlap(group),
+        }
+    }
+
+    fn may_contacts_overlap(&mut self, group: usize) -> bool {
+        let contacts = &self.delassus.groups()[group];
+        if contacts.len() > MOST_CONTACTS || !self.is_enumerable(group) {
+            return false;
+        }
+        let mut is_known = true;
+        for &contact in contacts {
+            let limit = match &self.freedom[contact] {
+                Freedom::Law(range) => range.forward.max(range.backward),
+                Freedom::Slipping { friction, .. } => *friction,
+                _ => 0.0,
+            };
+            let known = &mut self.others.limits[contact];
+            is_known &= limit <= *known;
+            *known = known.max(limit);
+        }
+        if !is_known {
+            self.others.may_overlap[group] = self.has_turned_state(group);
+        }
+        self.others.may_overlap[group]
+    }
+
+    /// Has the matrix of any state the other sign? Determinants are linear in the friction of each contact, so those at
+    /// its limits tell for all below.
+    fn has_turned_state(&mut self, group: usize) -> bool {
+        let Self { given, delassus, others, .. } = self;
+        let contacts = &delassus.groups()[group];
+        (0..states(contacts.len())).any(|code| {
+            given.set(delassus, group, |contact| {
+                let place = contacts.binary_search(&contact).unwrap_or(0);
+                let state = state(code, place);
+                match (state, state.sliding_direction()) {
+                    (ContactState::Detached, _) => Demand::Nothing,
+                    (_, Some(direction)) => {
+                        Demand::Normal { slope: direction * others.limits[contact] }
+                    }
+                    _ => Demand::Both,
+                }
+            });
+            given.orientation(group) < 0.0
+        })
+    }
+
+    /// Does another state of a group obey the law, with another motion?
+    fn overlaps(&mut self, group: usize) -> bool {
+        self.accelerate(group);
+        for &contact in &self.delassus.groups()[group] {
+            self.others.forces[contact] = self.forces[contact];
+            self.others.states[contact] = self.states[contact];
+            self.others.accelerations[contact] = self.accelerations[contact].value;
+        }
+        let count = states(self.delassus.groups()[group].len());
+        let found = (0..count).any(|code| {
+            let mut is_possible = true;
+            for (place, &contact) in self.delassus.groups()[group].iter().enumerate() {
+                self.states[contact] = state(code, place);
+                is_possible &= self.possible(contact).contains(&self.states[contact]);
+            }
+            is_possible
+                && self.solve_states(group, Strictness::UpTo(MISSES[1]))
+                && self.moves_otherwise(group)
+        });
+        for &contact in &self.delassus.groups()[group] {
+            self.forces[contact] = self.others.forces[contact];
+            self.states[contact] = self.others.states[contact];
+        }
+        found
+    }
+
+    /// Is the motion at hand another one than that which was kept?
+    fn moves_otherwise(&self, group: usize) -> bool {
+        self.delassus.groups()[group].iter().any(|&contact| {
+            let (now, kept) = (&self.accelerations[contact], &self.others.accelerations[contact]);
+            (0..2).any(|row| (now.value[row] - kept[row]).abs() > OTHER * now.terms[row])
+        })
+    }
+}
+
+/// How many states so many contacts have together.
+fn states(contacts: usize) -> usize {
+    1 << (2 * contacts)
+}
+
+/// The state of the contact at a place in its group, in one of all states.
+fn state(code: usize, place: usize) -> ContactState {
+    ContactState::ALL[(code >> (2 * place)) & 3]
+}
