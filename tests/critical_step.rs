@@ -91,27 +91,27 @@ proptest! {
         model in any_model(1..=1),
         mu in 0.0..4.0,
     ) {
-        // Five modules that are not linked have the critical step of one.
+        // Seven modules that are not linked have the critical step of one.
         let exact = critical_step(&model, mu).unwrap();
         let mut entries = Vec::new();
-        for copy in 0..5 {
+        for copy in 0..7 {
             entries.extend(model.stiffness.entries().map(|(i, j, k)| (4 * copy + i, 4 * copy + j, k)));
         }
         let mass: Vec<f64> = (0..4).map(|i| model.mass.get(i, i)).collect();
-        let contacts = (0..5).map(|copy| {
+        let contacts = (0..7).map(|copy| {
             let unit = amontons::model::Direction::unit;
             amontons::model::Contact::new(unit(4 * copy + 3), unit(4 * copy + 2))
         });
-        let five = LumpedModel {
-            mass: amontons::model::SparseMatrix::diagonal(&mass.repeat(5)),
-            stiffness: amontons::model::SparseMatrix::from_entries(20, entries),
+        let seven = LumpedModel {
+            mass: amontons::model::SparseMatrix::diagonal(&mass.repeat(7)),
+            stiffness: amontons::model::SparseMatrix::from_entries(28, entries),
             damping: model.damping,
-            dampers: amontons::model::SparseMatrix::zero(20),
-            load: vec![0.0; 20],
+            dampers: amontons::model::SparseMatrix::zero(28),
+            load: vec![0.0; 28],
             contacts: contacts.collect(),
-law: ContactLaw::default(),
+            law: ContactLaw::default(),
         };
-        let bound = critical_step(&five, mu).unwrap();
+        let bound = critical_step(&seven, mu).unwrap();
         prop_assert_eq!(&bound.origin, &Origin::Bound);
         prop_assert!(bound.step <= exact.step, "{} {}", bound, exact);
         prop_assert!(bound.step > 0.002 * exact.step, "the bound is useless: {} {}", bound, exact);

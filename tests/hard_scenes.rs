@@ -268,6 +268,24 @@ fn events_of_pads_that_come_to_lie_on_a_disc_grow_about_as_their_number() {
 }
 
 #[test]
+fn a_hundred_and_twenty_eight_pads_on_one_disc_obey_the_law() {
+    // Exact motion follows some ten thousand landings in the first tenth of a millisecond.
+    for (method, step, steps) in
+        [(Method::ForwardIncrement, 1e-5, 1000), (Method::EventDriven, 1e-4, 1)]
+    {
+        let mut run = Run::new(Scene { method, step, ..disc(128) }, method);
+        for _ in 0..steps {
+            run.step();
+            if method == Method::ForwardIncrement {
+                run.judge_step();
+            }
+            run.judge_report();
+        }
+        assert!(run.forces().iter().any(|force| force.normal_force > 0.0));
+    }
+}
+
+#[test]
 fn ended_hops_change_a_motion_by_no_more_than_their_size_and_less_in_shorter_steps() {
     let ends = [1e-4, 1e-5, 1e-6, 1e-8].map(|step| {
         let mut simulation = Simulation::new(Scene { step, ..disc(12) }, 0.0).unwrap();

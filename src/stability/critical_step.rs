@@ -9,8 +9,8 @@
 //! of the frequency.
 //!
 //! With single dampers there are no such σ: `damped_step` looks at the state as a whole. Where the
-//! states are too many or too large, [`FrequencyBound`] stands in: with |k| and |c − α − β k| of all
-//! modes bounded, the step is taken at which every pair of them is admissible. Without friction that
+//! states are too many or too large, [`FrequencyBound`] stands in: with all s in an ellipse, or |k| and
+//! |c − α − β k| of all modes bounded, the step is taken at which every one of them is admissible. Without friction that
 //! is h² k + 2 h c ≤ 4 and a guarantee; with friction too, where c and k follow from each other; with
 //! both friction and single dampers a mode of the scheme is compared to that of the physics with the
 //! same k and c, whose shape may differ.
@@ -25,7 +25,7 @@ use crate::scene::Damping;
 use nalgebra::{Complex, Schur};
 
 /// Up to this many contacts all contact states are looked at; beyond, a bound stands in.
-const MAX_ENUMERATED_CONTACTS: usize = 4;
+const MAX_ENUMERATED_CONTACTS: usize = 6;
 /// And up to this much work: n³ for each state, more of it with single dampers.
 const MAX_WORK: f64 = 3e7;
 const MAX_DAMPED_WORK: f64 = 3e5;
@@ -74,33 +74,45 @@ impl std::fmt::Display for CriticalStep {
 /// The critical step of a model, over all its contact states.
 ///
 /// # Errors
-/// A state whose eigenvalues are not found; many contacts of which more than four share masses, for
-/// which no bound is known.
+/// A state whose eigenvalues are not found; many contacts that share masses and have so much friction that no bound
+/// is known.
 pub fn critical_step(
     model: &LumpedModel,
     friction_coefficient: f64,
 ) -> Result<CriticalStep, Error> {
-    if !can_be_enumerated(model) {
-        let bound = FrequencyBound::new(model, friction_coefficient).ok_or_else(|| {
-            Error::step_too_large(format!(
-                "no critical step is known for {} contacts of which more than \
-                 {MAX_ENUMERATED_CONTACTS} share masses",
-                model.contacts.len()
-            ))
-        })?;
-        let sizes = bound.at(model, friction_coefficient);
-        let friction = has_friction(model, friction_coefficient);
-        let step = largest(real_limit(model.damping, sizes), |step| {
-            all_admissible(step, model.damping, sizes, friction)
-        });
-        return Ok(CriticalStep { step, origin: Origin::Bound });
+    if can_be_enumerated(model) {
+        return over_all_states(model, friction_coefficient);
     }
+    let step = bound(model, friction_coefficient).ok_or_else(|| {
+        Error::step_too_large(format!(
+            "no critical step is known for {} contacts with this friction: those that share masses may jam in \
+             some of their states, and nothing bounds the frequencies there; take less friction or the \
+             event-driven integrator",
+            model.contacts.len()
+        ))
+    })?;
+    Ok(CriticalStep { step, origin: Origin::Bound })
+}
+
+/// A step, s, that is not above the critical one; `None` where none is known.
+pub(super) fn bound(model: &LumpedModel, friction: f64) -> Option<f64> {
+    let sizes = FrequencyBound::new(model, friction)?.at(model, friction);
+    let most = sizes.largest_square();
+    most.is_finite().then(|| {
+        largest(real_limit(model.damping, sizes), |step| {
+            all_admissible(step, model.damping, sizes, has_friction(model, friction))
+        })
+    })
+}
+
+/// The critical step from each contact state.
+pub(super) fn over_all_states(model: &LumpedModel, friction: f64) -> Result<CriticalStep, Error> {
     let mut critical = CriticalStep { step: f64::INFINITY, origin: Origin::Bound };
-    for states in all_states(u32::try_from(model.contacts.len()).expect("at most four")) {
+    for states in all_states(u32::try_from(model.contacts.len()).expect("few")) {
         if !states.iter().all(|state| model.law.allows(*state)) {
             continue;
         }
-        for (step, coalesced) in limits(model, &states, friction_coefficient)? {
+        for (step, coalesced) in limits(model, &states, friction)? {
             if step < critical.step {
                 critical = CriticalStep {
                     step,
@@ -127,7 +139,7 @@ fn has_friction(model: &LumpedModel, common: f64) -> bool {
 }
 
 /// The largest steps of a state's modes, and whether those have coalesced.
-fn limits(
+pub(super) fn limits(
     model: &LumpedModel,
     states: &[ContactState],
     friction: f64,
@@ -140,7 +152,7 @@ fn limits(
 }
 
 /// The eigenvalues s of M̃⁻¹ K̃, 1/s²; real ones with an exact zero for their imaginary part.
-fn squares(
+pub(super) fn squares(
     model: &LumpedModel,
     states: &[ContactState],
     friction: f64,
@@ -175,7 +187,8 @@ fn squares(
 }
 
 /// The step at which a real mode of these sizes leaves the unit circle.
-fn real_limit(damping: Damping, Sizes { square, dampers }: Sizes) -> f64 {
+fn real_limit(damping: Damping, sizes: Sizes) -> f64 {
+    let (square, dampers) = (sizes.largest_square(), sizes.dampers);
     let rate = damping.alpha + damping.beta * square + dampers;
     // Without a frequency and without damping this is infinite, as it should be.
     4.0 / (rate + (rate * rate + 4.0 * square).sqrt())
@@ -185,7 +198,7 @@ fn real_limit(damping: Damping, Sizes { square, dampers }: Sizes) -> f64 {
 fn mode_limit(damping: Damping, square: Complex<f64>) -> f64 {
     if square.im == 0.0 {
         // A real mode that diverges grows at any step, as the physics does.
-        let sizes = Sizes { square: square.re, dampers: 0.0 };
+        let sizes = Sizes { square: square.re, dampers: 0.0, ellipse: None };
         return if square.re > 0.0 { real_limit(damping, sizes) } else { f64::INFINITY };
     }
     let rate = square * damping.beta + damping.alpha;
@@ -245,14 +258,19 @@ fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> 
             && (sizes.dampers == 0.0
                 || added.clone().all(|added| is_admissible(step, rate + added, square)))
     };
-    !friction
-        || (0..SIZES).all(|size| {
-            let size = libm::ldexp(sizes.square, -size.cast_signed());
+    let admits_all = |point: &dyn Fn(f64, u32) -> Complex<f64>| {
+        (0..SIZES).all(|size| {
+            let part = libm::ldexp(1.0, -size.cast_signed());
             (1..=ANGLES).all(|angle| {
-                let square = on_circle(size, angle);
+                let square = point(part, angle);
                 admits(square * damping.beta + damping.alpha, square)
             })
         })
+    };
+    let angle = |angle: u32| std::f64::consts::PI * f64::from(angle) / f64::from(ANGLES);
+    !friction
+        || (sizes.square.is_finite() && admits_all(&|part, i| on_circle(part * sizes.square, i)))
+        || sizes.ellipse.is_some_and(|ellipse| admits_all(&|part, i| ellipse.point(part, angle(i))))
 }
 
 /// Refuses steps above the critical one, again and again as µ and the damping change. A bound is
@@ -284,7 +302,12 @@ impl StepGuard {
         let end = 4.0 / (self.step * self.step);
         let dampers = self.bound.as_ref().map_or(0.0, FrequencyBound::dampers_against_stiffness);
         let admits = |square: f64| {
-            all_admissible(self.step, damping, Sizes { square, dampers: dampers * square }, true)
+            all_admissible(
+                self.step,
+                damping,
+                Sizes { square, dampers: dampers * square, ellipse: None },
+                true,
+            )
         };
         // Single dampers make the question some dozens of times longer: from above most answers are a
         // quick no, and each yes speaks for all smaller sizes.
@@ -309,9 +332,10 @@ impl StepGuard {
         }
         let suffices = self.bound.as_ref().is_some_and(|bound| {
             let sizes = bound.at(model, friction);
+            let friction = has_friction(model, friction);
             sizes.square <= self.admissible
-                || (!has_friction(model, friction)
-                    && all_admissible(self.step, model.damping, sizes, false))
+                || ((!friction || sizes.ellipse.is_some())
+                    && all_admissible(self.step, model.damping, sizes, friction))
         });
         if suffices {
             return Ok(());
@@ -403,20 +427,23 @@ mod tests {
     }
 
     #[test]
-    fn five_contacts_get_a_bound_and_five_that_share_a_mass_an_error() {
+    fn many_contacts_get_a_bound_whether_they_share_masses_or_not() {
         let mut scene = builtin("set1").unwrap().scene();
         let module = scene.modules()[0];
-        *scene.modules_mut() = vec![module; 5];
+        *scene.modules_mut() = vec![module; 7];
         let mut model = LumpedModel::from(&scene);
-        assert_eq!(critical_step(&model, 1.96).unwrap().origin, Origin::Bound);
-        // Two that share a mass have a bound too, if not as sharp a one; five that do have none.
-        let free = critical_step(&model, 1.96).unwrap().step;
+        let free = critical_step(&model, 0.3).unwrap();
+        assert_eq!(free.origin, Origin::Bound);
+        // A normal that all share leaves each contact no coordinate of its own, but a few of them have a bound.
         let shared = |dof| Contact::new(Direction::unit(dof), Direction(vec![(2, 0.6), (6, 0.8)]));
         model.contacts[..1].clone_from_slice(&[3].map(shared));
-        let found = critical_step(&model, 1.96).unwrap();
-        assert!(found.origin == Origin::Bound && found.step > 0.1 * free, "{found}");
-        model.contacts = [3, 7, 11, 15, 19].map(shared).to_vec();
-        assert!(critical_step(&model, 1.96).is_err());
+        let found = critical_step(&model, 0.3).unwrap();
+        assert!(found.origin == Origin::Bound && found.step > 0.1 * free.step, "{found}");
+        model.contacts = [3, 7, 11, 15, 19, 23, 27].map(shared).to_vec();
+        assert!(critical_step(&model, 0.3).is_ok());
+        // So much friction may jam them.
+        let said = critical_step(&model, 4.0).unwrap_err().to_string();
+        assert!(said.contains("may jam"), "{said}");
     }
 
     /// Set 1 with dampers from each m2 along the tangent to the ground, and one between the m1.

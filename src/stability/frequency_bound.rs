@@ -1,12 +1,12 @@
 //! Bounds of what M̃⁻¹ K̃ and M̃⁻¹ D̃ can be in any contact state, for models whose states are too many
 //! or too large to look at one by one.
 
-use crate::contact::{ContactState, all_states};
-use crate::model::{Contact, LumpedModel, SparseMatrix};
-use nalgebra::{DMatrix, DVector};
-
-/// Up to this many contacts that share masses are looked at in all their states.
-const MAX_GROUP: usize = 4;
+use super::complex::from_polar;
+#[cfg(test)]
+use super::complex::modulus;
+use super::oblique_projection::{Group, groups};
+use crate::model::{LumpedModel, SparseMatrix};
+use nalgebra::Complex;
 
 /// What no mode of any contact state exceeds.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,6 +16,42 @@ pub(super) struct Sizes {
     pub(super) square: f64,
     /// Of the single dampers, 1/s: |uᴴ D u|.
     pub(super) dampers: f64,
+    /// Where the eigenvalues s lie, without single dampers.
+    pub(super) ellipse: Option<Ellipse>,
+}
+
+/// An ellipse of the complex plane about two foci on the real axis, 1/s², with all that it encloses.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Ellipse {
+    foci: [f64; 2],
+    /// The longer axis against the distance of the foci.
+    stretch: f64,
+}
+
+impl Ellipse {
+    /// The largest |s|.
+    fn reach(self) -> f64 {
+        let [from, to] = self.foci;
+        let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
+        middle.abs() + self.stretch * half
+    }
+
+    /// Does it enclose this number, but for rounding?
+    #[cfg(test)]
+    pub(super) fn encloses(self, s: Complex<f64>) -> bool {
+        let [from, to] = self.foci;
+        let sum = modulus(s - from) + modulus(s - to);
+        sum <= self.stretch * (to - from) + 1e-6 * to
+    }
+
+    /// A point of the ellipse of this size in parts about the same middle, at this angle of its parameter, rad.
+    pub(super) fn point(self, part: f64, angle: f64) -> Complex<f64> {
+        let [from, to] = self.foci;
+        let half = 0.5 * (to - from) * part;
+        let unit = from_polar(half, angle);
+        let lean = (self.stretch * self.stretch - 1.0).max(0.0).sqrt();
+        Complex::new(0.5 * (from + to) + self.stretch * unit.re, lean * unit.im)
+    }
 }
 
 /// Bounds over all contact states, cheap to ask again as µ changes.
@@ -25,46 +61,48 @@ pub(super) struct Sizes {
 /// M⁻¹ |K|, the tangential rows with µ times the normal row added. Its spectral radius is at most
 /// maxᵢ (B d)ᵢ / dᵢ for any positive d (Collatz and Wielandt); a few powers of B make a good d.
 ///
-/// *Otherwise*: with masses scaled to one, K̃ acts as P K, where P projects obliquely, along the
-/// contact forces, onto the motions that a state allows; so |s| ≤ ‖P‖ ‖K‖. ‖K‖ ≤ maxᵢ (B d)ᵢ / dᵢ for
-/// B = M⁻¹ |K|, and likewise for D; ‖P‖ is the largest over groups of contacts that share masses. For
-/// a contact alone it is √(1 + µ² W_TT / W_NN) where normal and tangent are not coupled; in general
-/// 1/σ_min(Uᵀ V) with orthonormal U, V that span the directions without force and the motions.
+/// *Always*: with masses scaled to one, K̃ acts as P K, where P projects obliquely, along the
+/// contact forces, onto the motions that a state allows; so |s| ≤ ‖P‖ ‖K‖, and likewise for D.
+/// ‖K‖ ≤ maxᵢ (B d)ᵢ / dᵢ for B = M⁻¹ |K|.
+///
+/// *Without single dampers* s lies in an ellipse. Let κ₀ and κ₁ be bounds of the eigenvalues of K. On the motions that
+/// P allows P K = κ₀ + P (K − κ₀), and P (K − κ₀) has the eigenvalues of R P R, R = (K − κ₀)^½, beside zero. These are
+/// values of (R v)ᴴ P (R v) with |v| = 1, |R v|² ≤ κ₁ − κ₀. The values of wᴴ P w, |w| = 1, fill the ellipse with the
+/// foci 0 and 1 and the longer axis ‖P‖ (P is a projection). So s lies in the ellipse with the foci κ₀ and κ₁
+/// and the longer axis ‖P‖ (κ₁ − κ₀), and friction alone takes it off the real axis.
 #[derive(Clone, Debug)]
 pub(super) struct FrequencyBound {
     /// (B d)ᵢ / dᵢ: the part without µ, the factor of µ, and whose µ.
     rows: Vec<(f64, f64, usize)>,
     /// ‖D‖, 1/s.
     dampers: f64,
-    /// Contacts that share masses; `None` where `rows` have µ in them.
-    groups: Option<Vec<Group>>,
-}
-
-/// Contacts that share masses.
-#[derive(Clone, Debug)]
-struct Group {
-    contacts: Vec<usize>,
-    /// Their directions in the coordinates √m x of the masses that they touch, normal then tangent.
-    directions: Vec<[DVector<f64>; 2]>,
+    /// κ₀ and κ₁, 1/s²; `None` with single dampers.
+    foci: Option<[f64; 2]>,
+    /// Have `rows` µ in them? Else ‖P‖ stretches them.
+    has_friction: bool,
+    /// Contacts that share masses.
+    groups: Vec<Group>,
 }
 
 impl FrequencyBound {
-    /// The bounds for a model, sharpest near the given µ; `None` where none is known: a full mass
-    /// matrix, or more than four contacts that share masses.
+    /// The bounds for a model, sharpest near the given µ; `None` for a full mass matrix.
     pub(super) fn new(model: &LumpedModel, friction: f64) -> Option<Self> {
         let mass = model.mass.as_diagonal()?;
-        if model.dampers.is_empty()
-            && let Some(dragged_by) = uncoupled(model)
-        {
+        let alone = vec![None; mass.len()];
+        let groups = groups(&model.contacts, &mass);
+        let rows = collatz_wielandt(&model.stiffness, &mass, &alone, &[]);
+        if !model.dampers.is_empty() {
+            let dampers = largest(&collatz_wielandt(&model.dampers, &mass, &alone, &[]));
+            return Some(Self { rows, dampers, foci: None, has_friction: false, groups });
+        }
+        let most = largest(&rows);
+        let foci = Some([least(&model.stiffness, &mass, most), most]);
+        if let Some(dragged_by) = uncoupled(model) {
             let friction: Vec<f64> = model.contacts.iter().map(|c| c.friction(friction)).collect();
             let rows = collatz_wielandt(&model.stiffness, &mass, &dragged_by, &friction);
-            return Some(Self { rows, dampers: 0.0, groups: None });
+            return Some(Self { rows, dampers: 0.0, foci, has_friction: true, groups });
         }
-        let alone = vec![None; mass.len()];
-        let rows = collatz_wielandt(&model.stiffness, &mass, &alone, &[]);
-        let dampers = collatz_wielandt(&model.dampers, &mass, &alone, &[]);
-        let dampers = dampers.iter().fold(0.0, |largest, row| f64::max(largest, row.0));
-        Some(Self { rows, dampers, groups: Some(groups(&model.contacts, &mass)?) })
+        Some(Self { rows, dampers: 0.0, foci, has_friction: false, groups })
     }
 
     /// The bound of the single dampers against that of the stiffness, s: the same at every µ.
@@ -73,20 +111,47 @@ impl FrequencyBound {
             return 0.0;
         }
         // With single dampers µ is in the groups alone, which stretch both.
-        self.dampers / self.rows.iter().fold(0.0, |largest, row| f64::max(largest, row.0))
+        self.dampers / largest(&self.rows)
     }
 
-    /// The bounds at this µ; `model` is the one they were made for, but for its contacts' own values.
+    /// The bounds at this µ; `model` is the one they were made for, but for its contacts' own values. Infinite where
+    /// nothing is known.
     pub(super) fn at(&self, model: &LumpedModel, friction: f64) -> Sizes {
         let mu = |contact: usize| model.contacts.get(contact).map_or(0.0, |c| c.friction(friction));
         let square = self.rows.iter().fold(0.0, |largest, &(own, drag, contact)| {
             f64::max(largest, if drag == 0.0 { own } else { own + mu(contact) * drag })
         });
-        let groups = self.groups.as_deref().unwrap_or_default();
-        let stretch =
-            groups.iter().fold(1.0, |stretch, group| f64::max(stretch, group.stretch(&mu)));
-        Sizes { square: stretch * square, dampers: stretch * self.dampers }
+        let groups = self.groups.iter();
+        let stretch = groups.fold(1.0, |stretch, group| f64::max(stretch, group.stretch(&mu)));
+        let ellipse = self.foci.filter(|_| stretch.is_finite());
+        let ellipse = ellipse.map(|foci| Ellipse { foci, stretch });
+        Sizes {
+            square: if self.has_friction { square } else { stretch * square },
+            dampers: stretch * self.dampers,
+            ellipse,
+        }
     }
+}
+
+impl Sizes {
+    /// The largest |s| of any mode, 1/s².
+    pub(super) fn largest_square(self) -> f64 {
+        self.ellipse.map_or(self.square, |ellipse| self.square.min(ellipse.reach()))
+    }
+}
+
+/// The largest (B d)ᵢ / dᵢ, of rows without µ.
+fn largest(rows: &[(f64, f64, usize)]) -> f64 {
+    rows.iter().fold(0.0, |largest, row| f64::max(largest, row.0))
+}
+
+/// A number that no eigenvalue of M⁻¹ K is below, of which none is above `most`, 1/s²: those of `most` − M⁻¹ K, which has no
+/// negative one, are bounded as above.
+fn least(stiffness: &SparseMatrix, mass: &[f64], most: f64) -> f64 {
+    let entries = stiffness.entries().map(|(i, j, k)| (i, j, -k));
+    let diagonal = mass.iter().enumerate().map(|(i, m)| (i, i, most * m));
+    let below = SparseMatrix::from_entries(mass.len(), entries.chain(diagonal).collect());
+    most - largest(&collatz_wielandt(&below, mass, &vec![None; mass.len()], &[]))
 }
 
 /// A frequency that no mode without friction exceeds, rad/s, in any contact state: contacts that hold only
@@ -95,7 +160,7 @@ impl FrequencyBound {
 pub(super) fn frictionless(model: &LumpedModel) -> Option<f64> {
     let mass = model.mass.as_diagonal()?;
     let rows = collatz_wielandt(&model.stiffness, &mass, &vec![None; mass.len()], &[]);
-    Some(rows.iter().fold(0.0, |largest, row| f64::max(largest, row.0)).sqrt())
+    Some(largest(&rows).sqrt())
 }
 
 /// The normal degree of freedom and the contact of each degree of freedom that is a tangent, if all
@@ -145,101 +210,4 @@ fn collatz_wielandt(
     }
     let rows = apply(&d).into_iter().zip(&d);
     rows.map(|((own, drag, contact), d)| (own / d, drag / d, contact)).collect()
-}
-
-/// The contacts in groups that share no degree of freedom; `None` if a group is too large.
-fn groups(contacts: &[Contact], mass: &[f64]) -> Option<Vec<Group>> {
-    let dofs_of = |contact: &Contact| -> Vec<usize> {
-        contact.normal.0.iter().chain(&contact.tangent.0).map(|part| part.0).collect()
-    };
-    // Every contact begins alone; whoever meets on a degree of freedom merges.
-    let mut group_of: Vec<usize> = (0..contacts.len()).collect();
-    let mut members: Vec<Vec<usize>> = (0..contacts.len()).map(|contact| vec![contact]).collect();
-    let mut first_on = vec![None; mass.len()];
-    for (i, contact) in contacts.iter().enumerate() {
-        for dof in dofs_of(contact) {
-            let Some(other) = first_on[dof].replace(i) else { continue };
-            let (from, to): (usize, usize) = (group_of[i], group_of[other]);
-            if from != to {
-                let moved = std::mem::take(&mut members[from]);
-                moved.iter().for_each(|&contact| group_of[contact] = to);
-                members[to].extend(moved);
-                if members[to].len() > MAX_GROUP {
-                    return None;
-                }
-            }
-        }
-    }
-    let group = |contacts_of_group: Vec<usize>| {
-        let mut dofs: Vec<usize> =
-            contacts_of_group.iter().flat_map(|&contact| dofs_of(&contacts[contact])).collect();
-        dofs.sort_unstable();
-        dofs.dedup();
-        let scaled = |direction: &crate::model::Direction| {
-            let mut vector = DVector::zeros(dofs.len());
-            for &(dof, value) in &direction.0 {
-                let place = dofs.binary_search(&dof).expect("it was collected");
-                vector[place] += value / mass[dof].sqrt();
-            }
-            vector
-        };
-        let directions = contacts_of_group
-            .iter()
-            .map(|&contact| [scaled(&contacts[contact].normal), scaled(&contacts[contact].tangent)])
-            .collect();
-        Group { contacts: contacts_of_group, directions }
-    };
-    Some(members.into_iter().filter(|members| !members.is_empty()).map(group).collect())
-}
-
-impl Group {
-    /// The largest ‖P‖ over the group's contact states.
-    fn stretch(&self, mu: &dyn Fn(usize) -> f64) -> f64 {
-        if let [[normal, tangent]] = &self.directions[..] {
-            return alone(normal, tangent, mu(self.contacts[0]));
-        }
-        let count = u32::try_from(self.contacts.len()).expect("few");
-        all_states(count).map(|states| self.stretch_in(&states, mu)).fold(1.0, f64::max)
-    }
-
-    fn stretch_in(&self, states: &[ContactState], mu: &dyn Fn(usize) -> f64) -> f64 {
-        let (mut constraints, mut forces) = (Vec::new(), Vec::new());
-        for (i, state) in states.iter().enumerate() {
-            let [normal, tangent] = &self.directions[i];
-            if let Some(sign) = state.sliding_direction() {
-                constraints.push(normal.clone());
-                forces.push(normal + tangent * (sign * mu(self.contacts[i])));
-            } else if *state == ContactState::Stick {
-                constraints.extend([normal.clone(), tangent.clone()]);
-                forces.extend([normal.clone(), tangent.clone()]);
-            }
-        }
-        let size = self.directions[0][0].len();
-        let (motions, tests) = (null_space(&constraints, size), null_space(&forces, size));
-        // A state that determines no motion, or leaves none, sets no limit.
-        if motions.ncols() != tests.ncols() || motions.ncols() == 0 {
-            return 1.0;
-        }
-        1.0 / (tests.transpose() * motions).singular_values().min()
-    }
-}
-
-/// ‖P‖ of a contact that shares its masses with no other: ‖F‖ ‖G_N‖ / |G_N F|, F = G_N ± µ G_T.
-fn alone(normal: &DVector<f64>, tangent: &DVector<f64>, mu: f64) -> f64 {
-    let (nn, nt, tt) = (normal.dot(normal), normal.dot(tangent), tangent.dot(tangent));
-    [1.0, -1.0].into_iter().fold(1.0, |stretch, sign| {
-        let force = (nn + 2.0 * sign * mu * nt + mu * mu * tt).max(0.0).sqrt();
-        f64::max(stretch, force * nn.sqrt() / (nn + sign * mu * nt).abs())
-    })
-}
-
-/// An orthonormal basis, by columns, of the vectors on which all `rows` vanish.
-fn null_space(rows: &[DVector<f64>], size: usize) -> DMatrix<f64> {
-    let square =
-        rows.iter().fold(DMatrix::zeros(size, size), |sum, row| sum + row * row.transpose());
-    let eigen = square.symmetric_eigen();
-    let largest = eigen.eigenvalues.iter().copied().fold(f64::MIN_POSITIVE, f64::max);
-    let null = (0..size).filter(|&i| eigen.eigenvalues[i] <= 1e-12 * largest);
-    let columns: Vec<DVector<f64>> = null.map(|i| eigen.eigenvectors.column(i).into()).collect();
-    DMatrix::from_fn(size, columns.len(), |i, j| columns[j][i])
 }

@@ -6,6 +6,7 @@
 //! | `critical_step` | the largest step of the explicit scheme |
 //! | `damped_step` | the same for a state with single dampers |
 //! | `frequency_bound` | bounds over all contact states |
+//! | `oblique_projection` | how far friction leans motions in any contact state |
 //! | `eigenvalues` | the eigenvalues of a matrix |
 //! | `eigenvalue_change` | how an eigenvalue changes with friction |
 //! | `reduced_problem` | the eigenvalue problem of one contact state |
@@ -25,10 +26,13 @@
 //! The critical step and the eigenvalues of one state go into the library inside an FMU; all else needs the
 //! feature `tools`.
 
+#[cfg(test)]
+mod bound_tests;
 mod complex;
 mod critical_step;
 mod damped_step;
 mod frequency_bound;
+mod oblique_projection;
 
 pub use critical_step::{CriticalStep, Origin, StepGuard, critical_step};
 

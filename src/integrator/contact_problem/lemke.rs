@@ -19,6 +19,9 @@ use crate::contact::ContactState;
 const TIE: f64 = 1e-12;
 /// An entry below this part of the largest in its column is rounding.
 const NOTHING: f64 = 1e-13;
+/// The limits of friction are first those of the law, then wider by this part of the largest force: at the limits of the
+/// law many rows are tied, between which rounding may choose a way that ends in a ray.
+const WIDER: [f64; 2] = [0.0, 1e-10];
 /// Pivots for each variable, at the most: in practice one or two.
 const MOST_PIVOTS: usize = 50;
 
@@ -176,20 +179,26 @@ impl Lemke {
 impl ContactProblem {
     /// Looks for the forces of a group by pivots; were some found that obey the law?
     pub(super) fn pivot(&mut self, group: usize, strictness: Strictness) -> bool {
-        if !self.tabulate(group) || !self.lemke.run() {
-            return false;
-        }
-        for place in 0..self.delassus.groups()[group].len() {
-            let contact = self.delassus.groups()[group][place];
-            self.states[contact] = self.pivoted_state(contact);
-        }
-        self.solve_states(group, strictness)
+        WIDER.into_iter().any(|wider| {
+            if !self.tabulate(group, wider) || !self.lemke.run() {
+                return false;
+            }
+            for place in 0..self.delassus.groups()[group].len() {
+                let contact = self.delassus.groups()[group][place];
+                self.states[contact] = self.pivoted_state(contact);
+            }
+            self.solve_states(group, strictness) || self.mend_states(group, strictness)
+        })
     }
 
-    /// Writes the tableau of a group, in units in which the own blocks of W are near to 1; `false` where a contact's law is
-    /// none of complementarity.
-    fn tabulate(&mut self, group: usize) -> bool {
+    /// Writes the tableau of a group, in units in which the own blocks of W are near to 1, with limits of friction that are
+    /// wider by a part of the largest free acceleration; `false` where a contact's law is none of complementarity.
+    fn tabulate(&mut self, group: usize, wider: f64) -> bool {
         let Self { lemke, delassus, freedom, free, .. } = self;
+        let largest = delassus.groups()[group].iter().fold(0.0, |largest, &contact| {
+            let ([normal, tangential], [n, t]) = (delassus.scales(contact), free[contact]);
+            f64::max(largest, (n * normal).abs().max((t * tangential).abs()))
+        });
         lemke.parts.clear();
         for &contact in &delassus.groups()[group] {
             match &freedom[contact] {
@@ -251,7 +260,12 @@ impl ContactProblem {
                 Part::Normal => [scales(contact)[0], 0.0],
                 _ => unit((contact, part)),
             };
-            let constant = weights[0] * free[contact][0] + weights[1] * free[contact][1];
+            #[allow(clippy::cast_precision_loss)]
+            let constant = match part {
+                // No two rows alike.
+                Part::Sliding => wider * largest * (1.0 + row as f64 / size as f64),
+                _ => weights[0] * free[contact][0] + weights[1] * free[contact][1],
+            };
             lemke.entries.push(constant);
             for column in 0..size {
                 let (other, kind) = lemke.parts[column];

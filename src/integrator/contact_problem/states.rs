@@ -6,6 +6,9 @@ use crate::contact::{ContactState, FrictionRange};
 /// Solutions of linear equations are corrected by what they miss so often.
 const CORRECTIONS: usize = 2;
 
+/// States that break the law are mended so often: mostly once or twice.
+const MENDS: usize = 20;
+
 /// How well forces have to obey the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Strictness {
@@ -95,6 +98,35 @@ impl ContactProblem {
             }
             self.accelerate(group);
             self.is_lawful(group, strictness)
+        })
+    }
+
+    /// Gives contacts that break the law in the states at hand the state that they tend to, and solves again, a few times; do
+    /// the forces obey the law then?
+    pub(super) fn mend_states(&mut self, group: usize, strictness: Strictness) -> bool {
+        (0..MENDS).any(|_| {
+            for &contact in &self.delassus.groups()[group] {
+                let [a_normal, a_tangential] = self.accelerations[contact].value;
+                let [normal, tangential] = self.forces[contact];
+                let limits = match &self.freedom[contact] {
+                    Freedom::Law(range) => [range.backward, range.forward],
+                    _ => [f64::INFINITY; 2],
+                };
+                let state = &mut self.states[contact];
+                *state = match *state {
+                    ContactState::Detached if a_normal < 0.0 => ContactState::Stick,
+                    ContactState::Detached => ContactState::Detached,
+                    _ if normal < 0.0 => ContactState::Detached,
+                    ContactState::Stick if tangential > limits[1] * normal => ContactState::Slide,
+                    ContactState::Stick if tangential < -limits[0] * normal => {
+                        ContactState::ReverseSlide
+                    }
+                    ContactState::Slide if a_tangential > 0.0 => ContactState::Stick,
+                    ContactState::ReverseSlide if a_tangential < 0.0 => ContactState::Stick,
+                    state => state,
+                };
+            }
+            self.solve_states(group, strictness)
         })
     }
 
