@@ -40,6 +40,11 @@ const REST: f64 = 0.2;
 const IRREGULAR_WINDOWS: usize = 12;
 /// Lines of more than this part of the strongest one are told.
 const TOLD: f64 = 1e-3;
+/// Lines of a motion without a period are told from so many windows before the last one too, since they may lie near each
+/// other.
+const MORE_WINDOWS: usize = 3;
+/// Two lines that are not told apart have no frequency of their own if the fainter one has this part of the stronger one.
+const BLURRING: f64 = 0.05;
 /// Windows from one look at how neighbouring motions part to the next.
 const WINDOWS_BETWEEN: usize = 12;
 
@@ -51,6 +56,8 @@ pub(crate) struct Settling {
     row: u64,
     began: u64,
     followed: Vec<f64>,
+    /// The output over the windows before, [`MORE_WINDOWS`] at the most.
+    past: Vec<f64>,
     mixture: Vec<f64>,
     /// The smallest and the largest displacement of each degree of freedom in the window, m.
     extents: Vec<[f64; 2]>,
@@ -125,6 +132,7 @@ impl Settling {
             row,
             began: row,
             followed: Vec::new(),
+            past: Vec::new(),
             mixture: Vec::new(),
             extents: Vec::new(),
             states: [0; 4],
@@ -142,7 +150,10 @@ impl Settling {
     }
 
     fn begin_window(&mut self, simulation: &Simulation) {
-        self.followed.clear();
+        #[allow(clippy::cast_possible_truncation)]
+        let room = MORE_WINDOWS * self.look.rows() as usize;
+        self.past.append(&mut self.followed);
+        self.past.drain(..self.past.len().saturating_sub(room));
         self.mixture.clear();
         self.extents.clear();
         self.extents.resize(simulation.displacement().len(), [f64::INFINITY, f64::NEG_INFINITY]);
@@ -364,12 +375,21 @@ impl Settling {
     }
 
     fn ending(&self, kind: Kind, driven: bool) -> Ending {
-        let found = lines(&self.followed, self.look.interval, TOLD);
+        let found = match kind {
+            Kind::QuasiPeriodic | Kind::Irregular | Kind::Undecided => {
+                lines(&[&self.past[..], &self.followed].concat(), self.look.interval, TOLD)
+            }
+            _ => lines(&self.followed, self.look.interval, TOLD),
+        };
         let all = self.states.iter().sum::<u64>().max(1) as f64;
         Ending {
             kind,
             amplitude: half_range(&self.followed),
-            frequency: found.lines.first().map(|line| line.frequency),
+            frequency: found
+                .lines
+                .first()
+                .filter(|line| is_told_apart(line, &found))
+                .map(|line| line.frequency),
             period: None,
             closure: None,
             parting: None,
@@ -519,6 +539,16 @@ fn has_no_trend(sizes: &[f64]) -> bool {
     let rises = sizes[first..].windows(2).filter(|two| two[1] > two[0]).count();
     // A drift goes one way, what varies goes both.
     (mean(a) - mean(b)).abs() <= spread && (3..=8).contains(&rises) && spread <= 0.5 * mean(b)
+}
+
+/// Does no other line that counts beside this one lie so near that they have moved each other?
+fn is_told_apart(line: &Line, found: &Lines) -> bool {
+    let blurs = |other: &&Line| {
+        other.frequency != line.frequency
+            && (other.frequency - line.frequency).abs() <= found.resolution
+            && other.amplitude >= BLURRING * line.amplitude
+    };
+    !found.lines.iter().any(|other| blurs(&other))
 }
 
 /// The amplitude of the line of a window that is within this part of the resolution of another line.
