@@ -18,8 +18,8 @@ fn main() {
     let mut first: Option<[f64; 2]> = None;
     let mut before: Option<[f64; 2]> = None;
     for pads in [1, 2, 4, 8, 16, 32, 64, 128] {
-        let scheme = run(Scene { method: Method::ForwardIncrement, step: 1e-5, ..disc(pads) });
-        let exact = run(Scene { method: Method::EventDriven, step: 1e-4, ..disc(pads) });
+        let scheme = run(&Scene { method: Method::ForwardIncrement, step: 1e-5, ..disc(pads) });
+        let exact = run(&Scene { method: Method::EventDriven, step: 1e-4, ..disc(pads) });
         let (Ok((seconds, steps, _)), Ok((exact_seconds, _, events))) = (&scheme, &exact) else {
             println!("{pads:8} {scheme:?} {exact:?}");
             continue;
@@ -42,7 +42,7 @@ fn main() {
 }
 
 /// Seconds of computing, steps and events of a run, the shortest of three.
-fn run(scene: Scene) -> Result<(f64, u64, u64), amontons::Error> {
+fn run(scene: &Scene) -> Result<(f64, u64, u64), amontons::Error> {
     let mut shortest: Option<(f64, u64, u64)> = None;
     for _ in 0..3 {
         let mut simulation = Simulation::new(scene.clone(), 0.0)?;

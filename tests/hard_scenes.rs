@@ -75,6 +75,28 @@ fn a_mass_on_a_line_above_a_surface_at_rest_stops_and_sticks() {
 }
 
 #[test]
+fn a_mass_on_a_line_slips_on_a_surface_that_it_cannot_follow() {
+    for (method, opens) in
+        METHODS.map(|method| (method, true)).into_iter().chain([(METHODS[0], false)])
+    {
+        let mut scene = hard("surface_leaves_mass_on_a_line");
+        scene.effects.detachment = opens;
+        let mut run = Run::new(scene, method);
+        for _ in 0..500 {
+            run.step();
+            run.judge_step();
+            run.judge_report();
+            let force = run.forces()[0];
+            let normal = on_a_line(10.0, -0.26, 0.04);
+            assert_eq!(force.state, ContactState::Slide);
+            assert_near(force.normal_force, normal, 1e-10 * normal);
+            assert_near(force.friction_force, 0.04 * normal, 1e-10 * normal);
+        }
+        assert!(run.of_dof("mass.a.y").iter().all(|value| value.abs() < 1e-18));
+    }
+}
+
+#[test]
 fn a_landing_that_friction_jams_ends_the_run_and_says_so() {
     // cos 0.721 − 3 sin 0.721 = −1.23: whatever force there is presses the mass further in.
     let mut run = Run::new(hard("ed_1039"), Method::EventDriven);

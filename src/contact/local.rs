@@ -115,6 +115,9 @@ impl LocalProblem {
     /// friction follows |N|. `None` where it wedges.
     #[must_use]
     pub fn solve_held(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
+        if self.is_singular() {
+            return self.solve_held_along_line(free, range);
+        }
         let force = self.hold(free);
         let [normal, tangential] = force;
         if range.holds(tangential, normal.abs()) {
@@ -131,6 +134,27 @@ impl LocalProblem {
         slides(direction)
             .or_else(|| slides(-direction))
             .or_else(|| self.slide_held(free[0], range.limit(direction), direction))
+    }
+
+    /// As [`solve_held`](Self::solve_held) where W is singular: a_N = 0 then determines a_T, whatever the forces are.
+    fn solve_held_along_line(
+        &self,
+        free: [f64; 2],
+        range: &FrictionRange,
+    ) -> Option<LocalSolution> {
+        let carried = self.nt / self.nn * free[0];
+        let acceleration = free[1] - carried;
+        if acceleration.abs() > SINGULAR * (free[1].abs() + carried.abs()) {
+            let direction = -acceleration.signum();
+            return self.slide_held(free[0], range.limit(direction), direction);
+        }
+        // Of a contact that pulls, T/N has the other sign.
+        let range = if free[0] > 0.0 {
+            FrictionRange { backward: range.forward, forward: range.backward, ..*range }
+        } else {
+            *range
+        };
+        self.guide(free[0], self.stuck_slope(&range), ContactState::Stick)
     }
 
     /// As [`slide`](Self::slide), of a contact that holds in both directions.
@@ -200,6 +224,31 @@ mod tests {
     #[test]
     fn a_contact_that_opens_carries_nothing() {
         assert_eq!(W.solve([0.1, 5.0], &FrictionRange::of(0.3)), Some(LocalSolution::OPEN));
+    }
+
+    #[test]
+    fn a_mass_on_a_line_that_cannot_open_slips_under_a_surface_that_it_cannot_follow() {
+        // 1 kg that moves along (cos α, sin α) of normal and tangent, α = 0.5, and is at rest while its surface moves.
+        let (sin, cos) = 0.5_f64.sin_cos();
+        let line = LocalProblem { nn: cos * cos, nt: cos * sin, tt: sin * sin };
+        let range = FrictionRange::of(0.4);
+        for (along, surface, state, sign) in [
+            (-2.0, 3.0, Slide, 1.0),
+            (-2.0, -3.0, ReverseSlide, -1.0),
+            (2.0, 3.0, Slide, -1.0),
+            (2.0, -3.0, ReverseSlide, 1.0),
+        ] {
+            let free = [along * cos, along * sin - surface];
+            let found = line.solve_held(free, &range).unwrap();
+            let [normal, tangential] = found.force;
+            // What the forces do along the line takes away all of the free acceleration there.
+            assert!((normal * cos + tangential * sin + along).abs() < 1e-14);
+            assert!((tangential - sign * 0.4 * normal).abs() < 1e-14);
+            assert_eq!(found.state, state);
+        }
+        let still = line.solve_held([2.0 * cos, 2.0 * sin], &range).unwrap();
+        assert_eq!(still.state, Stick);
+        assert!(still.force[1].abs() <= 0.4 * still.force[0].abs() * (1.0 + 1e-15));
     }
 
     #[test]

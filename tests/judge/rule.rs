@@ -100,30 +100,42 @@ impl Run {
     /// The distance of a vector, as forces on the masses, from what contacts can give that are not open and slip as
     /// told, each with the limits of its friction backward and forward: a distance from a cone, by the active set of
     /// Lawson and Hanson (Solving Least Squares Problems, 1974, ch. 23).
+    ///
+    /// What cannot open pulls as well.
     pub(super) fn distance_from_cone(
         &self,
         vector: &DVector<f64>,
         limits: &[Option<[f64; 2]>],
     ) -> f64 {
-        let mut edges = Vec::new();
+        let mut edges: Vec<DVector<f64>> = Vec::new();
+        let law = self.model.law;
         for (i, limits) in limits.iter().enumerate() {
             let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * i + k));
-            if let Some([from, to]) = *limits {
-                edges.push(normal + tangent * from);
-                if to > from {
-                    edges.push(normal + tangent * to);
+            let Some([from, to]) = *limits else { continue };
+            for limit in if to > from { vec![from, to] } else { vec![from] } {
+                edges.push(normal + tangent * limit);
+                if !law.detachment {
+                    // Friction follows N with its sign where its direction is frozen, and else |N|.
+                    let pulled = if law.is_frozen() { -limit } else { limit };
+                    edges.push(tangent * pulled - normal);
                 }
             }
         }
+        for edge in &mut edges {
+            edge.normalize_mut();
+        }
         let mut parts = vec![0.0; edges.len()];
         let mut used: Vec<usize> = Vec::new();
+        // Edges that have led no nearer since the last one that did: where edges depend on each other, rounding would
+        // choose the same again and again.
+        let mut rejected: Vec<usize> = Vec::new();
         let mut rest = vector.clone();
-        // More edges than these are rounding.
-        for _ in 0..10 * edges.len() {
-            let unused = (0..edges.len()).filter(|edge| !used.contains(edge));
+        while rejected.len() + used.len() < edges.len() {
+            let unused = (0..edges.len()).filter(|e| !used.contains(e) && !rejected.contains(e));
             let gained = unused.map(|edge| (edge, edges[edge].dot(&rest)));
             let best = gained.max_by(|a, b| a.1.total_cmp(&b.1));
             let Some((edge, _)) = best.filter(|best| best.1 > 1e-14 * vector.norm()) else { break };
+            let old = (parts.clone(), used.clone());
             used.push(edge);
             while !used.is_empty() {
                 let columns: Vec<_> = used.iter().map(|&edge| edges[edge].clone()).collect();
@@ -143,7 +155,14 @@ impl Run {
             }
             (0..edges.len()).filter(|edge| !used.contains(edge)).for_each(|edge| parts[edge] = 0.0);
             let sum = edges.iter().zip(&parts).map(|(edge, part)| edge * *part);
-            rest = vector - sum.fold(DVector::zeros(vector.len()), |sum, edge| sum + edge);
+            let now = vector - sum.fold(DVector::zeros(vector.len()), |sum, edge| sum + edge);
+            if now.norm() < rest.norm() {
+                rest = now;
+                rejected.clear();
+            } else {
+                (parts, used) = old;
+                rejected.push(edge);
+            }
         }
         rest.amax()
     }

@@ -103,6 +103,22 @@ impl Delassus {
         LocalProblem { nn, nt, tt }
     }
 
+    /// What these forces (N) of all contacts add to the acceleration of one along its tangent, m/s², and the sum of the
+    /// sizes of the terms.
+    pub(in crate::integrator) fn along_tangent(
+        &self,
+        contact: usize,
+        forces: impl Fn(usize) -> [f64; 2],
+    ) -> [f64; 2] {
+        let own = (contact, self.own(contact));
+        let all = self.others(contact).iter().copied().chain([own]);
+        all.fold([0.0; 2], |[sum, size], (other, w)| {
+            let [normal, tangential] = forces(other);
+            let terms = [w[2] * normal, w[3] * tangential];
+            [sum + terms[0] + terms[1], size + terms[0].abs() + terms[1].abs()]
+        })
+    }
+
     /// Powers of two, √kg, for a contact's normal and tangent: forces in these units have accelerations of the size 1.
     pub(super) fn scales(&self, contact: usize) -> [f64; 2] {
         let own = self.own(contact);

@@ -98,6 +98,19 @@ impl ContactProblem {
         }
     }
 
+    /// Which contacts cannot all stick at a time whatever their surfaces do: of these, or of the masses that they share, the
+    /// contacts hold more directions than there are.
+    pub(super) fn overheld(&self) -> Vec<bool> {
+        let mut all = GivenStates::new(&self.delassus);
+        let mut is_overheld = vec![false; self.forces.len()];
+        for (group, contacts) in self.delassus.groups().iter().enumerate() {
+            all.set(&self.delassus, group, |_| Demand::Both);
+            let is_regular = all.is_regular(group);
+            contacts.iter().for_each(|&contact| is_overheld[contact] = !is_regular);
+        }
+        is_overheld
+    }
+
     /// Solves for λ, of contacts that are in these states; returns the number of sweeps. The result depends on nothing
     /// but the present. Redundant contacts (two that stick on one mass) have many solutions; the motion is the same
     /// for all.

@@ -32,7 +32,7 @@ use impact::frictionless;
 pub(super) use ledger::Writer;
 use ledger::{Passage, Witness};
 use reduced::MOST_PLACES;
-use rounding::{NOISE, pulls};
+use rounding::{NOISE, pulls, shortest};
 use series::{Instant, ORDER, Polynomial, Series};
 use watch::Event;
 use waves::Waves;
@@ -62,9 +62,15 @@ pub struct EventDriven<W = ()> {
     series: Series,
     /// Does any contact hold more than one degree of freedom at a time?
     is_inclined: bool,
+    /// Which contacts stick only as long as their surfaces do not part them ([`ContactProblem::overheld`]).
+    ///
+    /// [`ContactProblem::overheld`]: super::contact_problem::ContactProblem::overheld
+    overheld: Vec<bool>,
     /// |G M⁻¹ K| along normal and tangent of each contact, 1/s²: what springs make of displacements where
     /// nothing holds it, term by term.
     pulls: Vec<[Direction; 2]>,
+    /// A time, s, that no oscillation of the masses on their springs is shorter than; zero without springs.
+    shortest: f64,
     /// The polynomial at hand.
     polynomial: Polynomial,
     /// The outer forces, N, and the velocities (m/s) and accelerations (m/s²) of the sliders at the instant that
@@ -138,6 +144,8 @@ impl<W: Witness> EventDriven<W> {
             is_inclined: model.contacts.iter().any(|contact| {
                 contact.normal.as_unit().is_none() || contact.tangent.as_unit().is_none()
             }),
+            overheld: dynamics.problem.overheld(),
+            shortest: shortest(&dynamics),
             pulls: pulls(&dynamics),
             polynomial: [0.0; ORDER + 1],
             force: vec![0.0; model.dofs()],
@@ -166,7 +174,7 @@ impl<W: Witness> EventDriven<W> {
             return Err(StepFailure::TooManySeries { most: MAX_SERIES.into() });
         }
         self.reach(drive, h, left);
-        self.follow_slider(motion, h);
+        self.follow_slider(motion, drive, h);
         self.note_closed(motion);
         if motion.statistics.steps == 1 {
             self.stop_approach(motion, drive)?;
@@ -272,7 +280,7 @@ impl<W: Witness> EventDriven<W> {
 
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
-    fn follow_slider(&mut self, motion: &mut Motion, h: f64) {
+    fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
         let rows = 0..self.force.len();
         let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &self.force).abs());
         self.driven = driven.fold(0.0, f64::max);
@@ -287,7 +295,9 @@ impl<W: Witness> EventDriven<W> {
             let terms = contact.tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
             let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
-            if let Some(new) = self.dynamics.law.frozen_state(self.surface[i]) {
+            // Where a surface begins to move, the sign of what it has at first is rounding.
+            let mean = self.surface[i] + drive.slider_velocity[i];
+            if let Some(new) = self.dynamics.law.frozen_state(mean) {
                 if new != old {
                     motion.contacts[i] = new;
                     motion.statistics.count_change(new);
@@ -379,7 +389,7 @@ impl<W: Witness> EventDriven<W> {
                     slipping(slip.signum())
                 }
                 _ if landed => held,
-                (Some(Event::Slip(direction)), _) => sliding(direction),
+                (Some(Event::Slip(direction) | Event::Leave(direction)), _) => sliding(direction),
                 (Some(Event::Stop), _) | (_, ContactState::Stick) => held,
                 (_, state) => sliding(state),
             };

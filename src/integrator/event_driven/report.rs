@@ -29,9 +29,10 @@ impl<W: Witness> EventDriven<W> {
         for (out, &[normal_force, friction_force]) in forces.iter_mut().zip(found) {
             (out.normal_force, out.friction_force) = (normal_force, friction_force);
         }
-        let fastest = largest(&motion.velocity);
+        let fastest = largest(&motion.velocity).max(self.shaken(drive));
         let is_frozen = self.dynamics.law.is_frozen();
         let may_pull = !self.dynamics.law.detachment;
+        let mut is_overheld = false;
         for (i, out) in forces.iter_mut().enumerate() {
             let state = motion.contacts[i];
             let &mut ContactForce { normal_force, friction_force, .. } = out;
@@ -60,9 +61,41 @@ impl<W: Witness> EventDriven<W> {
             if !is_lawful {
                 return false;
             }
+            is_overheld |= self.overheld[i] && slip.abs() <= still;
             let slip_velocity = if state == ContactState::Stick { 0.0 } else { slip };
             *out = ContactForce { state, slip_velocity, ..*out };
         }
-        true
+        !is_overheld || self.follow_surfaces(drive, forces, NOISE * fastest)
+    }
+
+    /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the springs:
+    /// beside it, where all stand, a velocity is rounding.
+    fn shaken(&self, drive: &Drive) -> f64 {
+        let rows = 0..drive.force.len();
+        let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &drive.force).abs());
+        self.shortest * driven.fold(0.0, f64::max)
+    }
+
+    /// Do the slips of contacts that hold more directions than there are go on as their states have it under these forces,
+    /// where they are no more than `still`, m/s? Surfaces that begin to move may part such contacts.
+    fn follow_surfaces(&self, drive: &Drive, forces: &[ContactForce], still: f64) -> bool {
+        let delassus = &self.dynamics.problem.delassus;
+        let given = |i: usize| [forces[i].normal_force, forces[i].friction_force];
+        let is_asked = |i: &usize| {
+            let ContactForce { state, slip_velocity, .. } = forces[*i];
+            self.overheld[*i] && state != ContactState::Detached && slip_velocity.abs() <= still
+        };
+        let is_frozen = self.dynamics.law.is_frozen();
+        (0..forces.len()).filter(is_asked).all(|i| {
+            let free = self.dynamics.contacts[i].tangent.dot(&self.dynamics.acceleration);
+            let surface = drive.slider_acceleration[i];
+            let [carried, size] = delassus.along_tangent(i, given);
+            let nothing = CLOSE * NOISE * (size + free.abs() + surface.abs());
+            let slip = surface - (free + carried);
+            match forces[i].state.sliding_direction() {
+                None => slip.abs() <= nothing,
+                Some(direction) => is_frozen || direction * slip >= -nothing,
+            }
+        })
     }
 }

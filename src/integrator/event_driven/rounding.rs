@@ -85,6 +85,16 @@ pub(super) fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
     dynamics.responses.iter().map(|two| two.each_ref().map(along)).collect()
 }
 
+/// A time, s, that no oscillation of the masses on their springs is shorter than; zero without springs.
+pub(super) fn shortest(dynamics: &Dynamics) -> f64 {
+    let square = |dof: usize| {
+        let pulls = dynamics.stiffness.row(dof).fold(0.0, |sum, (_, k)| sum + k.abs());
+        pulls * dynamics.inverse_mass.get(dof, dof)
+    };
+    let largest = (0..dynamics.acceleration.len()).map(square).fold(0.0, f64::max);
+    if largest > 0.0 { 1.0 / largest.sqrt() } else { 0.0 }
+}
+
 /// The largest of some values, by size: of velocities, the fastest.
 pub(super) fn largest(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))

@@ -17,7 +17,12 @@ pub(super) enum Event {
     Stop,
     /// The friction force reaches its limit; in this direction.
     Slip(ContactState),
+    /// The surface of a contact that sticks moves on although its mass cannot follow; in this direction.
+    Leave(ContactState),
 }
+
+/// The most that is watched at one contact.
+const MOST_WATCHED: usize = 5;
 
 impl<W: Witness> EventDriven<W> {
     /// The next event, in parts of the series' span, and in `events` what happens then.
@@ -54,7 +59,7 @@ impl<W: Witness> EventDriven<W> {
         state: ContactState,
         drive: &Drive,
         bend: f64,
-    ) -> [Option<(Event, [f64; 3])>; 3] {
+    ) -> [Option<(Event, [f64; 3])>; MOST_WATCHED] {
         let span = self.series.span();
         let acceleration = 2.0 * bend / (span * span);
         let own = self.dynamics.problem.delassus.own(contact);
@@ -77,16 +82,23 @@ impl<W: Witness> EventDriven<W> {
                 let bends = doubt * (2.0 * bend + span * span * lost + moved);
                 let fastest = self.series.largest(1).max(self.slowest() * span);
                 let slow = bends.min(0.5 * THROWN / NOISE * fastest);
-                [Some((Event::Touch, [slow + doubt * place, slow, bends])), None, None]
-            }
-            // Where the mass has one direction to go, what stops it along the normal holds it along the tangent.
-            ContactState::Stick if self.dynamics.problem.delassus.local(contact).is_singular() => {
-                [Some((Event::Lift, [force(); 3])), None, None]
+                [Some((Event::Touch, [slow + doubt * place, slow, bends])), None, None, None, None]
             }
             ContactState::Stick => {
+                let left = if self.overheld[contact] {
+                    let distance = self.slipped(contact, friction, force(), [bend, moved]);
+                    [ContactState::Slide, ContactState::ReverseSlide]
+                        .map(|direction| Some((Event::Leave(direction), [distance; 3])))
+                } else {
+                    [None; 2]
+                };
+                // Where the mass has one direction to go, what stops it along the normal holds it along the tangent.
+                if self.dynamics.problem.delassus.local(contact).is_singular() {
+                    return [Some((Event::Lift, [force(); 3])), left[0], left[1], None, None];
+                }
                 let least = friction * self.series.least_normal_force(contact);
                 if least > self.series.most_stuck_force(contact) {
-                    return [None; 3];
+                    return [left[0], left[1], None, None, None];
                 }
                 let force = force();
                 let limit =
@@ -95,24 +107,36 @@ impl<W: Witness> EventDriven<W> {
                     Some((Event::Lift, [force; 3])),
                     limit(ContactState::Slide),
                     limit(ContactState::ReverseSlide),
+                    left[0],
+                    left[1],
                 ]
             }
             _ => {
-                // What is nothing to friction is nothing to the slip that it makes: else a contact at its
-                // limit slips and stops without an end.
-                let bits = (1.0 + friction) * force() * (own[3] + friction * own[1].abs());
-                let bend = doubt * 2.0 * bend + bits * span * span;
-                let along = doubt * span * self.surface[contact].abs();
-                let distance = along.max(bend) + doubt * moved;
+                let distance = self.slipped(contact, friction, force(), [bend, moved]);
                 let law = self.dynamics.law;
                 let may_lift = law.detachment && self.series.least_normal_force(contact) <= 0.0;
                 [
                     may_lift.then(|| (Event::Lift, [force(); 3])),
                     (!law.is_frozen()).then_some((Event::Stop, [distance; 3])),
                     None,
+                    None,
+                    None,
                 ]
             }
         }
+    }
+
+    /// What the slip of a contact over the series' span is measured by, m, where this much is nothing for its normal
+    /// force, N, and for the bend of the motion and the displacements that slip is a difference of, m.
+    fn slipped(&self, contact: usize, friction: f64, force: f64, [bend, moved]: [f64; 2]) -> f64 {
+        let (span, doubt) = (self.series.span(), self.doubt(contact));
+        let own = self.dynamics.problem.delassus.own(contact);
+        // What is nothing to friction is nothing to the slip that it makes: else a contact at its limit slips and stops
+        // without an end.
+        let bits = (1.0 + friction) * force * (own[3] + friction * own[1].abs());
+        let bend = doubt * 2.0 * bend + bits * span * span;
+        let along = doubt * span * self.surface[contact].abs();
+        along.max(bend) + doubt * moved
     }
 
     /// Counts, where the law of contact is not whole, the contacts that would need the rest of it within this
@@ -150,13 +174,18 @@ impl<W: Witness> EventDriven<W> {
         let rows = &dynamics.contacts[contact];
         match event {
             Event::Touch => series.along(&rows.normal, polynomial),
-            Event::Stop => {
+            Event::Stop | Event::Leave(_) => {
                 let terms = series.moved(&rows.tangent, polynomial);
                 let span = series.span();
                 polynomial[0] -= span * surface[contact];
                 polynomial[1] -= span * span * surface_acceleration[contact];
                 series.waves.add_velocity(&drive.waves, contact, (-span, 1.0), polynomial);
-                if series.state(contact) == ContactState::Slide {
+                // A slip must stay what it is, and one that is none must not become one.
+                let is_turned = match event {
+                    Event::Leave(direction) => direction == ContactState::ReverseSlide,
+                    _ => series.state(contact) == ContactState::Slide,
+                };
+                if is_turned {
                     polynomial[..terms].iter_mut().for_each(|value| *value = -*value);
                 }
                 terms

@@ -3,12 +3,13 @@
 
 use super::motion::{Place, Span};
 use super::{Count, Look, SLOW};
+use crate::judge::reduced::residual_under;
 use crate::judge::rule::{Before, Doing, state_of};
 use crate::judge::{ROUNDING, Run};
 use amontons::contact::ContactForce;
 use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};
 use amontons::contact::Friction;
-use amontons::contact::residual::{Instant, Scales, residual};
+use amontons::contact::residual::{Instant, Scales};
 use nalgebra::DVector;
 
 /// What the law may be missed by, as a part of the scales; beside what the motion loses by rounding.
@@ -27,9 +28,12 @@ impl Run {
         let forces = &state.multipliers * &force + &state.carried * &sliders;
         let lost = lost * state.multipliers.amax().max(1.0);
         let accelerations = &state.mobility * &force + &state.follows * &sliders;
+        if self.fit.is_none() {
+            return self.judge_redundant_instant(span, look, held, &forces, lost);
+        }
         let places = (0..sliders.len()).map(|i| [forces[2 * i], forces[2 * i + 1]]);
         for (i, pair) in places.enumerate() {
-            let slider = [span.slider(i, look.t), sliders[i]];
+            let slider = [span.slider(i, look.t), sliders[i], self.frozen(span, i)];
             self.at = (look.t - self.h(), is_end);
             self.judge_contact(
                 i,
@@ -43,10 +47,46 @@ impl Run {
         }
     }
 
+    /// Judges an instant at which the forces of redundant contacts do not follow from the motion: no gap is negative,
+    /// and some forces that obey the law in these states do what these forces do.
+    #[track_caller]
+    fn judge_redundant_instant(
+        &mut self,
+        span: &Span,
+        look: &Look,
+        held: usize,
+        forces: &DVector<f64>,
+        lost: f64,
+    ) {
+        let states = self.memory.held[held].states.clone();
+        let friction = &span.start.friction;
+        let time = self.time() - self.h() + look.t;
+        let small = LAW + self.exact_drift() + self.forgiven;
+        for (i, state) in states.iter().enumerate() {
+            let gap = self.directions.column(2 * i).dot(&look.place[0]);
+            let is_off = if *state == Detached { gap < 0.0 } else { true };
+            let allowed = small * self.scales.length;
+            assert!(!is_off || gap.abs() <= allowed, "contact {i} at {time} s: gap {gap:e} m");
+        }
+        let range = |(i, state): (usize, &ContactState)| match state {
+            Detached => None,
+            Stick => Some([-friction[i].static_, friction[i].static_]),
+            Slide => Some([friction[i].kinetic; 2]),
+            ReverseSlide => Some([-friction[i].kinetic; 2]),
+        };
+        let limits: Vec<Option<[f64; 2]>> = states.iter().enumerate().map(range).collect();
+        let rest = self.distance_from_cone(&(&self.directions * forces), &limits);
+        let allowed = 10.0 * small * self.scales.force + 10.0 * lost;
+        assert!(rest <= allowed, "at {time} s no contacts give {rest:e} N, allowed {allowed:e}");
+    }
+
     /// Judges the states that follow on a change: a contact that does not slip yet but is about to could not
     /// have held.
     #[track_caller]
     pub(super) fn judge_onset(&mut self, span: &Span, look: &Look, held: usize) {
+        if !self.has_whole_law() || self.fit.is_none() {
+            return;
+        }
         let (force, lost) = self.outer(span, look);
         let state = &self.memory.held[held];
         let states = state.states.clone();
@@ -55,11 +95,11 @@ impl Run {
         let accelerations = &state.mobility * &force + &state.follows * &sliders;
         let lost = lost * state.multipliers.amax().max(1.0);
         let drift = self.exact_drift();
-        let allowed = (LAW + drift) * self.scales.force + lost;
+        let allowed = (LAW + drift + self.forgiven) * self.scales.force + lost;
         for i in 0..span.steady.len() {
             let [normal, tangent] = [0, 1].map(|k| self.directions.column(2 * i + k));
             let slip_velocity = span.slider(i, look.t) - tangent.dot(&look.place[1]);
-            if slip_velocity.abs() > (STANDS + drift) * self.scales.velocity {
+            if slip_velocity.abs() > (STANDS + drift + self.forgiven) * self.scales.velocity {
                 continue;
             }
             let own = normal.dot(&(&self.inverse_mass * normal));
@@ -86,7 +126,7 @@ impl Run {
     }
 
     /// Judges one contact with its forces (N, T) on a motion, under a slider of this velocity and
-    /// acceleration.
+    /// acceleration, and with a velocity of the sign that frozen friction has.
     #[track_caller]
     #[allow(clippy::too_many_arguments)]
     fn judge_contact(
@@ -95,7 +135,7 @@ impl Run {
         [x, v]: &Place,
         acceleration: &DVector<f64>,
         [normal_force, friction_force]: [f64; 2],
-        slider: [f64; 2],
+        slider: [f64; 3],
         friction: Friction,
         lost: f64,
     ) {
@@ -121,10 +161,10 @@ impl Run {
             let gap = if scales == self.scales { gap } else { 0.0 };
             let instant =
                 Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force };
-            residual(&instant, friction, &scales)
+            residual_under(self.model.law, slider[2], &instant, friction, &scales)
         };
         let drift = self.exact_drift();
-        let allowed = LAW + drift + lost / self.scales.force;
+        let allowed = LAW + drift + self.forgiven + lost / self.scales.force;
         let story = || {
             format!(
                 "contact {contact} at {} s {:+e} s: gap {gap:e} m, {gap_velocity:e} m/s, \
@@ -136,7 +176,7 @@ impl Run {
         };
         let found = on([gap_velocity, slip_velocity], self.scales);
         assert!(found.size <= allowed, "{found}, allowed {allowed:.1e}: {}", story());
-        let stands = STANDS + drift;
+        let stands = STANDS + drift + self.forgiven;
         if lands
             || gap > stands * self.scales.length
             || gap_velocity.abs() > stands * self.scales.velocity
@@ -180,6 +220,11 @@ impl Run {
         );
     }
 
+    /// A velocity of a slider with the sign that its frozen friction has over the step.
+    fn frozen(&self, span: &Span, contact: usize) -> f64 {
+        span.slider(contact, 0.0) + span.slider(contact, self.h())
+    }
+
     /// What rounding leaves of the gap and the velocities of closed contacts between masses, which no step
     /// puts where they belong: a bit of the velocity each.
     fn exact_drift(&self) -> f64 {
@@ -217,6 +262,7 @@ impl Run {
             (false, false) => 1e-11,
             (false, true) => SLOW,
         };
+        let rounding = rounding + self.forgiven;
         ((&after.place[1] - &before.place[1]).amax(), rounding * fastest + gained)
     }
 
@@ -240,7 +286,7 @@ impl Run {
         // How often contacts bounce off each other before they lie still is a matter of rounding, which is
         // a part of the displacements, however small what the springs give is.
         let length = self.scales.length.max(before.place[0].amax());
-        let bits = if self.is_exact { 1e-12 } else { SLOW };
+        let bits = if self.is_exact { 1e-12 } else { SLOW } + self.forgiven;
         assert!(
             moved <= (fastest + gained) * (passed + late) + bits * length,
             "at {time} s it moves by {moved} m at once"
@@ -264,7 +310,7 @@ impl Run {
             force: momentum.amax().max(f64::MIN_POSITIVE),
             length: self.scales.length.max(fastest * passed),
         };
-        let allowed = LAW + self.exact_drift() + 10.0 * lost / scales.force;
+        let allowed = LAW + self.exact_drift() + self.forgiven + 10.0 * lost / scales.force;
         let nothing = [allowed * fastest, allowed * scales.force];
         let contacts = 0..span.steady.len();
         let kinematics: Vec<[f64; 3]> = contacts
@@ -293,17 +339,19 @@ impl Run {
                 }
                 let is_closed =
                     gap <= nothing[0] / fastest * scales.length && opening <= nothing[0];
-                is_closed.then_some(if slip.abs() <= nothing[0] {
+                let range = if slip.abs() <= nothing[0] {
                     [-static_, static_]
                 } else {
                     [slip.signum() * kinetic; 2]
-                })
+                };
+                is_closed.then_some(self.edges(range, self.frozen(span, i)))
             });
             let limits: Vec<Option<[f64; 2]>> = limits.collect();
             let rest = self.distance_from_cone(&momentum, &limits);
             assert!(rest <= nothing[1], "impact at {time} s: no contacts give {rest} N s of it");
             for (i, [gap, opening, _]) in kinematics.into_iter().enumerate() {
-                let is_open = gap > nothing[0] / fastest * scales.length;
+                // What lands next may be as near as rounding lets it be.
+                let is_open = gap > ROUNDING * scales.length;
                 assert!(
                     is_open || opening >= -nothing[0],
                     "contact {i} at {time} s: {opening} m/s"
@@ -322,11 +370,15 @@ impl Run {
             let instant =
                 Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force };
             let friction = span.start.friction[i];
-            let found = residual(&instant, friction, &scales);
+            let surface = self.frozen(span, i);
+            let found = residual_under(self.model.law, surface, &instant, friction, &scales);
             assert!(
                 found.size <= allowed,
                 "impact at {time} s, contact {i}: {found}, allowed {allowed:.1e}; {instant:?}"
             );
+            if !self.has_whole_law() {
+                continue;
+            }
             let before = match (states[i], states[i].sliding_direction()) {
                 (_, Some(direction)) => Before::Slipped(direction),
                 (Stick, _) => Before::Stuck,
@@ -350,9 +402,15 @@ impl Run {
     #[track_caller]
     pub(in crate::judge) fn judge_exact_report(&mut self) {
         let time = self.time();
+        let last = self.acting_at([time - self.h(), time]);
         let mut span = self.span(time);
+        if last.slider_velocity != span.start.slider_velocity {
+            // A slider that jumps leaves what sticks to it behind, which no instant knows.
+            return;
+        }
         // What the sliders do at this very instant, also where they bend later.
         [_, span.steady] = self.rates(time);
+        span.start.friction = self.acting_at([time, time]).friction;
         let reported = self.forces();
         // One that is at its limit and does not slip yet is about to.
         let friction = &span.start.friction;
@@ -376,7 +434,7 @@ impl Run {
         let needed = &state.multipliers * &force + &state.carried * acceleration;
         let lost = lost * state.multipliers.amax().max(1.0);
         let off = (&self.directions * (&given - &needed)).amax();
-        let allowed = 20.0 * lost + 1e-11 * needed.amax();
+        let allowed = 20.0 * lost + 1e-11 * needed.amax() + self.forgiven * self.scales.force;
         assert!(
             off <= allowed,
             "at {time} s {off:e} N are missing, allowed {allowed:e}: {reported:?} {needed:?}"
@@ -384,7 +442,9 @@ impl Run {
         let accelerations = &self.inverse_mass * (&force + &self.directions * &given);
         self.at = (0.0, false);
         for (i, force) in reported.iter().enumerate() {
-            let slider = [span.slider(i, 0.0), acceleration[i]];
+            // A frozen direction is that of the last step, at whose beginning the surface had it.
+            let frozen = force.state.sliding_direction().unwrap_or(0.0);
+            let slider = [span.slider(i, 0.0), acceleration[i], frozen];
             let pair = [force.normal_force, force.friction_force];
             self.judge_contact(
                 i,
@@ -397,7 +457,7 @@ impl Run {
             );
             let slip = slider[0] - self.directions.column(2 * i + 1).dot(&self.now[1]);
             let off = (force.slip_velocity - slip).abs();
-            let drift = self.exact_drift() * self.scales.velocity;
+            let drift = (self.exact_drift() + self.forgiven) * self.scales.velocity;
             assert!(off <= 1e-12 * self.now[1].amax().max(1.0) + drift, "{force:?}, {slip}");
         }
     }

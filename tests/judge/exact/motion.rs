@@ -180,10 +180,10 @@ impl Run {
     /// What acts over the step that begins at `time`.
     pub(super) fn span(&mut self, time: f64) -> Span {
         let h = self.h();
-        let at = |run: &mut Self, t: f64| run.acting_at([time, t]).slider_velocity;
-        let [middle, end] = [0.5, 1.0].map(|part| at(self, time + part * h));
+        let middle = self.acting_at([time, time + 0.5 * h]).slider_velocity;
+        let Acting { slider_velocity: end, friction, .. } = self.acting_at([time, time + h]);
         let [rate, _] = self.rates(time);
-        let start = self.acting_at([time, time]);
+        let start = Acting { friction, ..self.acting_at([time, time]) };
         let swings = self.swings(time);
         let contacts = start.slider_velocity.len();
         let swung = |i: usize, t: f64| -> f64 {

@@ -1,0 +1,65 @@
+//! The law of contact where a scene leaves parts of it out, and friction that depends on the slip velocity.
+//!
+//! What cannot open has no gap, and friction by the size of its normal force, or with its sign where its direction is
+//! frozen. What cannot stick has the direction of its surface's velocity, whatever its slip.
+
+use super::Run;
+use amontons::contact::residual::{Instant, Scales, Violation, residual};
+use amontons::contact::{ContactLaw, Friction, Law};
+
+/// A slip that is beyond all scales, in parts of that of velocities.
+const FAST: f64 = 1e30;
+
+/// How far a contact is from the parts of the law that there are, on a surface with this velocity, m/s.
+pub(super) fn residual_under(
+    law: ContactLaw,
+    surface: f64,
+    instant: &Instant,
+    friction: Friction,
+    scales: &Scales,
+) -> Violation {
+    let mut now = *instant;
+    let has_frozen_direction = law.has_frozen_direction();
+    if !law.detachment {
+        (now.gap, now.gap_velocity) = (-now.gap.abs(), -now.gap_velocity.abs());
+        if has_frozen_direction && now.normal_force < 0.0 {
+            now.friction_force = -now.friction_force;
+        }
+        now.normal_force = now.normal_force.abs();
+    }
+    if has_frozen_direction {
+        let direction = if surface > 0.0 { 1.0 } else { -1.0 };
+        now.slip_velocity = direction * FAST * scales.velocity;
+    }
+    residual(&now, friction, scales)
+}
+
+impl Run {
+    /// Does the scene have the whole law of contact?
+    pub(super) fn has_whole_law(&self) -> bool {
+        !self.model.law.is_reduced()
+    }
+
+    /// The friction of a contact that has this slip velocity (m/s) when a step begins, or sticks.
+    pub(super) fn friction_at(&self, friction: Friction, slip: f64, sticks: bool) -> Friction {
+        if self.model.law.friction != Law::Stribeck {
+            return friction;
+        }
+        let Friction { kinetic, static_, stribeck_velocity } = friction;
+        let decay = if sticks && !self.model.law.is_frozen() {
+            1.0
+        } else {
+            (-slip.abs() / stribeck_velocity).exp()
+        };
+        Friction::from(kinetic + (static_ - kinetic) * decay)
+    }
+
+    /// What contacts may give in a direction of friction, or between two, as the edges of their cones.
+    pub(super) fn edges(&self, [from, to]: [f64; 2], surface: f64) -> [f64; 2] {
+        if !self.model.law.has_frozen_direction() {
+            return [from, to];
+        }
+        let size = from.abs().max(to.abs());
+        [if surface > 0.0 { size } else { -size }; 2]
+    }
+}
