@@ -175,8 +175,8 @@ pub struct Continuation {
     /// By ascending µ.
     pub rising: Vec<Point>,
     /// By ascending µ too. The way begins from the scene's own start at the last value. Where both ways end in the same
-    /// motion, the scene's start is tried as well, from high values to low ones; the first other motion that it leads to
-    /// stands in place of that one, as far as it can be followed.
+    /// motion, the scene's start is tried as well, from high values to low ones; other motions that it leads to stand in
+    /// place of that one, as far as they can be followed.
     pub falling: Vec<Point>,
     /// By ascending µ, rising ones first.
     pub jumps: Vec<Jump>,
@@ -234,8 +234,8 @@ struct Followed {
 struct Found {
     /// Upwards and downwards.
     ways: Vec<Followed>,
-    /// Another motion, which the scene's own start leads to where both ways end in the same one.
-    begun: Option<Followed>,
+    /// Other motions, which the scene's own start leads to where both ways end in the same one.
+    begun: Vec<Followed>,
 }
 
 impl Found {
@@ -245,8 +245,8 @@ impl Found {
 
     /// What the scene's own start has led to at a value at which both ways end in the same motion.
     fn begun_at(&self, friction: f64) -> Option<&Reached> {
-        let begun = self.begun.as_ref().filter(|_| agreed(&self.ways, friction).is_some());
-        begun.and_then(|begun| begun.at(friction))
+        agreed(&self.ways, friction)?;
+        self.begun.iter().find_map(|begun| begun.at(friction))
     }
 }
 
@@ -345,24 +345,26 @@ impl Run<'_> {
         Ok(Some(followed))
     }
 
-    /// Another motion, which the scene's own start leads to where both ways end in the same one: from the highest value at
-    /// which it does, it is followed upwards to its end, and downwards to its end or to where the ways part. `None` inside
-    /// if there is none.
+    /// Other motions, which the scene's own start leads to where both ways end in the same one: each from the highest value
+    /// at which it does and that those before do not reach, upwards to its end, and downwards to its end or to where the
+    /// ways part.
     fn begin(
         &self,
         ways: &[Followed],
         step_done: &(dyn Fn() + Sync),
-    ) -> Result<Option<Option<Followed>>, Error> {
+    ) -> Result<Option<Vec<Followed>>, Error> {
+        let mut found: Vec<Followed> = Vec::new();
         // A scene that starts in its equilibrium finds nothing that the ways do not.
         if !self.has_own_start() {
-            return Ok(Some(None));
+            return Ok(Some(found));
         }
         // The way downwards has begun from the scene's start at the last value.
         let values = &self.plan.values[..self.plan.values.len() - 1];
         let agreed_at = |place: usize| agreed(ways, values[place]);
-        let tried: Vec<usize> =
-            (0..values.len()).rev().filter(|place| agreed_at(*place).is_some()).collect();
-        for places in tried.chunks(2) {
+        let mut left: Vec<usize> =
+            (0..values.len()).filter(|place| agreed_at(*place).is_some()).collect();
+        while !left.is_empty() {
+            let places = left.split_off(left.len().saturating_sub(2));
             let start = |i: usize| {
                 let reached = self.reach("begun", values[places[i]], Start::Scene(Way::Falling));
                 step_done();
@@ -372,20 +374,23 @@ impl Run<'_> {
             let Some(reached) = reached.into_iter().collect::<Option<Vec<Reached>>>() else {
                 return Ok(None);
             };
-            let is_other = |(place, begun): &(usize, Reached)| {
-                let both = [begun.ending(), agreed_at(*place)];
-                matches!(both, [Some(ending), Some(of_both)]
-                    if ending.kind.is_cycle() && distance(ending, of_both) > OTHER_EXTENT)
-            };
-            if let Some((place, begun)) = places.iter().copied().zip(reached).find(is_other) {
+            for (place, begun) in places.into_iter().zip(reached).rev() {
+                let is_other = matches!([begun.ending(), agreed_at(place)], [Some(ending), Some(of_both)]
+                    if ending.kind.is_cycle() && distance(ending, of_both) > OTHER_EXTENT);
+                if !is_other || found.iter().any(|other| other.covers(values[place])) {
+                    continue;
+                }
                 let below = (0..place).rev().take_while(|below| agreed_at(below + 1).is_some());
                 let below: Vec<f64> = below.map(|below| values[below]).collect();
-                return Ok(self
-                    .follow_both_ways(begun, &below, &self.plan.values[place + 1..])?
-                    .map(Some));
+                let above = &self.plan.values[place + 1..];
+                let Some(followed) = self.follow_both_ways(begun, &below, above)? else {
+                    return Ok(None);
+                };
+                found.push(followed);
             }
+            left.retain(|place| !found.iter().any(|other| other.covers(values[*place])));
         }
-        Ok(Some(None))
+        Ok(Some(found))
     }
 
     /// Follows a motion downwards over the values below it and upwards over those above it, each to its end.
@@ -624,9 +629,10 @@ impl Run<'_> {
         let start = Start::Scene(Way::Falling);
         let Some(reached) = self.reach("start", friction, start)? else { return Ok(None) };
         let mut third = reached.point.ending.ok().filter(is_third);
-        if let Some(begun) = found.begun.as_ref().filter(|begun| begun.covers(friction))
-            && third.is_none()
-        {
+        for begun in found.begun.iter().filter(|begun| begun.covers(friction)) {
+            if third.is_some() {
+                break;
+            }
             let Some(there) = self.reached(friction, Way::Falling, begun)? else { return Ok(None) };
             third = there.map(|(ending, _)| ending).filter(is_third);
         }
@@ -669,8 +675,8 @@ impl Run<'_> {
         let Some(down) = self.reached(friction, Way::Falling, falling)? else { return Ok(None) };
         let (Some(up), Some(mut down)) = (up, down) else { return Ok(Some(None)) };
         let are_alike = distance(&up.0, &down.0) <= OTHER_EXTENT;
-        let begun = found.begun.as_ref().filter(|begun| are_alike && begun.covers(friction));
-        if let Some(begun) = begun {
+        let mut begun = found.begun.iter().filter(|begun| are_alike && begun.covers(friction));
+        if let Some(begun) = begun.next() {
             let Some(there) = self.reached(friction, Way::Falling, begun)? else { return Ok(None) };
             let Some(there) = there else { return Ok(Some(None)) };
             down = there;
