@@ -1,13 +1,15 @@
 //! What contacts on one body cost: `cargo bench --bench contacts` prints one table.
 //!
 //! Pads lie around a disc on springs, each with a velocity of its own, so that all contacts share the disc's mass. They
-//! bounce, stick and slide for 10 ms, or for exact motion some thousand events. The table has the time of a step of the paper's scheme and that of an event
-//! of exact motion, against those of one pad; the growth is the exponent from the row before, where 1 is in proportion
-//! to the number of contacts.
+//! bounce, stick and slide for 10 ms, or for exact motion some thousand events. The table has the time of a step of the
+//! paper's scheme and that of an event of exact motion, against those of one pad; the growth is the exponent from the
+//! row before, where 1 is in proportion to the number of contacts.
 
-use amontons::scene::{Method, Scene, parse};
+#[path = "../tests/disc/mod.rs"]
+mod disc;
+
+use amontons::scene::{Method, Scene};
 use amontons::simulation::Simulation;
-use std::f64::consts::TAU;
 use std::time::Instant;
 
 /// Of a run.
@@ -18,8 +20,9 @@ fn main() {
     let mut first: Option<[f64; 2]> = None;
     let mut before: Option<[f64; 2]> = None;
     for pads in [1, 2, 4, 8, 16, 32, 64, 128] {
-        let scheme = run(&Scene { method: Method::ForwardIncrement, step: 1e-5, ..disc(pads) });
-        let exact = run(&Scene { method: Method::EventDriven, step: 1e-4, ..disc(pads) });
+        let scheme =
+            run(&Scene { method: Method::ForwardIncrement, step: 1e-5, ..pads_alone(pads) });
+        let exact = run(&Scene { method: Method::EventDriven, step: 1e-4, ..pads_alone(pads) });
         let (Ok((seconds, steps, _)), Ok((exact_seconds, _, events))) = (&scheme, &exact) else {
             println!("{pads:8} {scheme:?} {exact:?}");
             continue;
@@ -39,6 +42,13 @@ fn main() {
         );
         before = Some(now);
     }
+}
+
+/// The scene without its ledger of energy, which costs time of its own.
+fn pads_alone(pads: u32) -> Scene {
+    let mut scene = disc::disc(pads);
+    scene.effects.energy = false;
+    scene
 }
 
 /// Seconds of computing, steps and events of a run, the shortest of three.
@@ -63,39 +73,4 @@ fn run(scene: &Scene) -> Result<(f64, u64, u64), amontons::Error> {
         }
     }
     Ok(shortest.expect("three runs"))
-}
-
-/// Pads around a disc on springs, each with a velocity of its own.
-fn disc(pads: u32) -> Scene {
-    let mut text = "slider = { velocity = 0.2, angle = 0.0 }\n\
-                    friction = { coefficient = 0.4, static = 0.6 }\n\
-                    integrator = { step = 1e-5 }\n\
-                    mass = [{ name = \"disc\", mass = 2.0 }"
-        .to_owned();
-    let (mut springs, mut contacts, mut initial) = (String::new(), String::new(), String::new());
-    for direction in ["x", "y"] {
-        springs += &format!(
-            "{{ name = \"d{direction}\", between = [\"disc\", \"ground\"], direction = \"{direction}\", stiffness = 1e6 }},"
-        );
-    }
-    for i in 0..pads {
-        let angle = TAU * f64::from(i) / f64::from(pads);
-        // Parts of one that no two pads share.
-        let part = |ratio: f64| (ratio * f64::from(i)).fract();
-        let (mass, force) = (0.2 + 0.1 * part(0.618), -100.0 - 30.0 * part(0.414));
-        text += &format!(
-            ", {{ name = \"p{i}\", mass = {mass:?}, angle = {angle:?}, force = [0.0, {force:?}] }}"
-        );
-        for (name, direction, stiffness) in [("t", angle, 2e5), ("n", angle + 1.2, 3e5)] {
-            springs += &format!(
-                "{{ name = \"{name}{i}\", between = [\"p{i}\", \"ground\"], direction = {direction:?}, stiffness = {stiffness:?} }},"
-            );
-        }
-        contacts +=
-            &format!("{{ name = \"c{i}\", mass = \"p{i}\", on = \"disc\", angle = {angle:?} }},");
-        let [vx, vy] = [0.25 * part(0.732), 0.12 * part(0.236)];
-        initial += &format!("{{ mass = \"p{i}\", vx = {vx:?}, vy = {vy:?} }},");
-    }
-    text += &format!("]\nspring = [{springs}]\ncontact = [{contacts}]\ninitial = [{initial}]\n");
-    parse("disc", &text).expect("it is a scene")
 }

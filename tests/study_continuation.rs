@@ -1,6 +1,7 @@
 //! What scenes end in over µ, followed both ways: the paper's Figs. 6 and 7.
 #![cfg(feature = "tools")]
 
+mod driven_block;
 mod program;
 
 use amontons::accuracy::Study;
@@ -12,6 +13,7 @@ use amontons::study::{
     Continuation, Journal, Jump, Kind, Look, Plan, Point, Push, Watch, Way, Wish, continuation,
     pace,
 };
+use driven_block::driven_block;
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -56,38 +58,9 @@ fn only(jumps: &[Jump], way: Way) -> &Jump {
 /// by the scene's own start.
 #[test]
 fn the_scenes_own_start_is_tried_beside_a_driven_motion_as_it_is_beside_rest() {
-    let text = r#"
-        slider = { velocity = 0.1, angle = 0.0 }
-        friction = { coefficient = 0.4, static = 0.6 }
-        integrator = { method = "event-driven", step = 1.0e-3 }
-        experiment = { stop_time = 20.0, output_interval = 0.01 }
-        [[mass]]
-        name = "p"
-        mass = 1.0
-        force = [0.0, -10.0]
-        [[spring]]
-        name = "s"
-        between = ["p", "ground"]
-        direction = "x"
-        stiffness = 100.0
-        [[damper]]
-        name = "d"
-        between = ["p", "ground"]
-        direction = "x"
-        damping = 0.4
-        [[contact]]
-        name = "c"
-        mass = "p"
-        [[signal]]
-        input = "mass.p.fx"
-        sine = { amplitude = 0.15, frequency = 1.2687 }
-        [[initial]]
-        mass = "p"
-        vx = 0.3
-    "#;
-    let mut scene = parse("driven", text).unwrap();
-    let look = Look::of(&scene, &Wish::default()).unwrap();
-    pace(&mut scene, &look);
+    let mut scene = driven_block(0.15, 1.2687);
+    assign(&mut scene, "initial.mass.p.vx", 0.3).unwrap();
+    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
     let found = whole(&(scene, look), &[0.38, 0.4, 0.55], 0.02);
     let forced = |point: &Point| (amplitude(point) / 4.0990e-3 - 1.0).abs() < 1e-3;
     assert!(found.rising.iter().all(forced), "{:?}", found.rising);
@@ -127,8 +100,7 @@ fn each_motion_that_the_scenes_own_start_leads_to_is_followed() {
         experiment = { stop_time = 20.0, output_interval = 0.01 }
     "#;
     let mut scene = parse("two", text).unwrap();
-    let look = Look::of(&scene, &Wish::default()).unwrap();
-    pace(&mut scene, &look);
+    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
     let found = whole(&(scene, look), &[0.2, 0.3, 0.4, 0.5], 1e-3);
     let sizes: Vec<f64> = found.falling.iter().map(amplitude).collect();
     for (size, expected) in sizes.iter().zip([16.777e-3, 7.007e-3]) {

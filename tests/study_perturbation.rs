@@ -1,12 +1,14 @@
 //! What perturbations end in, and the thresholds between: those of closed forms, and the paper's (Fig. 5).
 #![cfg(feature = "tools")]
 
+mod driven_block;
 mod program;
 
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::{Simulation, assign};
 use amontons::study::perturbation::{Direction, Perturbations, perturbation};
 use amontons::study::{Journal, Kind, Look, Watch, Wish, history, pace};
+use driven_block::driven_block;
 use program::{assert_refused, folder, run, text};
 use std::process::Output;
 
@@ -52,40 +54,6 @@ fn damped_block(zeta: f64) -> Scene {
     let at_rest = text.replace("vx = 0.1 ", "vx = 0.0 ");
     assert_ne!(at_rest, text);
     parse("damped", &(at_rest + &damper)).unwrap()
-}
-
-/// A block of 1 kg, pressed on a belt with 10 N and held by a spring and a damper (100 N/m, 0.4 N s/m), under a sine with
-/// this amplitude, N, and frequency, Hz.
-fn driven_block(amplitude: f64, frequency: f64) -> Scene {
-    let text = format!(
-        r#"
-        slider = {{ velocity = {BELT}, angle = 0.0 }}
-        friction = {{ coefficient = 0.4, static = 0.6 }}
-        integrator = {{ method = "event-driven", step = 1.0e-3 }}
-        experiment = {{ stop_time = 20.0, output_interval = 0.01 }}
-        [[mass]]
-        name = "p"
-        mass = 1.0
-        force = [0.0, -10.0]
-        [[spring]]
-        name = "s"
-        between = ["p", "ground"]
-        direction = "x"
-        stiffness = 100.0
-        [[damper]]
-        name = "d"
-        between = ["p", "ground"]
-        direction = "x"
-        damping = 0.4
-        [[contact]]
-        name = "c"
-        mass = "p"
-        [[signal]]
-        input = "mass.p.fx"
-        sine = {{ amplitude = {amplitude:?}, frequency = {frequency:?} }}
-        "#
-    );
-    parse("driven", &text).unwrap()
 }
 
 /// The amplitude, m, of what slides for ever under 0.15 N.
