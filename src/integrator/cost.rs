@@ -76,7 +76,7 @@ impl Cost {
         Self { scheme_step, power, frequency: highest_frequency(model).unwrap_or(0.0) }
     }
 
-    /// The same where signals drive it: a series covers no more of a sine than of the fastest mode.
+    /// The cost where these signals drive the motion: a series covers no more of a sine than of the fastest mode.
     #[must_use]
     pub fn driven(self, signals: &[Signal]) -> Self {
         let followed = signals.iter().filter(|signal| !signal.drives_friction());

@@ -67,6 +67,12 @@ impl Dynamics {
         })
     }
 
+    /// The largest acceleration, m/s², by size, that these forces (N) alone give a degree of freedom.
+    pub(super) fn fastest_driven(&self, force: &[f64]) -> f64 {
+        let driven = (0..force.len()).map(|row| self.inverse_mass.row_times(row, force).abs());
+        driven.fold(0.0, f64::max)
+    }
+
     /// The acceleration without contact forces, M⁻¹ (F − C ẋ − K x), under the outer forces F.
     pub(super) fn free_acceleration(&mut self, motion: &Motion, outer: &[f64]) {
         let Damping { alpha, beta } = self.damping;

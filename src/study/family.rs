@@ -10,7 +10,8 @@ use super::recurrence::{begin_fast, way_of_a_step};
 use crate::Error;
 use crate::simulation::Simulation;
 
-/// By this part of its velocity a motion is made larger and smaller, to see whether it is the largest of its family.
+/// By this part of its velocity, at least, a motion is made larger and smaller, to see whether it is the largest of its
+/// family.
 const LARGER: f64 = 1e-5;
 
 /// Is a linear motion one of a family of motions with every size near its own? Its strongest frequency is `frequency`, Hz.
@@ -27,28 +28,28 @@ pub(super) fn is_one_of_many(
         return Ok(false);
     }
     let Some(frequency) = frequency else { return Ok(true) };
-    for larger in [LARGER, -LARGER] {
-        if changes_states(simulation, look, frequency, larger, is_over)? {
+    let mut fast = Simulation::resume(simulation.save())?;
+    // The faster the motion is, the more energy the push adds, to each of its modes.
+    begin_fast(&mut fast, look.interval, frequency, look.rows())?;
+    // The paper's scheme sees a change of state at the end of a step only.
+    let part = LARGER.max(way_of_a_step(simulation, frequency));
+    for part in [part, -part] {
+        if changes_states(&fast, look, part, is_over)? {
             return Ok(false);
         }
     }
     Ok(true)
 }
 
-/// Does a contact change its state within a window if the motion gets larger by a part of its velocity? The paper's scheme
-/// sees a change of state at the end of a step only, so the part is at least the way of a step.
+/// Does a contact change its state within a window if the motion gets larger by a part of its velocity?
 fn changes_states(
-    simulation: &Simulation,
+    fast: &Simulation,
     look: &Look,
-    frequency: f64,
-    larger: f64,
+    part: f64,
     is_over: &dyn Fn() -> bool,
 ) -> Result<bool, Error> {
-    let mut motion = Simulation::resume(simulation.save())?;
-    // The faster the motion is, the more energy the push adds, to each of its modes.
-    begin_fast(&mut motion, look.interval, frequency, look.rows())?;
-    let part = larger.signum() * larger.abs().max(way_of_a_step(simulation, frequency));
-    for (dof, velocity) in motion.velocity().to_vec().into_iter().enumerate() {
+    let mut motion = Simulation::resume(fast.save())?;
+    for (dof, velocity) in fast.velocity().iter().enumerate() {
         motion.push(dof, part * velocity);
     }
     let (start, before) = (motion.time(), motion.statistics().state_changes());

@@ -100,13 +100,12 @@ impl ContactProblem {
 
     /// Which contacts cannot all stick at a time whatever their surfaces do: of these, or of the masses that they share, the
     /// contacts hold more directions than there are.
-    pub(super) fn overheld(&self) -> Vec<bool> {
-        let mut all = GivenStates::new(&self.delassus);
-        let mut is_overheld = vec![false; self.forces.len()];
-        for (group, contacts) in self.delassus.groups().iter().enumerate() {
-            all.set(&self.delassus, group, |_| Demand::Both);
-            let is_regular = all.is_regular(group);
-            contacts.iter().for_each(|&contact| is_overheld[contact] = !is_regular);
+    pub(super) fn overheld(&mut self) -> Vec<bool> {
+        let Self { given, delassus, .. } = self;
+        let mut is_overheld = vec![false; delassus.contacts()];
+        for (group, contacts) in delassus.groups().iter().enumerate() {
+            given.set(delassus, group, |_| Demand::Both);
+            contacts.iter().for_each(|&contact| is_overheld[contact] = !given.is_regular(group));
         }
         is_overheld
     }

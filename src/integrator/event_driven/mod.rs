@@ -129,7 +129,7 @@ impl<W: Witness> EventDriven<W> {
                  which is not linear where N changes its sign",
             ));
         }
-        let dynamics = Dynamics::new(model)?;
+        let mut dynamics = Dynamics::new(model)?;
         let contacts = model.contacts.len();
         let series = Series::new(&dynamics);
         let together = dynamics.problem.delassus.largest_group();
@@ -281,9 +281,7 @@ impl<W: Witness> EventDriven<W> {
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
     fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
-        let rows = 0..self.force.len();
-        let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &self.force).abs());
-        self.driven = driven.fold(0.0, f64::max);
+        self.driven = self.dynamics.fastest_driven(&self.force);
         self.gained = h * self.driven;
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let old = motion.contacts[i];
@@ -416,12 +414,12 @@ impl<W: Witness> EventDriven<W> {
             self.impact(motion, drive, speed)?;
         }
         self.pose(motion, drive, landed, speed);
-        let likely = |(event, state): (&Option<Event>, &ContactState)| match event {
-            Some(Event::Stop) => ContactState::Stick,
-            _ => *state,
-        };
-        let states = self.events.iter().zip(&motion.contacts).map(likely);
-        self.likely.iter_mut().zip(states).for_each(|(likely, state)| *likely = state);
+        self.likely.clone_from(&motion.contacts);
+        for (likely, event) in self.likely.iter_mut().zip(&self.events) {
+            if matches!(event, Some(Event::Stop)) {
+                *likely = ContactState::Stick;
+            }
+        }
         let problem = &mut self.dynamics.problem;
         motion.statistics.count_sweeps(problem.solve(&self.likely)?);
         motion.statistics.other_solutions += u64::from(problem.has_another_solution());

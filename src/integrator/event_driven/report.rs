@@ -71,9 +71,7 @@ impl<W: Witness> EventDriven<W> {
     /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the springs:
     /// beside it, where all stand, a velocity is rounding.
     fn shaken(&self, drive: &Drive) -> f64 {
-        let rows = 0..drive.force.len();
-        let driven = rows.map(|row| self.dynamics.inverse_mass.row_times(row, &drive.force).abs());
-        self.shortest * driven.fold(0.0, f64::max)
+        self.shortest * self.dynamics.fastest_driven(&drive.force)
     }
 
     /// Do the slips of contacts that hold more directions than there are go on as their states have it under these forces,

@@ -86,9 +86,9 @@ impl Waves {
         }
     }
 
+    /// Writes power `k` of the accelerations that the sliders have of waves (m/s²); `span` is that of the series, s.
     // Kept out of the loops of a series, whose sums stay in registers where nothing oscillates.
     #[inline(never)]
-    /// Writes power `k` of the accelerations that the sliders have of waves (m/s²); `span` is that of the series, s.
     pub(super) fn write_accelerations(
         &self,
         waves: &[Wave],
