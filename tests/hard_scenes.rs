@@ -5,12 +5,13 @@ mod disc;
 mod judge;
 
 use amontons::contact::ContactState;
-use amontons::scene::{Method, Scene, parse};
+use amontons::scene::{Method, Ramp, Scene, Shape, Signal, parse};
 use amontons::simulation::{Simulation, broken_assumptions};
 use disc::disc;
 use judge::{METHODS, Run, assert_near, off, with};
 use std::f64::consts::TAU;
 use std::path::Path;
+use std::sync::Arc;
 
 fn hard(name: &str) -> Scene {
     let file = Path::new("tests/hard_scenes").join(name).with_extension("toml");
@@ -95,6 +96,36 @@ fn a_mass_on_a_line_slips_on_a_surface_that_it_cannot_follow() {
             assert_near(force.friction_force, 0.04 * normal, 1e-10 * normal);
         }
         assert!(run.of_dof("mass.a.y").iter().all(|value| value.abs() < 1e-18));
+    }
+}
+
+/// Either surface alone holds the mass while they stand, and which of them does is a matter of rounding. When they begin to
+/// move, the mass can go with the one that lifts it off the other, and with no other.
+#[test]
+fn a_mass_in_a_wedge_goes_with_the_surface_that_lifts_it_off_the_other() {
+    let (angle, load, acceleration) = (0.1_f64, 10.0, 1.0);
+    for direction in [1.0, -1.0] {
+        let mut scene = hard("wedge_begins_to_move");
+        scene.slider.velocity = 0.1 * direction;
+        let signal = Signal {
+            input: "slider.velocity".to_owned(),
+            shape: Shape::Ramp(Ramp { from: -0.1 * direction, to: 0.0, start: 0.005, end: 0.105 }),
+        };
+        scene.signals = Arc::new([signal]);
+        let mut run = Run::new(scene, Method::EventDriven);
+        for _ in 0..5 {
+            run.step();
+            run.judge_step();
+            run.judge_report();
+        }
+        let forces = run.forces();
+        let [holds, leaves] = if direction > 0.0 { [0, 1] } else { [1, 0] };
+        assert_eq!(forces[leaves].normal_force, 0.0);
+        assert_near(forces[holds].normal_force, load * angle.cos(), 1e-12 * load);
+        let dragging = direction * (acceleration + load * angle.sin());
+        assert_near(forces[holds].friction_force, dragging, 1e-12 * load);
+        run.judged_until(0.02);
+        assert_eq!(run.states()[leaves], ContactState::Detached);
     }
 }
 

@@ -148,12 +148,7 @@ impl LocalProblem {
             let direction = -acceleration.signum();
             return self.slide_held(free[0], range.limit(direction), direction);
         }
-        // Of a contact that pulls, T/N has the other sign.
-        let range = if free[0] > 0.0 {
-            FrictionRange { backward: range.forward, forward: range.backward, ..*range }
-        } else {
-            *range
-        };
+        let range = if free[0] > 0.0 { range.pulling() } else { *range };
         self.guide(free[0], self.stuck_slope(&range), ContactState::Stick)
     }
 

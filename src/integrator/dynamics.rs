@@ -163,34 +163,45 @@ impl Dynamics {
         drive: &Drive,
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
+        self.contact_forces_from(&motion.contacts, motion, drive, forces)
+    }
+
+    /// The same, of contacts that are in these states.
+    ///
+    /// # Errors
+    /// Contacts that could not be solved.
+    pub(super) fn contact_forces_from(
+        &mut self,
+        states: &[ContactState],
+        motion: &Motion,
+        drive: &Drive,
+        forces: &mut [ContactForce],
+    ) -> Result<(), StepFailure> {
         self.free_acceleration(motion, &drive.force);
         for (i, contact) in self.contacts.iter().enumerate() {
             let slip = drive.slider_velocity[i] - contact.tangent.dot(&motion.velocity);
-            let before = if slip == 0.0 { ContactState::Stick } else { motion.contacts[i] };
+            let before = if slip == 0.0 { ContactState::Stick } else { states[i] };
             let held = (self.freedom_of)(drive.friction[i], slip, drive.slider_velocity[i], before);
             let slipping = |direction| held.slipping(direction);
-            self.problem.freedom[i] =
-                match (motion.contacts[i], motion.contacts[i].sliding_direction()) {
-                    (ContactState::Detached, _) => Freedom::Open,
-                    (ContactState::Stick, _) => held,
-                    _ if slip == 0.0 => held,
-                    // What is nothing does not turn it round; a slider whose velocity was changed does.
-                    (_, Some(direction))
-                        if slip.abs() <= ROUNDING * drive.slider_velocity[i].abs() =>
-                    {
-                        slipping(direction)
-                    }
-                    _ => slipping(slip.signum()),
-                };
+            self.problem.freedom[i] = match (states[i], states[i].sliding_direction()) {
+                (ContactState::Detached, _) => Freedom::Open,
+                (ContactState::Stick, _) => held,
+                _ if slip == 0.0 => held,
+                // What is nothing does not turn it round; a slider whose velocity was changed does.
+                (_, Some(direction)) if slip.abs() <= ROUNDING * drive.slider_velocity[i].abs() => {
+                    slipping(direction)
+                }
+                _ => slipping(slip.signum()),
+            };
             self.problem.free[i] = [
                 contact.normal.dot(&self.acceleration),
                 contact.tangent.dot(&self.acceleration) - drive.slider_acceleration[i],
             ];
         }
-        self.problem.solve(&motion.contacts)?;
+        self.problem.solve(states)?;
         for (i, out) in forces.iter_mut().enumerate() {
             let [normal_force, friction_force] = self.problem.forces[i];
-            let slip = match motion.contacts[i] {
+            let slip = match states[i] {
                 ContactState::Stick => 0.0,
                 _ => drive.slider_velocity[i] - self.contacts[i].tangent.dot(&motion.velocity),
             };

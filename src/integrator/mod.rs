@@ -249,6 +249,12 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
+    /// No force was found that satisfies the law of this contact (from 0), beside so many others that not all their states
+    /// are tried: there may be one.
+    NoneFound {
+        /// The contact, from 0.
+        contact: usize,
+    },
 }
 
 /// Moves a motion forward. Implementations allocate when they are made, never in a step.

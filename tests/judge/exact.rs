@@ -11,7 +11,7 @@
 mod law;
 mod motion;
 
-use super::Run;
+use super::{Run, states_of};
 use amontons::contact::{ContactForce, ContactState};
 use amontons::simulation::{Simulation, Snapshot};
 pub use motion::Place;
@@ -98,8 +98,7 @@ impl Run {
         }
         let place = [probe.displacement(), probe.velocity()].map(DVector::from_column_slice);
         let count = Count::of(probe);
-        // Of the motion, which reported forces may leave where an input has changed since.
-        let states = probe.contact_states().to_vec();
+        let states = states_of(probe, self.drives_friction);
         let forces = probe.contact_forces().unwrap().to_vec();
         (Look { t, count, states, place }, forces)
     }
@@ -112,7 +111,7 @@ impl Run {
         self.segments.clear();
         let span = self.span(self.time() - h);
         let count = Count::of(&self.simulation);
-        let states = self.simulation.contact_states().to_vec();
+        let states = states_of(&mut self.simulation, self.drives_friction);
         let end = Look { t: h, count, states, place: self.now.clone() };
         self.let_off.steps += 1;
         let (_, states, count) = self.start.as_ref().unwrap();
@@ -238,7 +237,7 @@ impl Run {
         }
         self.segments.push([from.t, to.t]);
         let is_whole = from.t == 0.0 && to.t == self.h();
-        let now = self.simulation.contact_states().to_vec();
+        let now = states_of(&mut self.simulation, self.drives_friction);
         // Parts of a step in which a slider bends would not be parts of the same motion.
         let states = if is_whole && (*last == now || !span.is_straight) {
             now

@@ -13,6 +13,7 @@ mod let_off;
 mod reduced;
 mod rule;
 mod scheme;
+mod singular;
 
 pub use exact::Change;
 pub use let_off::LetOff;
@@ -68,6 +69,8 @@ pub struct Run {
     /// The forces (N, T) that fit a sum of contact forces, where those of all contacts follow from it.
     fit: Option<DMatrix<f64>>,
     signals: Vec<(Variable, Signal)>,
+    /// Does a signal drive friction?
+    drives_friction: bool,
     acting: Scene,
     numbering: Numbering,
     scales: Scales,
@@ -142,13 +145,14 @@ impl Run {
                 direction.0.iter().for_each(|&(dof, value)| directions[(dof, column)] = value);
             }
         }
-        let determined = contacts > 0 && directions.rank(1e-9) == 2 * contacts;
-        let fit = determined.then(|| directions.clone().pseudo_inverse(1e-9).unwrap());
+        let determined = contacts > 0 && singular::rank(&directions, 1e-9) == 2 * contacts;
+        let fit = determined.then(|| singular::pseudo_inverse(&directions, 1e-9));
         let signals = scene.signals.iter().map(|signal| {
             let input = all.iter().find(|variable| variable.name == signal.input).unwrap();
             (input.clone(), signal.clone())
         });
-        let signals = signals.collect();
+        let signals: Vec<(Variable, Signal)> = signals.collect();
+        let drives_friction = signals.iter().any(|(input, _)| input.name.contains("friction"));
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let reference = simulation.reference();
         let force = largest(&model.load).max(largest(&reference.normal_force));
@@ -192,6 +196,7 @@ impl Run {
             directions,
             fit,
             signals,
+            drives_friction,
             numbering: scene.network().map_or_else(Numbering::default, Numbering::of),
             acting: scene,
             scales,
@@ -311,7 +316,7 @@ impl Run {
         (self.length, self.reached) = (if is_whole { step } else { to - from }, to);
         self.start = None;
         if self.method == Method::EventDriven {
-            let states = self.simulation.contact_states().to_vec();
+            let states = states_of(&mut self.simulation, self.drives_friction);
             self.start = Some((self.simulation.save(), states, exact::Count::of(&self.simulation)));
         }
         std::mem::swap(&mut self.now, &mut self.before);
@@ -543,6 +548,15 @@ impl Run {
     pub fn power_of_damping(&self, velocity: &DVector<f64>) -> f64 {
         velocity.dot(&(&self.damping * velocity))
     }
+}
+
+/// The states of the contacts: those that are reported, but where friction is driven those of the motion. A report takes
+/// the friction of its instant, and an exact motion that of the beginning of its step.
+fn states_of(simulation: &mut Simulation, drives_friction: bool) -> Vec<ContactState> {
+    if drives_friction {
+        return simulation.contact_states().to_vec();
+    }
+    simulation.contact_forces().unwrap().iter().map(|force| force.state).collect()
 }
 
 /// The scene of a text.

@@ -6,9 +6,10 @@
 //! that slipped by up to µ N against its slip, and µ_s N against slipping back; one that lands, by µ N.
 
 use super::Run;
+use super::singular::nearest;
 use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};
 use amontons::contact::Friction;
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DVector;
 
 /// How a contact was before.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -138,20 +139,21 @@ impl Run {
             let old = (parts.clone(), used.clone());
             used.push(edge);
             while !used.is_empty() {
-                let columns: Vec<_> = used.iter().map(|&edge| edges[edge].clone()).collect();
-                let wanted =
-                    DMatrix::from_columns(&columns).pseudo_inverse(1e-12).unwrap() * vector;
+                let columns: Vec<_> = used.iter().map(|&edge| &edges[edge]).collect();
+                let Some(wanted) = nearest(&columns, vector) else { break };
                 let to_zero = used.iter().zip(&wanted).filter(|(_, wanted)| **wanted <= 0.0);
-                let step = to_zero.map(|(&edge, wanted)| parts[edge] / (parts[edge] - wanted));
-                let step = step.fold(1.0, f64::min);
+                let steps = to_zero.map(|(&edge, wanted)| {
+                    (edge, parts[edge] / (parts[edge] - wanted).max(f64::MIN_POSITIVE))
+                });
+                let first = steps.min_by(|a, b| a.1.total_cmp(&b.1));
+                let step = first.map_or(1.0, |(_, step)| step);
                 for (&edge, wanted) in used.iter().zip(&wanted) {
                     parts[edge] += step * (wanted - parts[edge]);
                 }
-                let count = used.len();
+                let Some((first, _)) = first else { break };
+                // Whatever rounding has left of it.
+                parts[first] = 0.0;
                 used.retain(|&edge| parts[edge] > 0.0);
-                if used.len() == count {
-                    break;
-                }
             }
             (0..edges.len()).filter(|edge| !used.contains(edge)).for_each(|edge| parts[edge] = 0.0);
             let sum = edges.iter().zip(&parts).map(|(edge, part)| edge * *part);

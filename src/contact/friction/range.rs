@@ -30,7 +30,13 @@ impl FrictionRange {
         if direction > 0.0 { self.forward } else { self.backward }
     }
 
-    /// The same, to be changed.
+    /// The limits of T/N where N is below zero and T is held by |N|: T/N then has the other sign.
+    #[must_use]
+    pub fn pulling(&self) -> Self {
+        Self { backward: self.forward, forward: self.backward, ..*self }
+    }
+
+    /// The same as [`limit`](Self::limit), to be changed.
     #[must_use]
     pub fn limit_mut(&mut self, direction: f64) -> &mut f64 {
         if direction > 0.0 { &mut self.forward } else { &mut self.backward }

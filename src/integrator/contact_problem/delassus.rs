@@ -103,18 +103,19 @@ impl Delassus {
         LocalProblem { nn, nt, tt }
     }
 
-    /// What these forces (N) of all contacts add to the acceleration of one along its tangent, m/s², and the sum of the
-    /// sizes of the terms.
-    pub(in crate::integrator) fn along_tangent(
+    /// What these forces (N) of all contacts add to the acceleration of one along its normal (0) or its tangent (1), m/s², and
+    /// the sum of the sizes of the terms.
+    pub(in crate::integrator) fn along(
         &self,
         contact: usize,
+        row: usize,
         forces: impl Fn(usize) -> [f64; 2],
     ) -> [f64; 2] {
         let own = (contact, self.own(contact));
         let all = self.others(contact).iter().copied().chain([own]);
         all.fold([0.0; 2], |[sum, size], (other, w)| {
             let [normal, tangential] = forces(other);
-            let terms = [w[2] * normal, w[3] * tangential];
+            let terms = [w[2 * row] * normal, w[2 * row + 1] * tangential];
             [sum + terms[0] + terms[1], size + terms[0].abs() + terms[1].abs()]
         })
     }

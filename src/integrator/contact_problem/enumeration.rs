@@ -9,6 +9,8 @@ use crate::contact::ContactState;
 
 /// The most contacts of a group whose states are all tried: 4⁸ states.
 const MOST_CONTACTS: usize = 8;
+/// The same of contacts that are held in both directions, each of which may press or pull in three states: 6⁶.
+const MOST_HELD: usize = 6;
 /// A state is taken to have forces if the artificial unknowns sum up to no more than this part of the right-hand sides.
 const FEASIBLE: f64 = 1e-11;
 /// A reduced cost or an entry that is nothing, where rows are of the size 1.
@@ -19,9 +21,9 @@ const MOST_PIVOTS: usize = 64;
 /// An unknown that is not negative.
 #[derive(Clone, Copy, Debug)]
 enum Unknown {
-    /// N of a contact, with T = `slope` N.
-    Normal { contact: usize, slope: f64 },
-    /// T − (−b N) of a contact that sticks.
+    /// |N| of a contact, which pulls where `sign` is −1, with T = `slope` |N|.
+    Normal { contact: usize, sign: f64, slope: f64 },
+    /// T − (−b |N|) of a contact that sticks.
     Tangential { contact: usize },
     /// The amount by which the left side of a row exceeds its right side.
     Rest { row: usize },
@@ -34,7 +36,7 @@ enum Row {
     Normal { contact: usize },
     /// ±a_T and its rest.
     Tangential { contact: usize, direction: f64 },
-    /// (f + b) N − (T + b N) less its rest.
+    /// (f + b) |N| − (T + b |N|) less its rest.
     Cone { contact: usize, width: f64 },
 }
 
@@ -136,10 +138,15 @@ impl ContactProblem {
         let is_known = |contact: &usize| {
             matches!(
                 self.freedom[*contact],
-                Freedom::Law(_) | Freedom::Open | Freedom::Slipping { .. }
+                Freedom::Law(_)
+                    | Freedom::Open
+                    | Freedom::Slipping { .. }
+                    | Freedom::Held(_)
+                    | Freedom::HeldSlipping { .. }
             )
         };
-        contacts.len() <= MOST_CONTACTS && contacts.iter().all(is_known)
+        let most = if self.has_held(group) { MOST_HELD } else { MOST_CONTACTS };
+        contacts.len() <= most && contacts.iter().all(is_known)
     }
 
     /// Looks for a state of a group whose forces obey the law; is there one?
@@ -147,6 +154,7 @@ impl ContactProblem {
         for place in 0..self.delassus.groups()[group].len() {
             let contact = self.delassus.groups()[group][place];
             self.states[contact] = self.possible(contact)[0];
+            self.pulls[contact] = false;
         }
         loop {
             let obeys = self.solve_states(group, strictness)
@@ -161,17 +169,26 @@ impl ContactProblem {
                     return false;
                 }
                 place -= 1;
-                let contact = self.delassus.groups()[group][place];
-                let possible = self.possible(contact);
-                let now = possible.iter().position(|state| *state == self.states[contact]);
-                let next = now.map_or(0, |now| now + 1);
-                if let Some(state) = possible.get(next) {
-                    self.states[contact] = *state;
+                if self.take_next(self.delassus.groups()[group][place]) {
                     break;
                 }
-                self.states[contact] = possible[0];
             }
         }
+    }
+
+    /// Gives a contact the next of all that it may do; `false` where it begins again.
+    fn take_next(&mut self, contact: usize) -> bool {
+        if self.is_held(contact) {
+            self.pulls[contact] = !self.pulls[contact];
+            if self.pulls[contact] {
+                return true;
+            }
+        }
+        let possible = self.possible(contact);
+        let now = possible.iter().position(|state| *state == self.states[contact]);
+        let next = possible.get(now.map_or(0, |now| now + 1));
+        self.states[contact] = *next.unwrap_or(&possible[0]);
+        next.is_some()
     }
 
     /// The states that a contact may be in.
@@ -181,6 +198,9 @@ impl ContactProblem {
             Freedom::Law(_) => &[Stick, Slide, ReverseSlide, Detached],
             Freedom::Slipping { direction, .. } if direction > 0.0 => &[Slide, Detached],
             Freedom::Slipping { .. } => &[ReverseSlide, Detached],
+            Freedom::Held(_) => &[Stick, Slide, ReverseSlide],
+            Freedom::HeldSlipping { direction, .. } if direction > 0.0 => &[Slide],
+            Freedom::HeldSlipping { .. } => &[ReverseSlide],
             _ => &[Detached],
         }
     }
@@ -197,9 +217,9 @@ impl ContactProblem {
         for (row, &unknown) in table.chunks_exact(width).zip(basis) {
             let value = row[width - 1];
             match unknowns.get(unknown) {
-                Some(&Unknown::Normal { contact, slope }) => {
+                Some(&Unknown::Normal { contact, sign, slope }) => {
                     let scale = self.delassus.scales(contact)[0];
-                    self.forces[contact][0] += scale * value;
+                    self.forces[contact][0] += sign * scale * value;
                     self.forces[contact][1] += slope * scale * value;
                 }
                 Some(&Unknown::Tangential { contact }) => {
@@ -213,20 +233,21 @@ impl ContactProblem {
 
     /// Writes what the states at hand ask of the forces.
     fn write_program(&mut self, group: usize) {
-        let Self { enumeration, delassus, freedom, states, free, .. } = self;
+        let Self { enumeration, delassus, freedom, states, free, pulls, .. } = self;
         let Enumeration { unknowns, rows, table, .. } = enumeration;
         unknowns.clear();
         rows.clear();
         for &contact in &delassus.groups()[group] {
             let state = states[contact];
+            let sign = freedom[contact].sign(pulls[contact]);
             match (&freedom[contact], state) {
                 (Freedom::Open, _) => {}
                 (_, ContactState::Detached) => {
                     unknowns.push(Unknown::Rest { row: rows.len() });
                     rows.push(Row::Normal { contact });
                 }
-                (Freedom::Law(range), ContactState::Stick) => {
-                    unknowns.push(Unknown::Normal { contact, slope: -range.backward });
+                (Freedom::Law(range) | Freedom::Held(range), ContactState::Stick) => {
+                    unknowns.push(Unknown::Normal { contact, sign, slope: -range.backward });
                     unknowns.push(Unknown::Tangential { contact });
                     rows.push(Row::Normal { contact });
                     rows.push(Row::Tangential { contact, direction: 1.0 });
@@ -236,11 +257,14 @@ impl ContactProblem {
                 (freedom, _) => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
                     let (friction, may_turn) = match freedom {
-                        Freedom::Law(range) => (range.limit(direction), true),
-                        &Freedom::Slipping { friction, .. } => (friction, false),
+                        Freedom::Law(range) | Freedom::Held(range) => {
+                            (range.limit(direction), true)
+                        }
+                        &(Freedom::Slipping { friction, .. }
+                        | Freedom::HeldSlipping { friction, .. }) => (friction, false),
                         _ => (0.0, false),
                     };
-                    unknowns.push(Unknown::Normal { contact, slope: direction * friction });
+                    unknowns.push(Unknown::Normal { contact, sign, slope: direction * friction });
                     rows.push(Row::Normal { contact });
                     if may_turn {
                         unknowns.push(Unknown::Rest { row: rows.len() });
@@ -258,9 +282,9 @@ impl ContactProblem {
                         table.push(if row == place { -1.0 } else { 0.0 });
                         continue;
                     }
-                    Unknown::Normal { contact, slope } => {
+                    Unknown::Normal { contact, sign, slope } => {
                         let scale = scales(contact)[0];
-                        (contact, [scale, slope * scale])
+                        (contact, [sign * scale, slope * scale])
                     }
                     Unknown::Tangential { contact } => (contact, [0.0, scales(contact)[1]]),
                 };
@@ -275,7 +299,7 @@ impl ContactProblem {
                     }
                     // In the units of T.
                     Row::Cone { contact, width } if contact == other => match unknown {
-                        Unknown::Normal { .. } => width * n / scales(contact)[1],
+                        Unknown::Normal { .. } => width * n.abs() / scales(contact)[1],
                         _ => -t / scales(contact)[1],
                     },
                     Row::Cone { .. } => 0.0,

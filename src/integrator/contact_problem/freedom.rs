@@ -37,6 +37,16 @@ pub(in crate::integrator) enum Freedom {
 }
 
 impl Freedom {
+    /// `true` of a contact that is held in both directions of its normal, so that it presses or pulls.
+    pub fn is_held(&self) -> bool {
+        matches!(self, Self::Held(_) | Self::HeldSlipping { .. })
+    }
+
+    /// The sign of the normal force: −1 of a contact that is held and pulls.
+    pub fn sign(&self, pulls: bool) -> f64 {
+        if pulls && self.is_held() { -1.0 } else { 1.0 }
+    }
+
     /// The state of a contact that is closed and carries nothing.
     pub(in crate::integrator) fn closed_state(&self) -> ContactState {
         match *self {

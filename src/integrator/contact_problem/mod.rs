@@ -12,7 +12,8 @@
 //! 5. all states, of up to eight contacts ([`enumeration`]): where none has forces, there are none;
 //! 6. Gauss–Seidel, for as long as one may wait.
 //!
-//! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist.
+//! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact that
+//! jams in a sweep may be free under other forces of its neighbours.
 
 mod delassus;
 mod enumeration;
@@ -58,6 +59,9 @@ pub(super) struct ContactProblem {
     pub(super) forces: Vec<[f64; 2]>,
     /// The states that belong to it.
     pub(super) states: Vec<ContactState>,
+    /// Of contacts that are held in both directions, whether their equations are those of one that pulls: friction
+    /// follows |N|.
+    pulls: Vec<bool>,
     given: GivenStates,
     /// Room for accelerations, for what corrects forces, and for the forces of the sweeps.
     accelerations: Vec<Acceleration>,
@@ -92,6 +96,7 @@ impl ContactProblem {
             freedom: vec![Freedom::Open; contacts],
             forces: vec![[0.0; 2]; contacts],
             states: vec![ContactState::Detached; contacts],
+            pulls: vec![false; contacts],
             accelerations: vec![Acceleration::default(); contacts],
             corrections: vec![[0.0; 2]; contacts],
             swept: vec![[0.0; 2]; contacts],
@@ -194,7 +199,8 @@ impl ContactProblem {
 
     /// One solution of a group, with the limits as they are, from the states at hand.
     fn relax(&mut self, group: usize) -> Result<u64, StepFailure> {
-        if self.solve_states(group, Strictness::Inside) {
+        // Whether a contact that is held pulls is no part of its state.
+        if !self.has_held(group) && self.solve_states(group, Strictness::Inside) {
             return Ok(1);
         }
         match self.sweep(group, FEW_SWEEPS) {
@@ -208,9 +214,17 @@ impl ContactProblem {
     /// Solves a group for which Gauss–Seidel does not converge: states as equations, pivots, enumeration.
     #[cold]
     fn solve_at_once(&mut self, group: usize) -> Result<u64, StepFailure> {
+        let has_held = self.has_held(group);
+        self.take_signs(group);
         for missed in MISSES {
             let strictness = Strictness::UpTo(missed);
-            if self.solve_states(group, strictness) || self.pivot(group, strictness) {
+            let is_solved = self.solve_states(group, strictness)
+                || if has_held {
+                    self.mend_states(group, strictness)
+                } else {
+                    self.pivot(group, strictness)
+                };
+            if is_solved {
                 return Ok(FEW_SWEEPS);
             }
         }
@@ -225,8 +239,8 @@ impl ContactProblem {
         }
         match self.sweep(group, MAX_SWEEPS) {
             Swept::Converged(sweeps) => Ok(sweeps),
-            Swept::NotYet => Err(self.unsettled(group)),
-            Swept::Failed(failure) => Err(failure),
+            Swept::NotYet => Err(unproven(self.unsettled(group))),
+            Swept::Failed(failure) => Err(unproven(failure)),
         }
     }
 
@@ -344,5 +358,13 @@ impl ContactProblem {
         }
         let (change, tolerance) = (f64::INFINITY, TOLERANCE);
         StepFailure::NoConvergence { sweeps, contact, change, tolerance }
+    }
+}
+
+/// What sweeps that end without forces say: of contacts that jam in them, not that there are no forces.
+fn unproven(failure: StepFailure) -> StepFailure {
+    match failure {
+        StepFailure::Wedged { contact } => StepFailure::NoneFound { contact },
+        failure => failure,
     }
 }

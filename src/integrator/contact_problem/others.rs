@@ -57,7 +57,7 @@ impl ContactProblem {
 
     fn may_contacts_overlap(&mut self, group: usize) -> bool {
         let contacts = &self.delassus.groups()[group];
-        if contacts.len() > MOST_CONTACTS || !self.is_enumerable(group) {
+        if contacts.len() > MOST_CONTACTS || !self.is_enumerable(group) || self.has_held(group) {
             return false;
         }
         let mut is_known = true;

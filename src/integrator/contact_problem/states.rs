@@ -1,7 +1,7 @@
 //! Forces of contact states that are given, and whether they obey the law.
 
 use super::{ContactProblem, Demand, Freedom, MISSES};
-use crate::contact::{ContactState, FrictionRange};
+use crate::contact::{ContactState, FrictionRange, LocalProblem};
 
 /// Solutions of linear equations are corrected by what they miss so often.
 const CORRECTIONS: usize = 2;
@@ -30,7 +30,8 @@ impl ContactProblem {
     /// Solves a group in the states at hand, as far as its freedom lets it be in them; do the forces obey the law?
     pub(super) fn solve_states(&mut self, group: usize, strictness: Strictness) -> bool {
         self.clear(group);
-        self.take_states(group) && self.correct(group, strictness)
+        self.take_states(group);
+        self.correct(group, strictness)
     }
 
     /// Takes away what a solution by sweeps still misses, where the result obeys the law as well.
@@ -38,15 +39,33 @@ impl ContactProblem {
         for &contact in &self.delassus.groups()[group] {
             self.swept[contact] = self.forces[contact];
         }
-        if !(self.take_states(group) && self.correct(group, Strictness::UpTo(MISSES[0]))) {
+        self.take_signs(group);
+        self.take_states(group);
+        if !self.correct(group, Strictness::UpTo(MISSES[0])) {
             for &contact in &self.delassus.groups()[group] {
                 self.forces[contact] = self.swept[contact];
             }
         }
     }
 
-    /// Sets the equations to the states at hand; `false` where there are no linear ones.
-    fn take_states(&mut self, group: usize) -> bool {
+    /// Is some contact of a group held in both directions along its normal, with friction that follows |N|?
+    pub(super) fn has_held(&self, group: usize) -> bool {
+        self.delassus.groups()[group].iter().any(|&contact| self.is_held(contact))
+    }
+
+    pub(super) fn is_held(&self, contact: usize) -> bool {
+        self.freedom[contact].is_held()
+    }
+
+    /// Takes over which contacts pull under the forces at hand.
+    pub(super) fn take_signs(&mut self, group: usize) {
+        for &contact in &self.delassus.groups()[group] {
+            self.pulls[contact] = self.is_held(contact) && self.forces[contact][0] < 0.0;
+        }
+    }
+
+    /// Sets the equations to the states at hand.
+    fn take_states(&mut self, group: usize) {
         for &contact in &self.delassus.groups()[group] {
             let state = self.states[contact];
             let slides = |direction: f64| match state {
@@ -60,10 +79,12 @@ impl ContactProblem {
                 Freedom::Slipping { direction, .. } => slides(direction),
                 Freedom::Fixed => ContactState::Stick,
                 Freedom::Guided { state, .. } => state,
-                Freedom::Held(_) | Freedom::HeldSlipping { .. } => return false,
+                Freedom::Held(_) if state == ContactState::Detached => ContactState::Stick,
+                Freedom::Held(_) => state,
+                Freedom::HeldSlipping { .. } => self.freedom[contact].closed_state(),
             };
         }
-        let Self { given, delassus, freedom, states, .. } = self;
+        let Self { given, delassus, freedom, states, pulls, .. } = self;
         given.set(delassus, group, |contact| {
             let own = delassus.local(contact);
             let demand = |range: &FrictionRange| Demand::of(states[contact], range, own);
@@ -72,10 +93,13 @@ impl ContactProblem {
                 &Freedom::Slipping { friction, .. } => demand(&FrictionRange::of(friction)),
                 Freedom::Fixed => demand(&FrictionRange::of(f64::INFINITY)),
                 &Freedom::Guided { slope, .. } => Demand::Normal { slope },
-                Freedom::Open | Freedom::Held(_) | Freedom::HeldSlipping { .. } => Demand::Nothing,
+                Freedom::Held(range) => held(states[contact], range, own, pulls[contact]),
+                &Freedom::HeldSlipping { friction, .. } => {
+                    held(states[contact], &FrictionRange::of(friction), own, pulls[contact])
+                }
+                Freedom::Open => Demand::Nothing,
             }
         });
-        true
     }
 
     /// Adds to the forces of a group what its equations still miss, until they obey the law; do they?
@@ -105,29 +129,55 @@ impl ContactProblem {
     /// the forces obey the law then?
     pub(super) fn mend_states(&mut self, group: usize, strictness: Strictness) -> bool {
         (0..MENDS).any(|_| {
-            for &contact in &self.delassus.groups()[group] {
-                let [a_normal, a_tangential] = self.accelerations[contact].value;
-                let [normal, tangential] = self.forces[contact];
-                let limits = match &self.freedom[contact] {
-                    Freedom::Law(range) => [range.backward, range.forward],
-                    _ => [f64::INFINITY; 2],
-                };
-                let state = &mut self.states[contact];
-                *state = match *state {
-                    ContactState::Detached if a_normal < 0.0 => ContactState::Stick,
-                    ContactState::Detached => ContactState::Detached,
-                    _ if normal < 0.0 => ContactState::Detached,
-                    ContactState::Stick if tangential > limits[1] * normal => ContactState::Slide,
-                    ContactState::Stick if tangential < -limits[0] * normal => {
-                        ContactState::ReverseSlide
-                    }
-                    ContactState::Slide if a_tangential > 0.0 => ContactState::Stick,
-                    ContactState::ReverseSlide if a_tangential < 0.0 => ContactState::Stick,
-                    state => state,
-                };
+            for place in 0..self.delassus.groups()[group].len() {
+                let contact = self.delassus.groups()[group][place];
+                if self.is_held(contact) {
+                    self.mend_held(contact);
+                } else {
+                    self.mend_state(contact);
+                }
             }
             self.solve_states(group, strictness)
         })
+    }
+
+    /// Gives a contact the state that it tends to, if it breaks the law in the one at hand.
+    fn mend_state(&mut self, contact: usize) {
+        let [a_normal, a_tangential] = self.accelerations[contact].value;
+        let [normal, tangential] = self.forces[contact];
+        let limits = match &self.freedom[contact] {
+            Freedom::Law(range) => [range.backward, range.forward],
+            _ => [f64::INFINITY; 2],
+        };
+        let state = &mut self.states[contact];
+        *state = match *state {
+            ContactState::Detached if a_normal < 0.0 => ContactState::Stick,
+            ContactState::Detached => ContactState::Detached,
+            _ if normal < 0.0 => ContactState::Detached,
+            ContactState::Stick if tangential > limits[1] * normal => ContactState::Slide,
+            ContactState::Stick if tangential < -limits[0] * normal => ContactState::ReverseSlide,
+            ContactState::Slide if a_tangential > 0.0 => ContactState::Stick,
+            ContactState::ReverseSlide if a_tangential < 0.0 => ContactState::Stick,
+            state => state,
+        };
+    }
+
+    /// The same for a contact that is held in both directions.
+    fn mend_held(&mut self, contact: usize) {
+        let slip = self.accelerations[contact].value[1];
+        let [normal, tangential] = self.forces[contact];
+        self.pulls[contact] = normal < 0.0;
+        let Freedom::Held(range) = &self.freedom[contact] else { return };
+        let state = &mut self.states[contact];
+        *state = match *state {
+            ContactState::Stick if tangential > range.forward * normal.abs() => ContactState::Slide,
+            ContactState::Stick if tangential < -range.backward * normal.abs() => {
+                ContactState::ReverseSlide
+            }
+            ContactState::Slide if slip > 0.0 => ContactState::Stick,
+            ContactState::ReverseSlide if slip < 0.0 => ContactState::Stick,
+            state => state,
+        };
     }
 
     /// Do forces that were found otherwise obey the law in the states at hand?
@@ -171,6 +221,8 @@ impl ContactProblem {
             // What rounding in the acceleration makes of the normal force.
             let nothing = room * terms[0] / self.delassus.own(contact)[0];
             let presses = || is_held(0) && is_above(normal, nothing);
+            let sign = self.freedom[contact].sign(self.pulls[contact]);
+            let has_sign = || is_held(0) && is_above(sign * normal, nothing);
             match (&self.freedom[contact], self.states[contact]) {
                 (Freedom::Open, _) => true,
                 (Freedom::Fixed, _) => is_held(0) && is_held(1),
@@ -183,6 +235,18 @@ impl ContactProblem {
                     let nothing = nothing * (1.0 + limits[0].max(limits[1]));
                     presses() && is_held(1) && is_above(below, nothing) && is_above(above, nothing)
                 }
+                (Freedom::Held(range), ContactState::Stick) => {
+                    let normal = normal.abs();
+                    let nothing = nothing * (1.0 + range.backward.max(range.forward));
+                    let below = tangential + range.backward * normal;
+                    let above = range.forward * normal - tangential;
+                    is_held(0) && is_held(1) && is_above(below, nothing) && is_above(above, nothing)
+                }
+                (Freedom::Held(_), state) => {
+                    let direction = state.sliding_direction().unwrap_or(1.0);
+                    has_sign() && is_above(-direction * value[1], room * terms[1])
+                }
+                (Freedom::HeldSlipping { .. }, _) => has_sign(),
                 (Freedom::Law(_), state) => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
                     presses() && is_above(-direction * value[1], room * terms[1])
@@ -191,4 +255,18 @@ impl ContactProblem {
             }
         })
     }
+}
+
+/// The demand on a contact that is held in both directions, and pulls or presses.
+fn held(state: ContactState, range: &FrictionRange, own: LocalProblem, pulls: bool) -> Demand {
+    if !pulls {
+        return Demand::of(state, range, own);
+    }
+    // T = ±µ|N| = ∓µN.
+    let state = match state {
+        ContactState::Slide => ContactState::ReverseSlide,
+        ContactState::ReverseSlide => ContactState::Slide,
+        state => state,
+    };
+    Demand::of(state, &range.pulling(), own)
 }

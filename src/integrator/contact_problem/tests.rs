@@ -121,6 +121,87 @@ fn forces_that_grow_from_sweep_to_sweep_are_solved_at_once() {
 }
 
 #[test]
+fn that_a_contact_jams_beside_too_many_others_proves_nothing() {
+    // Each contact touches the next one's normal a little, and the first, which slips, presses itself on:
+    // 1 − 3 · 0.4 < 0. Nine have more states than are tried.
+    let failure = |contacts: usize| {
+        let mut rows = DMatrix::identity(2 * contacts, 2 * contacts);
+        (rows[(0, 1)], rows[(1, 0)]) = (-0.4, -0.4);
+        for contact in 1..contacts {
+            let (one, next) = (2 * contact - 2, 2 * contact);
+            (rows[(one, next)], rows[(next, one)]) = (1e-3, 1e-3);
+        }
+        let mut problem = with_law(rows.as_slice(), 0.2);
+        problem.freedom[0] = Freedom::Slipping { direction: 1.0, friction: 3.0 };
+        problem.free = vec![[-1.0, 0.0]; contacts];
+        problem.solve(&vec![Stick; contacts]).unwrap_err()
+    };
+    assert_eq!(failure(3), StepFailure::Wedged { contact: 0 });
+    assert_eq!(failure(9), StepFailure::NoneFound { contact: 0 });
+}
+
+#[test]
+fn a_mass_that_two_surfaces_hold_and_cannot_open_from_is_solved_at_once() {
+    // Surfaces at −0.2 and 0.02 rad hold a mass of 5 kg, and move on: both contacts slip, whatever pulls at it. Under this
+    // friction sweeps diverge, and no forces hold it against some pulls.
+    let (mass, angles, friction) = (5.0, [-0.2_f64, 0.02], 0.6);
+    let directions = angles.map(|angle| [[-angle.sin(), angle.cos()], [angle.cos(), angle.sin()]]);
+    let directions = directions.as_flattened();
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let rows: Vec<f64> = directions
+        .iter()
+        .flat_map(|a| directions.iter().map(move |b| dot(*a, *b) / mass))
+        .collect();
+    let (mut solved, mut wedged) = (0, 0);
+    for (turn, velocity) in (0..24).flat_map(|turn| [-1.0, 1.0].map(|velocity| (turn, velocity))) {
+        let (sin, cos) = (f64::from(turn) * 0.27).sin_cos();
+        let pull = [20.0 * cos, 20.0 * sin];
+        for slips in [false, true] {
+            let mut problem = with_law(&rows, friction);
+            problem.freedom.fill(if slips {
+                Freedom::HeldSlipping { direction: velocity, friction }
+            } else {
+                Freedom::Held(FrictionRange::of(friction))
+            });
+            let free = |direction: [f64; 2]| dot(direction, pull) / mass;
+            let places = directions.chunks(2);
+            problem.free =
+                places.map(|pair| [free(pair[0]), free(pair[1]) - 100.0 * velocity]).collect();
+            // Each of the two presses or pulls: which signs have forces?
+            let has_forces = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|signs| {
+                let column = |i: usize| {
+                    let [normal, tangent] = [directions[2 * i], directions[2 * i + 1]];
+                    [0, 1].map(|k| signs[i] * normal[k] + velocity * friction * tangent[k])
+                };
+                let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+                let [first, second] = [column(0), column(1)];
+                let sizes = [cross(second, pull), cross(pull, first)];
+                sizes.iter().all(|size| size / cross(first, second) >= 0.0)
+            });
+            if has_forces == [false; 4] {
+                wedged += 1;
+                let failure = problem.solve(&[Stick; 2]).unwrap_err();
+                assert!(matches!(failure, StepFailure::Wedged { .. }), "{failure:?}");
+                continue;
+            }
+            solved += 1;
+            problem.solve(&[Stick; 2]).unwrap();
+            // All forces together are nothing, and friction is that of contacts which slip, pressed or pulled.
+            let mut sum = pull;
+            for (force, pair) in problem.forces.iter().zip(directions.chunks(2)) {
+                let [normal, tangential] = *force;
+                assert!((tangential - velocity * friction * normal.abs()).abs() < 1e-9);
+                for axis in 0..2 {
+                    sum[axis] += normal * pair[0][axis] + tangential * pair[1][axis];
+                }
+            }
+            assert!(sum.iter().all(|part| part.abs() < 1e-9), "{sum:?}");
+        }
+    }
+    assert!(solved > 10 && wedged > 10, "{solved} {wedged}");
+}
+
+#[test]
 fn of_several_solutions_the_present_one_goes_on() {
     // A mass in a flat wedge of two surfaces that go opposite ways: sticking in one keeps it off the other.
     let (mass, angle, friction) = (1.0, 0.1_f64, 0.3);

@@ -474,7 +474,8 @@ impl<W: Witness> Integrator for EventDriven<W> {
         if self.present_forces(motion, drive, forces) {
             return Ok(());
         }
-        self.dynamics.contact_forces(motion, drive, forces)
+        self.pose_report(motion, drive);
+        self.dynamics.contact_forces_from(&self.likely, motion, drive, forces)
     }
 
     fn respond(

@@ -5,6 +5,7 @@ use super::ledger::Witness;
 use super::rounding::{NOISE, largest};
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Motion};
+use crate::model::Contact;
 
 /// A motion goes on in a state until its forces miss the law by more than rounding, which is this often
 /// [`NOISE`] at a limit that they stay at.
@@ -29,7 +30,7 @@ impl<W: Witness> EventDriven<W> {
         for (out, &[normal_force, friction_force]) in forces.iter_mut().zip(found) {
             (out.normal_force, out.friction_force) = (normal_force, friction_force);
         }
-        let fastest = largest(&motion.velocity).max(self.shaken(drive));
+        let fastest = self.fastest(motion, drive);
         let is_frozen = self.dynamics.law.is_frozen();
         let may_pull = !self.dynamics.law.detachment;
         let mut is_overheld = false;
@@ -65,7 +66,56 @@ impl<W: Witness> EventDriven<W> {
             let slip_velocity = if state == ContactState::Stick { 0.0 } else { slip };
             *out = ContactForce { state, slip_velocity, ..*out };
         }
-        !is_overheld || self.follow_surfaces(drive, forces, NOISE * fastest)
+        let still = NOISE * fastest;
+        (!is_overheld || self.follow_surfaces(drive, forces, still))
+            && self.stay_open(motion, drive, forces)
+    }
+
+    /// Takes note of the states that a report asks the law from: those of the motion, but that open contacts which touch may
+    /// close.
+    pub(super) fn pose_report(&mut self, motion: &Motion, drive: &Drive) {
+        for i in 0..motion.contacts.len() {
+            self.likely[i] = motion.contacts[i];
+            if self.likely[i] == ContactState::Detached && self.touches(i, motion, drive) {
+                self.likely[i] = ContactState::Stick;
+            }
+        }
+    }
+
+    /// The fastest velocity, m/s, also where all stand.
+    fn fastest(&self, motion: &Motion, drive: &Drive) -> f64 {
+        largest(&motion.velocity).max(self.shaken(drive))
+    }
+
+    /// Does a contact of those that hold more directions than there are touch, and neither approach, leave nor slip? Which of
+    /// them carry something while all stand is a matter of rounding, and the others are said to be open. One that slips may
+    /// be at the highest point of a hop as low as rounding, and is open there.
+    fn touches(&self, contact: usize, motion: &Motion, drive: &Drive) -> bool {
+        if !self.overheld[contact] {
+            return false;
+        }
+        let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
+        let slip = drive.slider_velocity[contact] - tangent.dot(&motion.velocity);
+        let strained = self.shortest * self.shaken(drive);
+        let still = NOISE * self.fastest(motion, drive);
+        normal.dot(&motion.displacement).abs()
+            <= NOISE * largest(&motion.displacement).max(strained)
+            && normal.dot(&motion.velocity).abs() <= still
+            && slip.abs() <= still
+    }
+
+    /// Do open contacts that touch not close under these forces? Surfaces that begin to move may press them.
+    fn stay_open(&self, motion: &Motion, drive: &Drive, forces: &[ContactForce]) -> bool {
+        let delassus = &self.dynamics.problem.delassus;
+        let given = |i: usize| [forces[i].normal_force, forces[i].friction_force];
+        let is_asked = |i: &usize| {
+            forces[*i].state == ContactState::Detached && self.touches(*i, motion, drive)
+        };
+        (0..forces.len()).filter(is_asked).all(|i| {
+            let free = self.dynamics.contacts[i].normal.dot(&self.dynamics.acceleration);
+            let [carried, size] = delassus.along(i, 0, given);
+            free + carried >= -CLOSE * NOISE * (size + free.abs())
+        })
     }
 
     /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the springs:
@@ -87,7 +137,7 @@ impl<W: Witness> EventDriven<W> {
         (0..forces.len()).filter(is_asked).all(|i| {
             let free = self.dynamics.contacts[i].tangent.dot(&self.dynamics.acceleration);
             let surface = drive.slider_acceleration[i];
-            let [carried, size] = delassus.along_tangent(i, given);
+            let [carried, size] = delassus.along(i, 1, given);
             let nothing = CLOSE * NOISE * (size + free.abs() + surface.abs());
             let slip = surface - (free + carried);
             match forces[i].state.sliding_direction() {

@@ -2,7 +2,7 @@
 //! directions of the contacts and their states.
 
 use super::{Look, SLOW};
-use crate::judge::{Acting, ROUNDING, Run};
+use crate::judge::{Acting, ROUNDING, Run, singular};
 use amontons::contact::ContactState::{self, Detached, Stick};
 use amontons::contact::Friction;
 use amontons::model::LumpedModel;
@@ -145,12 +145,10 @@ fn solve(matrix: &DMatrix<f64>) -> DMatrix<f64> {
         return matrix.transpose();
     }
     let largest = matrix.amax();
-    let singular = matrix.clone().svd(true, true);
-    let rank = singular.rank(1e-9 * largest);
-    if rank == matrix.nrows() {
+    if singular::rank(matrix, 1e-9 * largest) == matrix.nrows() {
         matrix.clone().try_inverse().unwrap()
     } else {
-        singular.pseudo_inverse(1e-9 * largest).unwrap()
+        singular::pseudo_inverse(matrix, 1e-9 * largest)
     }
 }
 
