@@ -120,6 +120,41 @@ fn a_small_push_of_set_2_decays_as_its_least_damped_modes() {
     assert!(found.findings.iter().all(|finding| finding.phase.rate < 0.0));
 }
 
+/// A scene rests until a blow of 20 N over 10 ms wakes it. Both masses slide all the time, so that the first rows have no size
+/// to take the shape of a mode from; sizes of 0 m were told.
+#[test]
+fn what_a_pulse_wakes_decays_from_the_size_that_the_pulse_gives_it() {
+    let mass = |name: &str, damping: f64| {
+        format!(
+            "[[mass]]\nname = \"{name}\"\nmass = 1.0\nforce = [0.0, -10.0]\n[[contact]]\nname = \"c{name}\"\n\
+             mass = \"{name}\"\n[[spring]]\nname = \"k{name}\"\nbetween = [\"{name}\", \"ground\"]\n\
+             direction = \"x\"\nstiffness = 2500.0\n[[damper]]\nname = \"d{name}\"\n\
+             between = [\"{name}\", \"ground\"]\ndirection = \"x\"\ndamping = {damping:?}\n"
+        )
+    };
+    let text = "slider = { velocity = 0.2, angle = 0.0 }\nfriction = { coefficient = 0.3 }\n\
+                integrator = { method = \"event-driven\", step = 1e-3 }\n\
+                experiment = { stop_time = 30.0, output_interval = 1e-2 }\n"
+        .to_owned()
+        + &mass("a", 0.35)
+        + &mass("b", 0.11)
+        + "[[spring]]\nname = \"kab\"\nbetween = [\"a\", \"b\"]\ndirection = \"x\"\nstiffness = 40.0\n\
+           [[signal]]\ninput = \"mass.a.fx\"\npulse = { value = 20.0, start = 0.5, end = 0.51 }\n";
+    let found = found(&parse("woken", &text).unwrap(), 30.0, None);
+    assert_eq!(found.findings.len(), 2, "{:?}", found.findings);
+    for finding in &found.findings {
+        let phase = &finding.phase;
+        // The blow gives a 0.2 m/s, half of it to each of two nearly equal modes of 50 rad/s.
+        let first = 0.5 * 0.2 / 50.0;
+        assert!((phase.amplitude[0] / first - 1.0).abs() < 0.05, "{phase:?}");
+        let decayed = (phase.rate * (phase.span[1] - phase.span[0])).exp();
+        assert!(
+            (phase.amplitude[1] / phase.amplitude[0] / decayed - 1.0).abs() < 1e-3,
+            "{phase:?}"
+        );
+    }
+}
+
 #[test]
 fn a_coarse_interval_is_parted_for_the_fastest_mode() {
     let scene = scene("set1");

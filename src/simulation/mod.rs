@@ -261,27 +261,23 @@ impl Simulation {
     #[cfg(feature = "tools")]
     #[must_use]
     pub fn is_driven_on(&self) -> bool {
-        self.constant_until() < f64::INFINITY
-    }
-
-    /// Do signals rest now that change something later?
-    #[cfg(feature = "tools")]
-    #[must_use]
-    pub fn waits_for_signals(&self) -> bool {
-        self.is_driven_on() && self.time() < self.constant_until()
-    }
-
-    /// The time up to which signals leave the inputs as they are, s.
-    #[cfg(feature = "tools")]
-    fn constant_until(&self) -> f64 {
         let until = |driven: &Driven| driven.constant_until(self.time());
-        self.driven.as_ref().map_or(f64::INFINITY, until)
+        self.driven.as_ref().map_or(f64::INFINITY, until) < f64::INFINITY
     }
 
     /// Adds to the velocity of a degree of freedom, m/s, as a blow would; an energy ledger does not know of it.
     #[cfg(feature = "tools")]
     pub fn push(&mut self, dof: usize, velocity: f64) {
         self.motion.velocity[dof] += velocity;
+        self.stale.contact_forces = true;
+    }
+
+    /// Makes displacements from the equilibrium and velocities larger or smaller by a factor; an energy ledger does not know
+    /// of it.
+    #[cfg(feature = "tools")]
+    pub(crate) fn scale_motion(&mut self, factor: f64) {
+        let Motion { displacement, velocity, .. } = &mut self.motion;
+        displacement.iter_mut().chain(velocity).for_each(|value| *value *= factor);
         self.stale.contact_forces = true;
     }
 

@@ -11,7 +11,7 @@ pub enum Kind {
     Equilibrium,
     /// Its whole state comes back after a period.
     Periodic,
-    /// Its state does not come back within 64 periods of its strongest line, neighbouring motions do not part
+    /// Its state does not come back within 64 periods of its strongest line and of its signals together, neighbouring motions do not part
     /// exponentially, and all strong lines of its spectrum are combinations of two frequencies.
     QuasiPeriodic,
     /// Its state does not come back, and neighbouring motions part exponentially.
@@ -131,7 +131,7 @@ impl Ending {
             }
             (Kind::Undecided, Some(period), Some(closure), _) => Some(format!(
                 "the state comes back after {period:.6e} s to within {closure:.1e} of its size, and no nearer; a longer \
-                 --window or --longest may decide"
+                 --window or --longest or, of the paper's scheme, another --step may decide"
             )),
             (Kind::Undecided, ..) if self.linear => Some(
                 "contacts stay in one state and modes neither grow nor decay: the motion is a sum of those modes, of any \

@@ -4,17 +4,30 @@
 //! Two linear motions are: one that signals drive while everything else decays, and the largest one of a family. A larger
 //! motion than that makes a contact change its state and loses energy, until it is as small.
 
-use super::linear::{Growth, growth};
+use super::basis::Basis;
+use super::linear::{Growth, MORE_THAN_ROUNDING, growth};
 use super::look::Look;
 use super::recurrence::{begin_fast, way_of_a_step};
 use crate::Error;
+use crate::model::LumpedModel;
 use crate::simulation::Simulation;
+use std::f64::consts::TAU;
 
-/// By this part of its velocity, at least, a motion is made larger and smaller, to see whether it is the largest of its
-/// family.
+/// By this part of the motion's velocity, at least, a mode is made larger and smaller, to see whether the motion is the largest
+/// of its family.
 const LARGER: f64 = 1e-5;
 
-/// Is a linear motion one of a family of motions with every size near its own? Its strongest frequency is `frequency`, Hz.
+/// A mode that neither grows nor decays.
+struct Neutral {
+    /// rad/s.
+    pulsation: f64,
+    /// Of each degree of freedom, in parts of the largest.
+    shape: Vec<f64>,
+}
+
+/// Is a settled motion one of a family of motions with every size near its own? Its strongest frequency is `frequency`, Hz. It is
+/// one if it is linear, but for contacts that reach their limit for an instant, and a mode that neither grows nor decays can be
+/// larger and smaller with no contact changing its state.
 ///
 /// # Errors
 /// A step fails.
@@ -28,30 +41,56 @@ pub(super) fn is_one_of_many(
         return Ok(false);
     }
     let Some(frequency) = frequency else { return Ok(true) };
-    let mut fast = Simulation::resume(simulation.save())?;
-    // The faster the motion is, the more energy the push adds, to each of its modes.
-    begin_fast(&mut fast, look.interval, frequency, look.rows())?;
+    let mut motion = Simulation::resume(simulation.save())?;
+    let fastest = begin_fast(&mut motion, look.interval, frequency, look.rows())?.velocity;
     // The paper's scheme sees a change of state at the end of a step only.
     let part = LARGER.max(way_of_a_step(simulation, frequency));
-    for part in [part, -part] {
-        if changes_states(&fast, look, part, is_over)? {
-            return Ok(false);
+    // No contact is at its limit then, so it is the mode that brings it there.
+    motion.scale_motion(1.0 - 2.0 * part);
+    if changes_states(&motion, look, is_over)? {
+        return Ok(false);
+    }
+    let Some(modes) = neutral_modes(simulation) else { return Ok(true) };
+    let push = 4.0 * part * fastest;
+    for mode in &modes {
+        if !is_limited(&motion, mode, push, look, is_over)? {
+            return Ok(true);
         }
     }
-    Ok(true)
+    Ok(false)
 }
 
-/// Does a contact change its state within a window if the motion gets larger by a part of its velocity?
-fn changes_states(
-    fast: &Simulation,
+/// Does a contact change its state if a mode gets larger or smaller by a push, m/s? Where a mode stands still a push does not
+/// change its size, so it is pushed a quarter of its period later, too.
+fn is_limited(
+    smaller: &Simulation,
+    mode: &Neutral,
+    push: f64,
     look: &Look,
-    part: f64,
     is_over: &dyn Fn() -> bool,
 ) -> Result<bool, Error> {
-    let mut motion = Simulation::resume(fast.save())?;
-    for (dof, velocity) in fast.velocity().iter().enumerate() {
-        motion.push(dof, part * velocity);
+    for quarter in [0.0, 0.25] {
+        for push in [push, -push] {
+            let mut motion = Simulation::resume(smaller.save())?;
+            motion.advance_to(motion.time() + quarter * TAU / mode.pulsation)?;
+            for (dof, part) in mode.shape.iter().enumerate() {
+                motion.push(dof, push * part);
+            }
+            if changes_states(&motion, look, is_over)? {
+                return Ok(true);
+            }
+        }
     }
+    Ok(false)
+}
+
+/// Does a contact change its state within a window?
+fn changes_states(
+    motion: &Simulation,
+    look: &Look,
+    is_over: &dyn Fn() -> bool,
+) -> Result<bool, Error> {
+    let mut motion = Simulation::resume(motion.save())?;
     let (start, before) = (motion.time(), motion.statistics().state_changes());
     for row in 1..=look.rows() {
         if row.is_multiple_of(256) && is_over() {
@@ -64,4 +103,52 @@ fn changes_states(
         }
     }
     Ok(false)
+}
+
+/// The modes of the present contact states that oscillate and neither grow nor decay. `None` where they are not known.
+fn neutral_modes(simulation: &Simulation) -> Option<Vec<Neutral>> {
+    let scene = simulation.acting();
+    let mut model = LumpedModel::from(scene);
+    model.linearise(simulation.reference());
+    let basis = Basis::of(&model, simulation.contact_states(), scene.friction_coefficient)?;
+    let is_neutral = |rate: f64| rate.abs() <= MORE_THAN_ROUNDING * basis.pace;
+    let groups = basis.modes.iter().filter(|group| {
+        is_neutral(group.eigenvalue.re) && group.eigenvalue.im > MORE_THAN_ROUNDING * basis.pace
+    });
+    let modes = groups.flat_map(|group| {
+        // Without growth or decay all degrees of freedom swing in one phase.
+        let shapes = group.members.iter().map(|(_, shape)| {
+            let largest = shape.iter().max_by(|a, b| a.norm().total_cmp(&b.norm()));
+            let turn = largest.map_or(1.0.into(), |largest| largest.conj() / largest.norm());
+            shape.iter().map(|part| (part * turn).re).collect()
+        });
+        let pulsation = group.eigenvalue.im;
+        parted(shapes.collect()).into_iter().map(move |shape| Neutral { pulsation, shape })
+    });
+    Some(modes.collect())
+}
+
+/// Combinations of the shapes of one eigenvalue, each of which moves as few degrees of freedom as may be: equal parts of a
+/// structure that do not touch each other swing on their own. By Gauss–Jordan elimination; the largest part of each is 1.
+fn parted(mut shapes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
+    let largest = |shape: &[f64]| {
+        let parts = shape.iter().enumerate();
+        parts.max_by(|(_, a), (_, b)| a.abs().total_cmp(&b.abs())).map_or(0, |(dof, _)| dof)
+    };
+    for i in 0..shapes.len() {
+        let dof = largest(&shapes[i]);
+        let pivot = shapes[i].clone();
+        for (_, other) in shapes.iter_mut().enumerate().filter(|(j, _)| *j != i) {
+            let factor = other[dof] / pivot[dof];
+            other.iter_mut().zip(&pivot).for_each(|(other, part)| *other -= factor * part);
+        }
+    }
+    for shape in &mut shapes {
+        let most = shape[largest(shape)];
+        // What elimination leaves by rounding would push parts that do not move.
+        shape.iter_mut().for_each(|part| {
+            *part = if part.abs() <= MORE_THAN_ROUNDING * most.abs() { 0.0 } else { *part / most };
+        });
+    }
+    shapes
 }

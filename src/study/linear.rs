@@ -1,15 +1,15 @@
-//! This module tells what is known of a simulation's motion before one looks at it: whether it is linear, whether it then
-//! grows or decays, as its eigenvalues have it, and whether what drives it repeats itself.
+//! This module tells what is known of a simulation's motion before one looks at it: whether it is linear, and
+//! whether it then grows or decays, as its eigenvalues have it.
 
 use crate::contact::ContactState;
 use crate::model::{Contact, LumpedModel};
-use crate::scene::{Scene, Shape, Sine};
+use crate::scene::Scene;
 use crate::simulation::Simulation;
 use crate::stability::Spectrum;
 use crate::stability::candidates::resting_state;
 
 /// Rounding may feign a growth of this part of the fastest mode's angular frequency.
-const MORE_THAN_ROUNDING: f64 = 1e-9;
+pub(super) const MORE_THAN_ROUNDING: f64 = 1e-9;
 
 /// The growth rate of the fastest growing mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -41,23 +41,16 @@ pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
     }
     let mut model = LumpedModel::from(scene);
     model.linearise(simulation.reference());
+    for contact in &mut model.contacts {
+        if !rubs(scene, contact) {
+            (contact.own.friction_coefficient, contact.steady) = (Some(0.0), None);
+        }
+    }
     let states = simulation.contact_states();
     let spectrum = Spectrum::of(&model, states, scene.friction_coefficient).ok()?;
     let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
     let rate = spectrum.growth_rate();
     Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })
-}
-
-/// Do all signals that still change have one period, and is it no longer than a window (s)?
-pub(super) fn is_repeated(simulation: &Simulation, window: f64) -> bool {
-    let time = simulation.time();
-    let mut one = None;
-    simulation.scene().signals.iter().all(|signal| match &signal.shape {
-        Shape::Sine(Sine { frequency, start, end: None, .. }) if *start <= time => {
-            frequency * window >= 1.0 && *one.get_or_insert(*frequency) == *frequency
-        }
-        shape => shape.constant_until(time, 0.0) == f64::INFINITY,
-    })
 }
 
 /// Can friction take no other size than in proportion to the normal force?
@@ -70,12 +63,37 @@ pub(super) fn may_pull(scene: &Scene) -> bool {
     scene.effects.sticking && !scene.effects.detachment && scene.contact_count() > 0
 }
 
+/// Without sticking, friction has the direction of the surface's velocity, and so a surface that stands still does not rub.
+fn rubs(scene: &Scene, contact: &Contact) -> bool {
+    scene.effects.sticking || contact.velocity(scene.slider.velocity) != 0.0
+}
+
 /// Is every contact closed in a state of rest, or open? One that sticks to a moving surface is carried on by it.
 pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
     let scene = simulation.acting();
-    let at_rest = resting_state(&LumpedModel::from(scene), scene.slider.velocity);
-    let states = simulation.contact_states().iter().zip(&at_rest);
-    states.into_iter().all(|(state, at_rest)| state == at_rest || *state == ContactState::Detached)
+    let model = LumpedModel::from(scene);
+    let at_rest = resting_state(&model, scene.slider.velocity);
+    let contacts = model.contacts.iter().zip(&at_rest);
+    simulation.contact_states().iter().zip(contacts).all(|(state, (contact, at_rest))| {
+        state == at_rest || *state == ContactState::Detached || !rubs(scene, contact)
+    })
+}
+
+/// How far, m, its load and the contact forces at rest, along the normal or the tangent, would bend the degree of freedom that
+/// they bend most, each held by its own stiffness alone.
+pub(super) fn deflection(simulation: &Simulation) -> f64 {
+    let model = LumpedModel::from(simulation.scene());
+    let mut forces: Vec<f64> = model.load.iter().map(|load| load.abs()).collect();
+    for (contact, normal_force) in model.contacts.iter().zip(&simulation.reference().normal_force) {
+        for (dof, part) in contact.normal.0.iter().chain(&contact.tangent.0) {
+            forces[*dof] += (part * normal_force).abs();
+        }
+    }
+    let bend = |(dof, force): (usize, &f64)| {
+        let stiffness = model.stiffness.get(dof, dof);
+        if stiffness > 0.0 { force / stiffness } else { 0.0 }
+    };
+    forces.iter().enumerate().map(bend).fold(0.0, f64::max)
 }
 
 /// Is a motion so large that what loads and moves the surfaces no longer matters? Its equations are then homogeneous: what

@@ -1,5 +1,6 @@
 //! How a motion is looked at: which output, how often, for how long.
 
+use super::drive::last_edge;
 use crate::Error;
 use crate::error::Short;
 use crate::integrator::EventDriven;
@@ -21,8 +22,9 @@ const MOST_WISHED_ROWS: f64 = 5e6;
 const FEWEST_ROWS: f64 = 64.0;
 /// Steps of exact motion in the period of a sine that drives friction: held over a step it is then true to 4e-7.
 const STEPS_A_SIGNAL: f64 = 2000.0;
-/// Windows that a motion may take to settle.
+/// Windows that a motion may take to settle, after as many as signals take to their last edge, but no more than these.
 const LONGEST: f64 = 60.0;
+const MOST_WAITED: f64 = 1000.0;
 
 /// What is looked at of a motion.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -53,13 +55,13 @@ pub struct Wish<'a> {
 impl Look {
     /// How a scene is looked at: its first displacement; rows a twentieth of the fastest mode's period apart,
     /// rounded down to a 1, 2 or 5; windows of 50 periods of the slowest mode at rest in sliding, rounded up;
-    /// 60 windows. What has no modes is looked at as its experiment says.
+    /// 60 windows after the last edge of a signal. What has no modes is looked at as its experiment says.
     ///
     /// Rows that are wished farther apart than the fastest mode allows are taken as often as that asks for, at a whole
     /// part of the interval, so that no frequency is mistaken for another one.
     ///
     /// # Errors
-    /// No such output, or a window of fewer than 64 rows or five periods.
+    /// No such output, a window of fewer than 64 rows or five periods, or a signal whose last edge is more than 1000 windows away.
     pub fn of(scene: &Scene, wish: &Wish<'_>) -> Result<Self, Error> {
         let of = match wish.of {
             Some(name) => output(scene, name)?.name,
@@ -109,7 +111,20 @@ impl Look {
                 round_up(FEWEST_PERIODS / slowest)
             )));
         }
-        let windows = wish.longest.map_or(LONGEST, |longest| (longest / window).round().max(1.0));
+        let edge = last_edge(scene);
+        let waits = (edge / window).ceil();
+        let windows = match wish.longest {
+            Some(longest) => (longest / window).round().max(1.0),
+            None if waits <= MOST_WAITED => waits + LONGEST,
+            None => {
+                return Err(Error::argument(format!(
+                    "what a scene ends in is known after the last edge of its signals, at {} s, more than {MOST_WAITED} \
+                     windows of {} s away; give a --longest beyond it, or end the signals sooner",
+                    Short(edge),
+                    Short(window)
+                )));
+            }
+        };
         Ok(Self { of, interval, window, longest: windows * window })
     }
 

@@ -5,6 +5,9 @@
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | the kinds of motion, and what is known of a motion that has settled |
 //! | `settling` | when a motion has settled |
+//! | `basis` | the modes of a contact state as a basis of its motions |
+//! | `family` | whether a linear motion is one of many with every size |
+//! | `drive` | what signals do in the end |
 //! | `recurrence` | the kind of a settled motion, from its whole state |
 //! | `period` | what a periodic motion does over one period |
 //! | `continuation` | what it ends in over µ, upwards and downwards; jumps |
@@ -24,9 +27,11 @@
 
 mod attractor;
 pub mod basin;
+mod basis;
 pub mod confirm;
 mod continuation;
 mod difference;
+mod drive;
 mod ending;
 mod family;
 mod initial;

@@ -5,7 +5,9 @@
 //! part exponentially, and quasi-periodic where they do not and its spectrum consists of combinations of two
 //! frequencies. Where neither can be shown, the kind stays undecided.
 
+use super::drive;
 use super::ending::Kind;
+use super::linear::deflection;
 use super::push::Push;
 use crate::Error;
 use crate::scene::Method;
@@ -17,7 +19,7 @@ use std::f64::consts::TAU;
 /// A period is looked for up to this many periods of the strongest line.
 const MOST_PERIODS: f64 = 64.0;
 /// The most windows over which a period is looked for: the strongest line may be that of a slow beat.
-const MOST_WINDOWS: f64 = 2.0;
+const MOST_WINDOWS: f64 = 100.0;
 /// Rows pass a state that comes back exactly at this distance or less, in parts of the motion's size: half of the way
 /// between two rows.
 const NEAR: f64 = 0.4;
@@ -25,6 +27,14 @@ const NEAR: f64 = 0.4;
 const COMES_BACK: f64 = 2e-3;
 /// A state that comes back to within this part belongs to one.
 const CLOSED: f64 = 1e-6;
+/// Within a period events may come a step too early or too late several times: a state comes back to so many times the way of a
+/// step, and whether a motion that misses by up to so many comes back cannot be told.
+const WOBBLE: f64 = 4.0;
+const MOST_WOBBLE: f64 = 10.0;
+/// What rounding does to a force, in parts of it.
+const FORCE_ROUNDING: f64 = 1e-15;
+/// Rows between two questions whether anyone still waits.
+const ROWS_AT_ONCE: f64 = 256.0;
 /// How far apart neighbouring motions start, in parts of the motion's size.
 const APART: f64 = 1e-9;
 /// Beyond this distance they are no neighbours any more.
@@ -47,8 +57,12 @@ const SAME_FACTOR: f64 = 1.5;
 /// A convergence that goes on does not slow down: over three windows the difference between the factor and one falls to no
 /// less than this part.
 const SAME_SPEED: f64 = 0.9;
-/// Shorter returns of a periodic motion are as far away in each window, but for this part.
+/// A shorter return of a periodic motion is as far away one or more periods later, but for this part.
 const SAME_RETURN: f64 = 0.02;
+/// A return that is not near enough may be that after a part of the period, up to a fourth: then the state comes back after
+/// the whole period to this part of that distance or less.
+const MOST_PARTS: u32 = 4;
+const NEARER: f64 = 0.1;
 /// How well a frequency meets a multiple, in parts of the lines' resolution.
 const MEETS: f64 = 0.01;
 
@@ -59,9 +73,11 @@ pub struct Closure {
     pub period: f64,
     /// How far the state then is from where it was, root mean square over a period, in parts of the motion's size.
     pub distance: f64,
-    /// How far, likewise over this period, it is from where it was at the nearest of its shorter returns, which were not
-    /// near enough for a period. `None` if there are none.
-    pub shorter: Option<f64>,
+    /// `true` if it is the shortest period. A motion that winds itself round a periodic one comes back best after several of
+    /// that one's periods; then its shorter returns come nearer, too, from one of these periods to the next.
+    pub is_shortest: bool,
+    /// `true` if the state comes back so near that the motion is periodic as it stands.
+    pub is_closed: bool,
 }
 
 /// Displacements and velocities of a motion, by the sizes of which distances between states are measured.
@@ -69,7 +85,7 @@ pub struct Closure {
 pub(super) struct Scale {
     /// The largest half-range of a displacement, m, and of a velocity, m/s.
     displacement: f64,
-    velocity: f64,
+    pub(super) velocity: f64,
 }
 
 impl Scale {
@@ -128,10 +144,9 @@ struct Return {
     state: Snapshot,
 }
 
-/// Finds the shortest period after which the motion of a simulation comes back. The search ends after [`MOST_PERIODS`]
-/// periods of the strongest line, of `frequency` (Hz), or after [`MOST_WINDOWS`] windows, if that is sooner: a window has
-/// `rows` rows that are `interval` (s) apart. The result is `None` where the motion does not come back in that time, or
-/// where it `is_over` that anyone waits for it.
+/// Finds the shortest period after which the motion of a simulation comes back: first among the multiples of the period of
+/// what drives it, then wherever the state passes near where it was. A window has `rows` rows that are `interval` (s) apart. The
+/// search ends after [`MOST_PERIODS`] periods of the drive and of the strongest line, of `frequency` (Hz).
 ///
 /// # Errors
 /// A step fails.
@@ -141,58 +156,234 @@ pub(super) fn closure(
     frequency: f64,
     rows: u64,
     is_over: &dyn Fn() -> bool,
-) -> Result<Option<Closure>, Error> {
+) -> Result<Search, Error> {
     let mut start = Simulation::resume(simulation.save())?;
     let scale = begin_fast(&mut start, interval, frequency, rows)?;
     if scale.displacement <= 0.0 || scale.velocity <= 0.0 {
-        return Ok(None);
+        return Ok(Search::NoReturn);
     }
     let (from, origin) = (start.save(), State::of(&start));
     let course = Course { from: &from, start: start.time() };
-    let rows = (MOST_PERIODS / (frequency * interval)).min(MOST_WINDOWS * rows as f64);
-    let mut before = (0.0, 0.0);
-    // The row before, wherever a return may be at hand.
-    let mut saved = None;
-    let mut has_left = false;
-    let mut nearest: Option<(f64, Return)> = None;
-    let mut row = 0.0;
-    while row < rows {
-        row += 1.0;
-        if row % 256.0 == 0.0 && is_over() {
-            return Ok(None);
-        }
-        course.bring(&mut start, row * interval)?;
-        let (distance, passed) = (scale.distance(&start, &origin), origin.passed(&start));
-        let had_left = has_left;
-        has_left |= distance > NEAR;
-        let (last_distance, last_passed) = std::mem::replace(&mut before, (distance, passed));
-        let row_before = saved.take();
-        if distance <= 3.0 * NEAR {
-            saved = Some(start.save());
-        }
-        let Some(row_before) = row_before else { continue };
-        if !had_left || last_passed > 0.0 || passed <= 0.0 || last_distance.min(distance) > NEAR {
-            continue;
-        }
-        let span = [(row - 1.0) * interval, row * interval];
-        let period = passage(&course, &row_before, &origin, (span, [last_passed, passed]))?;
-        let mut there = Simulation::resume(row_before)?;
-        course.bring(&mut there, period)?;
-        let away = scale.distance(&there, &origin);
-        let there = Return { after: period, state: there.save() };
-        if away <= 4.0 * COMES_BACK {
-            let over = |there: &Return| distance_over(&course, there, period, interval, scale);
-            let distance = over(&there)?;
-            if distance <= COMES_BACK {
-                let shorter = nearest.as_ref().map(|(_, there)| over(there)).transpose()?;
-                return Ok(Some(Closure { period, distance, shorter }));
-            }
-        }
-        if nearest.as_ref().is_none_or(|(least, _)| away < *least) {
-            nearest = Some((away, there));
+    let window = rows as f64 * interval;
+    // Rounding of forces moves the state, too.
+    let rounding = FORCE_ROUNDING * deflection(simulation) / scale.displacement;
+    let closed = CLOSED.max(WOBBLE * way_of_a_step(simulation, frequency)).max(rounding);
+    let seeker = Seeker { course, origin, scale, interval, window, closed, is_over };
+    let most = MOST_WINDOWS * window;
+    let own = MOST_PERIODS / frequency;
+    let mut is_whole = own <= most;
+    let mut found = None;
+    if simulation.is_driven_on() {
+        let period = drive::period(simulation).filter(|period| *period <= most);
+        is_whole &= period.is_some_and(|period| MOST_PERIODS * period <= most);
+        if let Some(period) = period {
+            let longest = own.max(MOST_PERIODS * period).min(most);
+            // A drive much faster than the motion does not carry it far in one of its periods.
+            found = seeker.among_multiples(period, [0.9 / frequency, longest])?;
         }
     }
-    Ok(None)
+    // What does not feel the drive may come back sooner, and nearer.
+    if found.is_none_or(|found| !found.is_closed) {
+        let elsewhere = seeker.anywhere(own.min(most))?;
+        found = elsewhere.filter(|there| there.is_closed || found.is_none()).or(found);
+    }
+    Ok(match found {
+        Some(found) => Search::Found(found),
+        None if is_whole => Search::NoReturn,
+        None => Search::CutShort,
+    })
+}
+
+/// What a search for a period has found.
+pub(super) enum Search {
+    Found(Closure),
+    /// The motion does not come back within [`MOST_PERIODS`] periods of the drive and of its strongest line.
+    NoReturn,
+    /// It does not come back within [`MOST_WINDOWS`] windows, or the drive has no common period that is so short.
+    CutShort,
+}
+
+/// Looks for a period.
+struct Seeker<'a> {
+    course: Course<'a>,
+    origin: State,
+    scale: Scale,
+    /// s, between two rows, and of a window.
+    interval: f64,
+    window: f64,
+    /// A return that is so near is one of a periodic motion.
+    closed: f64,
+    is_over: &'a dyn Fn() -> bool,
+}
+
+impl Seeker<'_> {
+    /// Looks after each multiple of a period (s) between two times (s).
+    fn among_multiples(
+        &self,
+        period: f64,
+        [shortest, longest]: [f64; 2],
+    ) -> Result<Option<Closure>, Error> {
+        let mut motion = self.course.begin()?;
+        let mut nearest: Option<(f64, Return)> = None;
+        let multiples = (1_u32..).map(|n| f64::from(n) * period);
+        let multiples = multiples.skip_while(|after| *after < shortest);
+        for after in multiples.take_while(|after| *after <= longest * (1.0 + 1e-9)) {
+            let there = self.bring(&mut motion, after)?;
+            let away = self.scale.distance(&motion, &self.origin);
+            if let Some(found) = self.closure_at(&there, away, nearest.as_ref())? {
+                return Ok(Some(found));
+            }
+            if (self.is_over)() {
+                return Ok(None);
+            }
+            keep_nearest(&mut nearest, away, there);
+        }
+        Ok(None)
+    }
+
+    /// Looks wherever the state passes near where it was, up to a time (s).
+    fn anywhere(&self, longest: f64) -> Result<Option<Closure>, Error> {
+        let Self { course, origin, scale, interval, .. } = self;
+        let mut motion = course.begin()?;
+        let mut before = (0.0, 0.0);
+        // The row before, wherever a return may be at hand: an impact between them may bring the state near at once.
+        let mut saved = None;
+        let mut has_left = false;
+        let mut nearest: Option<(f64, Return)> = None;
+        let mut row = 0.0;
+        while row * interval < longest {
+            row += 1.0;
+            if row % ROWS_AT_ONCE == 0.0 && (self.is_over)() {
+                return Ok(None);
+            }
+            course.bring(&mut motion, row * interval)?;
+            let (distance, passed) = (scale.distance(&motion, origin), origin.passed(&motion));
+            let had_left = has_left;
+            has_left |= distance > NEAR;
+            let (last_distance, last_passed) = std::mem::replace(&mut before, (distance, passed));
+            let row_before = saved.take();
+            if has_left && passed <= 0.0 {
+                saved = Some(motion.save());
+            }
+            let Some(row_before) = row_before else { continue };
+            if !had_left || last_passed > 0.0 || passed <= 0.0 || last_distance.min(distance) > NEAR
+            {
+                continue;
+            }
+            let span = [(row - 1.0) * interval, row * interval];
+            let after = passage(course, &row_before, origin, (span, [last_passed, passed]))?;
+            let mut there = Simulation::resume(row_before)?;
+            course.bring(&mut there, after)?;
+            let away = scale.distance(&there, origin);
+            let there = Return { after, state: there.save() };
+            if let Some(found) = self.closure_at(&there, away, nearest.as_ref())? {
+                return Ok(Some(found));
+            }
+            keep_nearest(&mut nearest, away, there);
+        }
+        Ok(None)
+    }
+
+    /// The closure at a return that is so far away, or at one of its multiples, if it is near enough for a period.
+    fn closure_at(
+        &self,
+        there: &Return,
+        away: f64,
+        nearest: Option<&(f64, Return)>,
+    ) -> Result<Option<Closure>, Error> {
+        if away > 4.0 * COMES_BACK {
+            return Ok(None);
+        }
+        let begin = Return { after: 0.0, state: self.course.from.clone() };
+        let part = there.after;
+        let distance = self.distance_over([&begin, there], part)?;
+        if distance > COMES_BACK {
+            return Ok(None);
+        }
+        if distance > self.closed {
+            let mut motion = Simulation::resume(there.state.clone())?;
+            for parts in (2..=MOST_PARTS).map(f64::from) {
+                let whole = self.bring(&mut motion, parts * part)?;
+                let nearer = self.distance_over([&begin, &whole], whole.after)?;
+                if nearer <= NEARER * distance {
+                    return self.closure(&whole, nearer, Some(there)).map(Some);
+                }
+            }
+        }
+        self.closure(there, distance, nearest.map(|(_, nearest)| nearest)).map(Some)
+    }
+
+    /// The closure at a return after a period, over which it is so far from where it was, with the nearest of the shorter
+    /// returns.
+    fn closure(
+        &self,
+        there: &Return,
+        distance: f64,
+        shorter: Option<&Return>,
+    ) -> Result<Closure, Error> {
+        let period = there.after;
+        let is_shortest = match shorter {
+            None => true,
+            Some(shorter) => {
+                let begin = Return { after: 0.0, state: self.course.from.clone() };
+                let before = self.distance_over([&begin, shorter], period)?;
+                // The same return from a state that is the same if the motion is periodic.
+                let periods = (self.window / period).ceil();
+                // Both ends of it have moved by no more than this distance a period.
+                if 2.0 * periods * distance <= SAME_RETURN * before {
+                    true
+                } else {
+                    let later = period * periods;
+                    let mut motion = Simulation::resume(there.state.clone())?;
+                    let from = self.bring(&mut motion, later)?;
+                    let to = self.bring(&mut motion, later + shorter.after)?;
+                    let now = self.distance_over([&from, &to], period)?;
+                    (now / before - 1.0).abs() <= SAME_RETURN
+                }
+            }
+        };
+        Ok(Closure { period, distance, is_shortest, is_closed: distance <= self.closed })
+    }
+
+    /// Brings a motion to a time (s) after the state that the search began in, unless no one waits for it any more.
+    fn bring(&self, motion: &mut Simulation, after: f64) -> Result<Return, Error> {
+        let mut row = ((motion.time() - self.course.start) / self.interval).floor();
+        while (row + ROWS_AT_ONCE) * self.interval < after && !(self.is_over)() {
+            row += ROWS_AT_ONCE;
+            self.course.bring(motion, row * self.interval)?;
+        }
+        self.course.bring(motion, after)?;
+        Ok(Return { after, state: motion.save() })
+    }
+
+    /// How far a motion is from itself between two of its states on, root mean square over a time (s), in parts of its size.
+    fn distance_over(&self, states: [&Return; 2], span: f64) -> Result<f64, Error> {
+        let [mut now, mut later] = [
+            Simulation::resume(states[0].state.clone())?,
+            Simulation::resume(states[1].state.clone())?,
+        ];
+        let rows = (span / self.interval).ceil().max(1.0);
+        let (mut sum, mut row) = (0.0, 0.0);
+        while row < rows {
+            row += 1.0;
+            if row % ROWS_AT_ONCE == 0.0 && (self.is_over)() {
+                break;
+            }
+            let after = row / rows * span;
+            self.course.bring(&mut now, states[0].after + after)?;
+            self.course.bring(&mut later, states[1].after + after)?;
+            let distance = self.scale.distance(&later, &State::of(&now));
+            sum += distance * distance;
+        }
+        Ok((sum / rows).sqrt())
+    }
+}
+
+/// Takes a return for the nearest one if it is nearer.
+fn keep_nearest(nearest: &mut Option<(f64, Return)>, away: f64, there: Return) {
+    if nearest.as_ref().is_none_or(|(least, _)| away < *least) {
+        *nearest = Some((away, there));
+    }
 }
 
 /// Does the state come back nearer from window to window, by about the same factor each time? One that only passes near
@@ -214,19 +405,6 @@ fn have_same_period(a: &Closure, b: &Closure) -> bool {
     (a.period / b.period - 1.0).abs() < 1e-2
 }
 
-/// Is the period that was found the shortest? A motion that winds itself round a periodic one comes back best after
-/// several of that one's periods; then its shorter returns come nearer, too.
-pub(super) fn has_no_shorter_period(closures: &[Closure]) -> bool {
-    match closures {
-        [.., Closure { shorter: None, .. }] => true,
-        [.., a, b] if have_same_period(a, b) => {
-            let (Some(before), Some(now)) = (a.shorter, b.shorter) else { return false };
-            (now / before - 1.0).abs() <= SAME_RETURN
-        }
-        _ => false,
-    }
-}
-
 /// The way of one step of the paper's scheme, which sees events at whole steps only, in parts of the size of a motion with
 /// this frequency (Hz). 0 of exact motion.
 pub(super) fn way_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
@@ -241,9 +419,9 @@ pub(super) fn is_too_coarse(simulation: &Simulation, frequency: f64) -> bool {
     way_of_a_step(simulation, frequency) > COMES_BACK
 }
 
-/// Is a motion that comes back this well periodic, as it stands?
-pub(super) fn is_closed(simulation: &Simulation, frequency: f64, closure: Closure) -> bool {
-    closure.distance <= CLOSED.max(way_of_a_step(simulation, frequency))
+/// May a motion that comes back to such a distance be one that the paper's scheme does not let come back nearer?
+pub(super) fn may_wobble(simulation: &Simulation, frequency: f64, distance: f64) -> bool {
+    distance <= MOST_WOBBLE * way_of_a_step(simulation, frequency)
 }
 
 /// Moves on over two periods of the strongest line to find how large the motion is, then to where it is nearly as
@@ -317,28 +495,6 @@ fn passage(
         }
     }
     Ok(time)
-}
-
-/// How far a motion is from itself after a return, root mean square over a period (s), in parts of its size.
-fn distance_over(
-    course: &Course<'_>,
-    there: &Return,
-    period: f64,
-    interval: f64,
-    scale: Scale,
-) -> Result<f64, Error> {
-    let (mut now, mut later) = (course.begin()?, Simulation::resume(there.state.clone())?);
-    let rows = (period / interval).ceil().max(1.0);
-    let (mut sum, mut row) = (0.0, 0.0);
-    while row < rows {
-        row += 1.0;
-        let after = row / rows * period;
-        course.bring(&mut now, after)?;
-        course.bring(&mut later, there.after + after)?;
-        let distance = scale.distance(&later, &State::of(&now));
-        sum += distance * distance;
-    }
-    Ok((sum / rows).sqrt())
 }
 
 /// How neighbouring motions part.

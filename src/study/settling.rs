@@ -4,17 +4,18 @@
 //! same in windows that follow each other, and no faint line grows. What is compared is a mixture of all
 //! displacements, so that nothing hides where one output does not see it.
 
+use super::drive::{is_repeated, last_edge, period};
 use super::ending::{Ending, Kind};
 use super::family::is_one_of_many;
 use super::linear::{
-    Growth, growth, has_linear_friction, has_states_of_rest, is_far, is_repeated, may_pull,
+    Growth, deflection, growth, has_linear_friction, has_states_of_rest, is_far, may_pull,
     stays_linear,
 };
 use super::look::{Look, output, unit};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
-    Closure, Parting, closure, has_no_shorter_period, has_two_frequencies, is_closed, is_closing,
-    is_too_coarse, kind_without_period, parting,
+    Closure, Parting, Search, closure, has_two_frequencies, is_closing, is_too_coarse,
+    kind_without_period, may_wobble, parting,
 };
 use crate::Error;
 use crate::accuracy::half_range;
@@ -68,6 +69,13 @@ pub(crate) struct Settling {
     /// `true` of a window in which contacts were in the states of rest and their forces linear.
     linear: bool,
     before: Statistics,
+    /// s, from when on signals only repeat themselves.
+    last_edge: f64,
+    /// As [`deflection`] has it, m.
+    deflection: f64,
+    /// How many windows have ended.
+    windows: usize,
+    /// Those since the last edge.
     seen: Vec<Seen>,
     /// How the state came back at the end of each window since the motion was steady.
     closures: Vec<Closure>,
@@ -104,7 +112,7 @@ enum Course {
 /// What a motion is held against.
 #[derive(Clone, Copy)]
 struct Surroundings<'a> {
-    /// The largest displacement, m, of the motion, and of the equilibrium.
+    /// The largest displacement, m, of the motion, and of the equilibrium or what loads would bend ([`deflection`]).
     largest: f64,
     at_rest: f64,
     /// `true` where signals still drive the motion.
@@ -140,6 +148,9 @@ impl Settling {
             pulled: false,
             linear: false,
             before: simulation.statistics(),
+            last_edge: last_edge(simulation.scene()),
+            deflection: deflection(simulation),
+            windows: 0,
             seen: Vec::new(),
             closures: Vec::new(),
             #[allow(clippy::cast_possible_truncation)]
@@ -202,12 +213,27 @@ impl Settling {
         }
     }
 
+    /// How many windows a motion has stood still for without a change of state, the one that has ended included; 1 of any
+    /// other motion. Over so long the drive must have repeated itself.
+    #[allow(clippy::cast_precision_loss)]
+    fn still(&self, changed: bool) -> f64 {
+        let is_still = |seen: &&Seen| seen.size == 0.0 && !seen.changed;
+        let before = self.seen.iter().rev().take_while(is_still).count();
+        1.0 + if changed { 0.0 } else { before as f64 }
+    }
+
+    /// Is the window that has ended the last one that the motion may take?
+    fn is_last(&self) -> bool {
+        self.windows >= self.look.windows()
+    }
+
     /// The end of a window.
     fn close(
         &mut self,
         simulation: &Simulation,
         is_over: &dyn Fn() -> bool,
     ) -> Result<Option<Ending>, Error> {
+        self.windows += 1;
         let now = simulation.statistics();
         for ((taken, now), before) in
             self.taken.iter_mut().zip(now.entered).zip(self.before.entered)
@@ -216,24 +242,29 @@ impl Settling {
         }
         let changed = self.pulled || now.state_changes() > self.before.state_changes();
         let may_rest = has_states_of_rest(simulation);
-        self.linear = !changed && may_rest && has_linear_friction(simulation.scene());
+        let may_be_linear = !self.pulled && may_rest && has_linear_friction(simulation.scene());
+        self.linear = !changed && may_be_linear;
         let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
         let course = self.judge(
             changed,
             Surroundings {
                 largest: largest(simulation.displacement()),
-                at_rest: largest(&simulation.reference().displacement),
+                at_rest: largest(&simulation.reference().displacement).max(self.deflection),
                 is_driven: simulation.is_driven_on(),
-                is_repeated: is_repeated(simulation, self.look.window),
+                is_repeated: is_repeated(simulation, self.still(changed) * self.look.window),
                 is_far: is_far(simulation),
                 may_rest,
                 stays_linear: stays_linear(simulation),
                 growth: &|| growth(simulation),
             },
         );
-        // A signal that comes later decides; and what a surface carries along, or flies on, comes to an end.
+        // What a surface carries along, or flies on, comes to an end.
         let goes_on = !changed && !may_rest && !simulation.is_driven_on();
-        let course = if goes_on || simulation.waits_for_signals() { Course::Open } else { course };
+        // A window with the last edge of a signal in it shows what comes to an end, too.
+        let began = (self.row - self.look.rows()) as f64 * self.look.interval;
+        let waits = began < self.last_edge;
+        let is_open = goes_on || waits && course != Course::Unbounded;
+        let course = if is_open { Course::Open } else { course };
         let kind = match course {
             Course::Rests => Some((Kind::Equilibrium, None)),
             Course::Unbounded => Some((Kind::Unbounded, None)),
@@ -242,17 +273,21 @@ impl Settling {
             }
             Course::Open => None,
         };
-        let is_last = self.seen.len() >= self.look.windows();
         let (kind, parting) = match kind {
             Some(known) => known,
-            None if is_last => (Kind::Unsettled, None),
+            None if self.is_last() => (Kind::Unsettled, None),
             None => {
+                if waits {
+                    self.seen.clear();
+                    self.followed.clear();
+                }
                 self.begin_window(simulation);
                 return Ok(None);
             }
         };
         let mut ending = self.ending(kind, simulation.is_driven_on());
-        if ending.linear && (kind.is_cycle() || simulation.is_driven_on()) {
+        let is_driven = ending.linear && simulation.is_driven_on();
+        if may_be_linear && kind.is_cycle() || is_driven {
             let strongest = self.seen.last().and_then(|seen| seen.lines.as_ref()?.lines.first());
             let frequency = strongest.map(|line| line.frequency);
             ending.linear = is_one_of_many(simulation, &self.look, frequency, is_over)?;
@@ -298,11 +333,19 @@ impl Settling {
             (self.seen[old].mixture, self.seen[old].lines) = (Vec::new(), None);
         }
         // Against the equilibrium, too: what is left of a motion at rest is rounding of forces.
-        let is_rounding = size <= ROUNDING * around.largest.max(around.at_rest);
+        let nothing = ROUNDING * around.largest.max(around.at_rest);
+        let is_rounding = size <= nothing;
         let is_free = !around.is_driven;
         // What does not move at all while a sine pulls at it is held by friction, which is as it was after each period.
         if size == 0.0 && !changed && around.is_repeated {
             return Course::Rests;
+        }
+        // Friction that is at its limit for an instant of each period may let a contact go and hold it again, by rounding.
+        let flickers = around.is_driven && around.is_repeated && changed && is_rounding;
+        let has_been = || self.seen.iter().rev().take(4).all(|seen| seen.size <= nothing);
+        if flickers && self.seen.len() >= 4 && has_been() {
+            let is_growing = (around.growth)().is_some_and(Growth::is_growing);
+            return if is_growing { Course::Open } else { Course::Rests };
         }
         // What a sine keeps pushing gets no smaller, so only what rests already does.
         let is_resting = is_rounding || is_free && rests(&self.seen);
@@ -343,24 +386,39 @@ impl Settling {
         if is_too_coarse(simulation, main) {
             return Ok(Some((Kind::Undecided, None)));
         }
-        if let Some(found) = closure(simulation, interval, main, self.look.rows(), is_over)? {
+        // A long search is made now and then.
+        let is_last = self.is_last();
+        let is_due = is_last || self.seen.len().is_multiple_of(WINDOWS_BETWEEN);
+        if !is_due && period(simulation).is_some_and(|period| period > self.look.window) {
+            return Ok(None);
+        }
+        let search = closure(simulation, interval, main, self.look.rows(), is_over)?;
+        let was_cut_short = matches!(search, Search::CutShort);
+        if !matches!(search, Search::Found(_)) {
+            self.closures.clear();
+        }
+        if let Search::Found(found) = search {
             self.closures.push(found);
-            let is_near = is_closed(simulation, main, found) || is_closing(&self.closures);
-            if is_near && has_no_shorter_period(&self.closures) {
+            let is_near = found.is_closed || is_closing(&self.closures);
+            if is_near && found.is_shortest {
                 return Ok(Some((Kind::Periodic, None)));
             }
             // It may come back nearer for long where a motion converges slowly.
-            if self.seen.len() < self.look.windows() {
+            if !is_last {
                 return Ok(None);
             }
         }
         // What cannot be told of a motion that still converges may be told later.
-        let is_last = self.seen.len() >= self.look.windows();
-        if !is_last && !self.seen.len().is_multiple_of(WINDOWS_BETWEEN) {
+        if !is_due {
             return Ok(None);
         }
         let parting = parting(simulation, interval, main, self.look.rows(), is_over)?;
-        let kind = kind_without_period(parting, is_of_two);
+        let last = self.closures.last();
+        let is_open = last.is_some_and(|last| may_wobble(simulation, main, last.distance));
+        let kind = match kind_without_period(parting, is_of_two) {
+            Kind::QuasiPeriodic if is_open || was_cut_short => Kind::Undecided,
+            kind => kind,
+        };
         if !is_last && kind == Kind::Undecided {
             return Ok(None);
         }

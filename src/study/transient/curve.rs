@@ -1,9 +1,9 @@
 //! One mode over the rows of a stretch in which no contact changes its state.
 
-use super::basis::Members;
 use super::growth::STRAIGHT;
 use super::linear::{FINEST, most};
 use super::straight::{Fit, pieces};
+use crate::study::basis::Members;
 use nalgebra::{Complex, DVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -56,8 +56,11 @@ impl Members {
         };
         let count = coefficients.len() - 2 * lag;
         let dofs = self.members[0].1.len();
-        // Where the mode is strongest: an end.
-        let strongest = if self.eigenvalue.re > 0.0 { count - 1 } else { 0 };
+        // Not always an end: a signal may wake a scene that rests.
+        let size = |i: usize| {
+            self.members.iter().fold(0.0, |sum, (place, _)| sum + difference(i, *place).norm_sqr())
+        };
+        let strongest = (0..count).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
         let sizes: Vec<f64> = (0..dofs).map(|dof| at(strongest, dof).norm()).collect();
         let largest = most(&sizes);
         let dof = sizes.iter().position(|size| *size >= largest * (1.0 - 1e-9))?;

@@ -9,12 +9,12 @@
 //! goes with the slider), and a load that has changed shifts the one at rest. The second difference in time leaves
 //! no such line, and of an exponential a multiple.
 
-use super::basis::Basis;
 use super::curve::Curve;
 use super::growth::{Phase, ROUNDING};
 use super::straight::Fit;
 use crate::contact::ContactState;
 use crate::model::LumpedModel;
+use crate::study::basis::Basis;
 use nalgebra::Complex;
 use std::collections::HashMap;
 use std::f64::consts::{LN_10, TAU};

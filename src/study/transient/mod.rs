@@ -3,7 +3,6 @@
 //! | file | what it finds |
 //! | --- | --- |
 //! | `linear` | growth and decay mode by mode while no contact changes its state |
-//! | `basis` | the modes of a contact state as a basis of its motions |
 //! | `curve` | one mode over such a stretch of time |
 //! | `growth` | growth and decay in a history, by its bands and its envelope |
 //! | `bands` | the strongest lines, each followed over time by itself |
@@ -13,7 +12,6 @@
 //! | `stretches` | which states each contact takes over time |
 
 mod bands;
-mod basis;
 mod curve;
 mod growth;
 mod linear;

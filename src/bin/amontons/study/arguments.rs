@@ -80,7 +80,7 @@ pub struct Looking {
     /// Time between two looks, s [default: a twentieth of the fastest mode's period]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub interval: Option<f64>,
-    /// How long a motion may take to settle, s [default: 60 windows]
+    /// How long a motion may take to settle, s [default: 60 windows after the last edge of a signal]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub longest: Option<f64>,
 }

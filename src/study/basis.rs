@@ -14,8 +14,8 @@ const WORST: f64 = 1e-6;
 pub(super) struct Basis {
     /// Coordinates that the contacts leave free from degrees of freedom, m × n.
     free: DMatrix<f64>,
-    /// By what velocities are divided, 1/s.
-    pace: f64,
+    /// By what velocities are divided, the largest modulus of an eigenvalue, 1/s.
+    pub(super) pace: f64,
     /// Coefficients of the modes from free coordinates and their velocities, 2m × 2m.
     inverse: DMatrix<Complex<f64>>,
     /// One of each conjugate pair; those of one eigenvalue together.
