@@ -1,7 +1,13 @@
 //! What a motion ends in: rest, a motion of some kind for ever, or growth without bound.
 
 use super::recurrence::Closure;
+use crate::spectral::{Line, Lines};
 use serde::{Deserialize, Serialize};
+
+/// So many lines are told.
+const MOST_LINES: usize = 8;
+/// Two lines that are not told apart have no frequency of their own if the fainter one has this part of the stronger one.
+const BLURRING: f64 = 0.05;
 
 /// The kind of motion that a motion ends in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
@@ -154,6 +160,14 @@ impl Ending {
         self.extents.fill(0.0);
     }
 
+    /// Takes over the strongest of these lines.
+    pub(super) fn take_lines(&mut self, found: &Lines) {
+        let strongest = found.lines.first().filter(|line| is_told_apart(line, found));
+        self.frequency = strongest.map(|line| line.frequency);
+        let lines = found.lines.iter().take(MOST_LINES);
+        self.lines = lines.map(|line| [line.frequency, line.amplitude]).collect();
+    }
+
     /// Takes over what was found of a periodic motion.
     pub(super) fn come_back(&mut self, Closure { period, distance, .. }: Closure) {
         (self.period, self.closure) = (Some(period), Some(distance));
@@ -167,4 +181,14 @@ impl Ending {
             self.lines.iter_mut().for_each(|line| line[0] = exact(line[0]));
         }
     }
+}
+
+/// Does no other line that counts beside this one lie so near that they have moved each other?
+fn is_told_apart(line: &Line, found: &Lines) -> bool {
+    let blurs = |other: &&Line| {
+        other.frequency != line.frequency
+            && (other.frequency - line.frequency).abs() <= found.resolution
+            && other.amplitude >= BLURRING * line.amplitude
+    };
+    !found.lines.iter().any(|other| blurs(&other))
 }

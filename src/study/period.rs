@@ -2,10 +2,14 @@
 
 use crate::Error;
 use crate::simulation::{Simulation, Variable};
+use crate::spectral::{Lines, lines};
 use crate::sweep::passage::Passage;
 
 /// The fewest rows of such a span.
 const FEWEST_ROWS: f64 = 1000.0;
+/// Periods in which the lines of a periodic motion are looked for, and the most rows of all of them.
+const PERIODS: usize = 16;
+const MOST_REPEATED: usize = 400_000;
 
 /// What a motion does over a span of time.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +21,18 @@ pub(super) struct OverSpan {
     /// The part of the time for which contacts are in each state, in the order of
     /// [`ContactState::ALL`](crate::contact::ContactState::ALL).
     pub shares: [f64; 4],
+    /// The output at the end of each row, in its unit, and s between two of them.
+    pub history: Vec<f64>,
+    pub interval: f64,
+}
+
+impl OverSpan {
+    /// The lines of a motion that repeats itself after the span: those of many periods, since one holds none that could be
+    /// told from a drift. `None` of a span of very many rows.
+    pub(super) fn lines_of_period(&self, floor: f64) -> Option<Lines> {
+        let is_short = self.history.len() <= MOST_REPEATED / PERIODS;
+        is_short.then(|| lines(&self.history.repeat(PERIODS), self.interval, floor))
+    }
 }
 
 /// Follows the motion of a simulation over a span (s) in rows of `interval` (s), or shorter ones.
@@ -36,13 +52,16 @@ pub(super) fn over_span(
     let outputs = std::slice::from_ref(output);
     let mut passage = Passage::new(simulation.scene(), outputs).with_displacements(dofs);
     passage.note(&mut simulation)?;
+    let mut history = Vec::new();
     let mut row = 0.0;
     while row < rows {
         row += 1.0;
         simulation.advance_to(start + row / rows * span)?;
         passage.note(&mut simulation)?;
+        history.push(simulation.read(output)?);
     }
     let mut amplitudes = passage.amplitudes();
     let amplitude = amplitudes.next().unwrap_or(0.0);
-    Ok(OverSpan { amplitude, extents: amplitudes.collect(), shares: passage.shares() })
+    let (extents, shares) = (amplitudes.collect(), passage.shares());
+    Ok(OverSpan { amplitude, extents, shares, history, interval: span / rows })
 }

@@ -44,8 +44,6 @@ const TOLD: f64 = 1e-3;
 /// Lines of a motion without a period are told from so many windows before the last one too, since they may lie near each
 /// other.
 const MORE_WINDOWS: usize = 3;
-/// Two lines that are not told apart have no frequency of their own if the fainter one has this part of the stronger one.
-const BLURRING: f64 = 0.05;
 /// Windows from one look at how neighbouring motions part to the next.
 const WINDOWS_BETWEEN: usize = 12;
 
@@ -304,16 +302,23 @@ impl Settling {
             Kind::Unsettled if !ending.is_known() => ending.frequency = None,
             _ => {}
         }
-        if let Some(closure) = self.closures.last().filter(|_| kind.is_cycle()) {
-            ending.come_back(*closure);
-        }
+        let closure = self.closures.last().filter(|_| kind.is_cycle());
         let span = match kind {
-            Kind::Periodic => ending.period,
+            Kind::Periodic => closure.map(|closure| closure.period),
             _ => kind.is_cycle().then_some(self.look.window),
         };
-        if let Some(span) = span {
-            let OverSpan { amplitude, extents, shares } =
-                over_span(simulation, &self.output, span, self.look.interval)?;
+        let over = span.map(|span| over_span(simulation, &self.output, span, self.look.interval));
+        let over = over.transpose()?;
+        if let Some(found) = over.as_ref().filter(|_| kind == Kind::Periodic) {
+            // A window need not hold enough periods to tell the slowest line.
+            if let Some(found) = found.lines_of_period(TOLD) {
+                ending.take_lines(&found);
+            }
+        }
+        if let Some(closure) = closure {
+            ending.come_back(*closure);
+        }
+        if let Some(OverSpan { amplitude, extents, shares, .. }) = over {
             (ending.amplitude, ending.extents, ending.shares) = (amplitude, extents, shares);
             let largest = ending.extents.iter().copied().fold(0.0, f64::max);
             if unit(&self.output) == "m" && ending.amplitude <= ROUNDING * largest {
@@ -440,23 +445,14 @@ impl Settling {
             _ => lines(&self.followed, self.look.interval, TOLD),
         };
         let all = self.states.iter().sum::<u64>().max(1) as f64;
-        Ending {
+        let mut ending = Ending {
             kind,
             amplitude: half_range(&self.followed),
-            frequency: found
-                .lines
-                .first()
-                .filter(|line| is_told_apart(line, &found))
-                .map(|line| line.frequency),
+            frequency: None,
             period: None,
             closure: None,
             parting: None,
-            lines: found
-                .lines
-                .iter()
-                .take(8)
-                .map(|line| [line.frequency, line.amplitude])
-                .collect(),
+            lines: Vec::new(),
             shares: self.states.map(|count| count as f64 / all),
             taken: self.taken,
             time: (self.row - self.began) as f64 * self.look.interval,
@@ -470,7 +466,9 @@ impl Settling {
             scatter: scatter(&self.seen),
             linear: self.linear,
             extents: self.extents.iter().map(|[low, high]| 0.5 * (high - low)).collect(),
-        }
+        };
+        ending.take_lines(&found);
+        ending
     }
 
     /// Are the lines of the last windows the same, and does none grow?
@@ -597,16 +595,6 @@ fn has_no_trend(sizes: &[f64]) -> bool {
     let rises = sizes[first..].windows(2).filter(|two| two[1] > two[0]).count();
     // A drift goes one way, what varies goes both.
     (mean(a) - mean(b)).abs() <= spread && (3..=8).contains(&rises) && spread <= 0.5 * mean(b)
-}
-
-/// Does no other line that counts beside this one lie so near that they have moved each other?
-fn is_told_apart(line: &Line, found: &Lines) -> bool {
-    let blurs = |other: &&Line| {
-        other.frequency != line.frequency
-            && (other.frequency - line.frequency).abs() <= found.resolution
-            && other.amplitude >= BLURRING * line.amplitude
-    };
-    !found.lines.iter().any(|other| blurs(&other))
 }
 
 /// The amplitude of the line of a window that is within this part of the resolution of another line.

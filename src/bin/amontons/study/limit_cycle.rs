@@ -329,7 +329,16 @@ impl Told<'_> {
 
     fn print(&self, runs: &[(Scene, Look)], out: &mut dyn Write) -> std::io::Result<()> {
         let Self { scene, question, found, .. } = self;
-        writeln!(out, "{}: limit cycles over {}", scene.name, question.name)?;
+        match &question.values[..] {
+            [value] => {
+                writeln!(
+                    out,
+                    "{}: what it ends in with {} = {value:?}",
+                    scene.name, question.name
+                )?;
+            }
+            _ => writeln!(out, "{}: limit cycles over {}", scene.name, question.name)?,
+        }
         writeln!(
             out,
             "{}",
@@ -389,6 +398,13 @@ impl Told<'_> {
                 Some(value) => writeln!(out, " (no nearer: {value:?} has not settled)")?,
                 None => writeln!(out)?,
             }
+        }
+        if question.values.len() > 1 {
+            writeln!(
+                out,
+                "changes that come and go between two neighbouring values are not seen; a smaller step of --parameter shows \
+                 them"
+            )?;
         }
         let is_left = |outcome: &Outcome| matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled);
         let left: Vec<(f64, &Look)> = self

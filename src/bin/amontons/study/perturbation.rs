@@ -99,10 +99,16 @@ fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbation
     for Threshold { between: [below, above], attractors: [from, to] } in &found.thresholds {
         println!("  between {below} and {above} {unit}: below {}, above {}", from + 1, to + 1);
     }
-    if found.thresholds.is_empty() {
-        println!("  none: no neighbours that have settled end in different attractors");
-    }
     let left = found.runs.iter().filter(|run| run.attractor.is_none()).count();
+    if found.thresholds.is_empty() && left < found.runs.len() {
+        println!("  none between neighbours that both end in an attractor");
+    }
+    if found.runs.len() > 1 {
+        println!(
+            "  changes that come and go between two neighbouring amplitudes are not seen; a smaller step of --amplitude shows \
+             them"
+        );
+    }
     if left > 0 {
         println!("  unknown beside the runs that have not ended in an attractor, {left} of them");
     }
