@@ -166,7 +166,7 @@ impl Dynamics {
         self.contact_forces_from(&motion.contacts, motion, drive, forces)
     }
 
-    /// The same, of contacts that are in these states.
+    /// The forces of contacts, as [`contact_forces`](Self::contact_forces) has them, if these are the contacts' states.
     ///
     /// # Errors
     /// Contacts that could not be solved.

@@ -249,8 +249,8 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
-    /// No force was found that satisfies the law of this contact (from 0), beside so many others that not all their states
-    /// are tried: there may be one.
+    /// No force was found that satisfies the law of this contact (from 0). It shares masses with so many others that not all
+    /// their states are tried, so there may be one.
     NoneFound {
         /// The contact, from 0.
         contact: usize,

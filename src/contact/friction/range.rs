@@ -36,7 +36,7 @@ impl FrictionRange {
         Self { backward: self.forward, forward: self.backward, ..*self }
     }
 
-    /// The same as [`limit`](Self::limit), to be changed.
+    /// The limit of T/N in a direction, as [`limit`](Self::limit) has it, to be changed.
     #[must_use]
     pub fn limit_mut(&mut self, direction: f64) -> &mut f64 {
         if direction > 0.0 { &mut self.forward } else { &mut self.backward }

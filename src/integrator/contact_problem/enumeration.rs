@@ -9,7 +9,8 @@ use crate::contact::ContactState;
 
 /// The most contacts of a group whose states are all tried: 4⁸ states.
 const MOST_CONTACTS: usize = 8;
-/// The same of contacts that are held in both directions, each of which may press or pull in three states: 6⁶.
+/// All states are tried of at most so many contacts of which some are held in both directions. Each may press or pull in
+/// three states: 6⁶ in all.
 const MOST_HELD: usize = 6;
 /// A state is taken to have forces if the artificial unknowns sum up to no more than this part of the right-hand sides.
 const FEASIBLE: f64 = 1e-11;

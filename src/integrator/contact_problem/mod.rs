@@ -361,7 +361,7 @@ impl ContactProblem {
     }
 }
 
-/// What sweeps that end without forces say: of contacts that jam in them, not that there are no forces.
+/// The failure to report where sweeps end without forces. Contacts that jam in a sweep do not prove that there are no forces.
 fn unproven(failure: StepFailure) -> StepFailure {
     match failure {
         StepFailure::Wedged { contact } => StepFailure::NoneFound { contact },

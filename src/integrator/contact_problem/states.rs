@@ -131,11 +131,7 @@ impl ContactProblem {
         (0..MENDS).any(|_| {
             for place in 0..self.delassus.groups()[group].len() {
                 let contact = self.delassus.groups()[group][place];
-                if self.is_held(contact) {
-                    self.mend_held(contact);
-                } else {
-                    self.mend_state(contact);
-                }
+                self.mend_state(contact);
             }
             self.solve_states(group, strictness)
         })
@@ -144,9 +140,13 @@ impl ContactProblem {
     /// Gives a contact the state that it tends to, if it breaks the law in the one at hand.
     fn mend_state(&mut self, contact: usize) {
         let [a_normal, a_tangential] = self.accelerations[contact].value;
-        let [normal, tangential] = self.forces[contact];
+        let [mut normal, tangential] = self.forces[contact];
+        if self.is_held(contact) {
+            self.pulls[contact] = normal < 0.0;
+            normal = normal.abs();
+        }
         let limits = match &self.freedom[contact] {
-            Freedom::Law(range) => [range.backward, range.forward],
+            Freedom::Law(range) | Freedom::Held(range) => [range.backward, range.forward],
             _ => [f64::INFINITY; 2],
         };
         let state = &mut self.states[contact];
@@ -158,24 +158,6 @@ impl ContactProblem {
             ContactState::Stick if tangential < -limits[0] * normal => ContactState::ReverseSlide,
             ContactState::Slide if a_tangential > 0.0 => ContactState::Stick,
             ContactState::ReverseSlide if a_tangential < 0.0 => ContactState::Stick,
-            state => state,
-        };
-    }
-
-    /// The same for a contact that is held in both directions.
-    fn mend_held(&mut self, contact: usize) {
-        let slip = self.accelerations[contact].value[1];
-        let [normal, tangential] = self.forces[contact];
-        self.pulls[contact] = normal < 0.0;
-        let Freedom::Held(range) = &self.freedom[contact] else { return };
-        let state = &mut self.states[contact];
-        *state = match *state {
-            ContactState::Stick if tangential > range.forward * normal.abs() => ContactState::Slide,
-            ContactState::Stick if tangential < -range.backward * normal.abs() => {
-                ContactState::ReverseSlide
-            }
-            ContactState::Slide if slip > 0.0 => ContactState::Stick,
-            ContactState::ReverseSlide if slip < 0.0 => ContactState::Stick,
             state => state,
         };
     }
@@ -220,34 +202,25 @@ impl ContactProblem {
             let is_held = |row: usize| value[row].abs() <= missed * terms[row];
             // What rounding in the acceleration makes of the normal force.
             let nothing = room * terms[0] / self.delassus.own(contact)[0];
-            let presses = || is_held(0) && is_above(normal, nothing);
             let sign = self.freedom[contact].sign(self.pulls[contact]);
-            let has_sign = || is_held(0) && is_above(sign * normal, nothing);
+            let presses = || is_held(0) && is_above(sign * normal, nothing);
             match (&self.freedom[contact], self.states[contact]) {
                 (Freedom::Open, _) => true,
                 (Freedom::Fixed, _) => is_held(0) && is_held(1),
                 (Freedom::Guided { .. }, _) => is_held(0),
                 (_, ContactState::Detached) => is_above(value[0], room * terms[0]),
-                (Freedom::Law(range), ContactState::Stick) => {
-                    let limits = [range.backward, range.forward];
-                    let [below, above] =
-                        [tangential + limits[0] * normal, limits[1] * normal - tangential];
-                    let nothing = nothing * (1.0 + limits[0].max(limits[1]));
-                    presses() && is_held(1) && is_above(below, nothing) && is_above(above, nothing)
-                }
-                (Freedom::Held(range), ContactState::Stick) => {
-                    let normal = normal.abs();
-                    let nothing = nothing * (1.0 + range.backward.max(range.forward));
+                (freedom @ (Freedom::Law(range) | Freedom::Held(range)), ContactState::Stick) => {
+                    // The equations of a contact that is held and sticks are the same whether it presses or pulls.
+                    let (has_sign, normal) = match freedom {
+                        Freedom::Held(_) => (is_held(0), normal.abs()),
+                        _ => (presses(), normal),
+                    };
                     let below = tangential + range.backward * normal;
                     let above = range.forward * normal - tangential;
-                    is_held(0) && is_held(1) && is_above(below, nothing) && is_above(above, nothing)
+                    let nothing = nothing * (1.0 + range.backward.max(range.forward));
+                    has_sign && is_held(1) && is_above(below, nothing) && is_above(above, nothing)
                 }
-                (Freedom::Held(_), state) => {
-                    let direction = state.sliding_direction().unwrap_or(1.0);
-                    has_sign() && is_above(-direction * value[1], room * terms[1])
-                }
-                (Freedom::HeldSlipping { .. }, _) => has_sign(),
-                (Freedom::Law(_), state) => {
+                (Freedom::Law(_) | Freedom::Held(_), state) => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
                     presses() && is_above(-direction * value[1], room * terms[1])
                 }
