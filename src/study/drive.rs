@@ -7,7 +7,7 @@ use crate::simulation::Simulation;
 /// Frequencies are multiples of a common one if they meet them to this part: some roundings of the numbers that a person
 /// writes.
 const SAME: f64 = 1e-12;
-/// The common period of two sines has at most so many periods of either.
+/// A common period of two sines that holds more than this number of periods of either is not looked for.
 const MOST_PERIODS: f64 = 100_000.0;
 
 /// The time, s, from which on each signal is constant or a sine that never ends.

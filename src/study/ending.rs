@@ -4,7 +4,7 @@ use super::recurrence::Closure;
 use crate::spectral::{Line, Lines};
 use serde::{Deserialize, Serialize};
 
-/// So many lines are told.
+/// No more lines of a motion are told.
 const MOST_LINES: usize = 8;
 /// Two lines that are not told apart have no frequency of their own if the fainter one has this part of the stronger one.
 const BLURRING: f64 = 0.05;
@@ -17,8 +17,8 @@ pub enum Kind {
     Equilibrium,
     /// Its whole state comes back after a period.
     Periodic,
-    /// Its state does not come back within 64 periods of its strongest line and of its signals together, neighbouring motions do not part
-    /// exponentially, and all strong lines of its spectrum are combinations of two frequencies.
+    /// Its state does not come back within 64 periods of its strongest line and of its signals together, neighbouring motions
+    /// do not part exponentially, and all strong lines of its spectrum are combinations of two frequencies.
     QuasiPeriodic,
     /// Its state does not come back, and neighbouring motions part exponentially.
     Irregular,

@@ -5,11 +5,10 @@
 //! motion than that makes a contact change its state and loses energy, until it is as small.
 
 use super::basis::Basis;
-use super::linear::{Growth, MORE_THAN_ROUNDING, growth};
+use super::linear::{Growth, MORE_THAN_ROUNDING, growth, linearised};
 use super::look::Look;
 use super::recurrence::{begin_fast, way_of_a_step};
 use crate::Error;
-use crate::model::LumpedModel;
 use crate::simulation::Simulation;
 use std::f64::consts::TAU;
 
@@ -107,10 +106,8 @@ fn changes_states(
 
 /// The modes of the present contact states that oscillate and neither grow nor decay. `None` where they are not known.
 fn neutral_modes(simulation: &Simulation) -> Option<Vec<Neutral>> {
-    let scene = simulation.acting();
-    let mut model = LumpedModel::from(scene);
-    model.linearise(simulation.reference());
-    let basis = Basis::of(&model, simulation.contact_states(), scene.friction_coefficient)?;
+    let friction = simulation.acting().friction_coefficient;
+    let basis = Basis::of(&linearised(simulation), simulation.contact_states(), friction)?;
     let is_neutral = |rate: f64| rate.abs() <= MORE_THAN_ROUNDING * basis.pace;
     let groups = basis.modes.iter().filter(|group| {
         is_neutral(group.eigenvalue.re) && group.eigenvalue.im > MORE_THAN_ROUNDING * basis.pace

@@ -39,6 +39,17 @@ pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
     if !has_linear_friction(scene) {
         return None;
     }
+    let states = simulation.contact_states();
+    let spectrum =
+        Spectrum::of(&linearised(simulation), states, scene.friction_coefficient).ok()?;
+    let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
+    let rate = spectrum.growth_rate();
+    Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })
+}
+
+/// The model of what acts now, linearised about the equilibrium; contacts that do not rub have no friction.
+pub(super) fn linearised(simulation: &Simulation) -> LumpedModel {
+    let scene = simulation.acting();
     let mut model = LumpedModel::from(scene);
     model.linearise(simulation.reference());
     for contact in &mut model.contacts {
@@ -46,11 +57,7 @@ pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
             (contact.own.friction_coefficient, contact.steady) = (Some(0.0), None);
         }
     }
-    let states = simulation.contact_states();
-    let spectrum = Spectrum::of(&model, states, scene.friction_coefficient).ok()?;
-    let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
-    let rate = spectrum.growth_rate();
-    Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })
+    model
 }
 
 /// Can friction take no other size than in proportion to the normal force?

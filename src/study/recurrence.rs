@@ -27,11 +27,11 @@ const NEAR: f64 = 0.4;
 const COMES_BACK: f64 = 2e-3;
 /// A state that comes back to within this part belongs to one.
 const CLOSED: f64 = 1e-6;
-/// Within a period events may come a step too early or too late several times: a state comes back to so many times the way of a
-/// step, and whether a motion that misses by up to so many comes back cannot be told.
+/// Events of the paper's scheme come up to a step too early or too late, several of them in a period. A state that comes back
+/// within the way of 4 steps belongs to a periodic motion; of one within the way of 10 steps that cannot be told.
 const WOBBLE: f64 = 4.0;
 const MOST_WOBBLE: f64 = 10.0;
-/// What rounding does to a force, in parts of it.
+/// Rounding changes a force by this part of it.
 const FORCE_ROUNDING: f64 = 1e-15;
 /// Rows between two questions whether anyone still waits.
 const ROWS_AT_ONCE: f64 = 256.0;
@@ -162,13 +162,13 @@ pub(super) fn closure(
     if scale.displacement <= 0.0 || scale.velocity <= 0.0 {
         return Ok(Search::NoReturn);
     }
-    let (from, origin) = (start.save(), State::of(&start));
-    let course = Course { from: &from, start: start.time() };
+    let (begin, origin) = (Return { after: 0.0, state: start.save() }, State::of(&start));
+    let course = Course { from: &begin.state, start: start.time() };
     let window = rows as f64 * interval;
     // Rounding of forces moves the state, too.
     let rounding = FORCE_ROUNDING * deflection(simulation) / scale.displacement;
     let closed = CLOSED.max(WOBBLE * way_of_a_step(simulation, frequency)).max(rounding);
-    let seeker = Seeker { course, origin, scale, interval, window, closed, is_over };
+    let seeker = Seeker { course, begin: &begin, origin, scale, interval, window, closed, is_over };
     let most = MOST_WINDOWS * window;
     let own = MOST_PERIODS / frequency;
     let mut is_whole = own <= most;
@@ -194,7 +194,7 @@ pub(super) fn closure(
     })
 }
 
-/// What a search for a period has found.
+/// The result of a search for a period.
 pub(super) enum Search {
     Found(Closure),
     /// The motion does not come back within [`MOST_PERIODS`] periods of the drive and of its strongest line.
@@ -206,6 +206,8 @@ pub(super) enum Search {
 /// Looks for a period.
 struct Seeker<'a> {
     course: Course<'a>,
+    /// The state that the search begins in, and a copy of it.
+    begin: &'a Return,
     origin: State,
     scale: Scale,
     /// s, between two rows, and of a window.
@@ -294,9 +296,8 @@ impl Seeker<'_> {
         if away > 4.0 * COMES_BACK {
             return Ok(None);
         }
-        let begin = Return { after: 0.0, state: self.course.from.clone() };
         let part = there.after;
-        let distance = self.distance_over([&begin, there], part)?;
+        let distance = self.distance_over([self.begin, there], part)?;
         if distance > COMES_BACK {
             return Ok(None);
         }
@@ -304,7 +305,7 @@ impl Seeker<'_> {
             let mut motion = Simulation::resume(there.state.clone())?;
             for parts in (2..=MOST_PARTS).map(f64::from) {
                 let whole = self.bring(&mut motion, parts * part)?;
-                let nearer = self.distance_over([&begin, &whole], whole.after)?;
+                let nearer = self.distance_over([self.begin, &whole], whole.after)?;
                 if nearer <= NEARER * distance {
                     return self.closure(&whole, nearer, Some(there)).map(Some);
                 }
@@ -324,25 +325,28 @@ impl Seeker<'_> {
         let period = there.after;
         let is_shortest = match shorter {
             None => true,
-            Some(shorter) => {
-                let begin = Return { after: 0.0, state: self.course.from.clone() };
-                let before = self.distance_over([&begin, shorter], period)?;
-                // The same return from a state that is the same if the motion is periodic.
-                let periods = (self.window / period).ceil();
-                // Both ends of it have moved by no more than this distance a period.
-                if 2.0 * periods * distance <= SAME_RETURN * before {
-                    true
-                } else {
-                    let later = period * periods;
-                    let mut motion = Simulation::resume(there.state.clone())?;
-                    let from = self.bring(&mut motion, later)?;
-                    let to = self.bring(&mut motion, later + shorter.after)?;
-                    let now = self.distance_over([&from, &to], period)?;
-                    (now / before - 1.0).abs() <= SAME_RETURN
-                }
-            }
+            Some(shorter) => self.stays_away(shorter, there, distance)?,
         };
         Ok(Closure { period, distance, is_shortest, is_closed: distance <= self.closed })
+    }
+
+    /// Is a shorter return as far away some periods later? The motion is so far (`distance`) from itself after `there`, a
+    /// period.
+    fn stays_away(&self, shorter: &Return, there: &Return, distance: f64) -> Result<bool, Error> {
+        let period = there.after;
+        let before = self.distance_over([self.begin, shorter], period)?;
+        let periods = (self.window / period).ceil();
+        // Both ends of the return have moved by no more than this distance a period.
+        if 2.0 * periods * distance <= SAME_RETURN * before {
+            return Ok(true);
+        }
+        // From a state that is the same if the motion is periodic.
+        let later = period * periods;
+        let mut motion = Simulation::resume(there.state.clone())?;
+        let from = self.bring(&mut motion, later)?;
+        let to = self.bring(&mut motion, later + shorter.after)?;
+        let now = self.distance_over([&from, &to], period)?;
+        Ok((now / before - 1.0).abs() <= SAME_RETURN)
     }
 
     /// Brings a motion to a time (s) after the state that the search began in, unless no one waits for it any more.

@@ -69,7 +69,7 @@ pub(crate) struct Settling {
     before: Statistics,
     /// s, from when on signals only repeat themselves.
     last_edge: f64,
-    /// As [`deflection`] has it, m.
+    /// How far the forces at rest would bend the structure, m: [`deflection`].
     deflection: f64,
     /// How many windows have ended.
     windows: usize,

@@ -3,12 +3,14 @@
 use super::steady::{ROUNDING, drifts, is_steady};
 use crate::spectral::Window;
 
-/// Weighted sums over the rows of a quarter, of what a displacement is more than in the quarter's first row.
+/// Weighted sums over the rows of a quarter, of what a displacement is more than in the quarter's first row, and its extent.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     first: f64,
     linear: f64,
     square: f64,
+    /// The smallest and the largest value, m.
+    extent: [f64; 2],
 }
 
 /// The displacements of a run, row by row, as far as their sizes ask for it.
@@ -21,8 +23,8 @@ pub(super) struct Quarters {
     weights: Vec<f64>,
     /// For each displacement the sums of its quarters.
     sums: Vec<[Sums; 4]>,
-    /// For each displacement its smallest and its largest value in each quarter, and before the first one, m.
-    extents: Vec<[[f64; 2]; 5]>,
+    /// For each displacement its smallest and its largest value in the window, m.
+    extents: Vec<[f64; 2]>,
 }
 
 impl Quarters {
@@ -40,21 +42,20 @@ impl Quarters {
     /// Takes the displacements (m) of the next row.
     pub fn note(&mut self, displacement: &[f64]) {
         self.sums.resize(displacement.len(), <[Sums; 4]>::default());
-        self.extents.resize(displacement.len(), [[f64::INFINITY, f64::NEG_INFINITY]; 5]);
-        let row = self.row.checked_sub(self.before);
-        let part = row.map_or(0, |row| (1 + row / self.rows()).min(4));
-        for (extents, x) in self.extents.iter_mut().zip(displacement) {
-            let [low, high] = extents[part];
-            extents[part] = [low.min(*x), high.max(*x)];
+        self.extents.resize(displacement.len(), [f64::INFINITY, f64::NEG_INFINITY]);
+        for (extent, x) in self.extents.iter_mut().zip(displacement) {
+            *extent = [extent[0].min(*x), extent[1].max(*x)];
         }
+        let row = self.row.checked_sub(self.before);
         self.row += 1;
         let Some(row) = row.filter(|row| *row < 4 * self.rows()) else { return };
         let (quarter, place) = (row / self.rows(), row % self.rows());
         for (x, sums) in displacement.iter().zip(&mut self.sums) {
             let sums = &mut sums[quarter];
             if place == 0 {
-                sums.first = *x;
+                (sums.first, sums.extent) = (*x, [*x; 2]);
             }
+            sums.extent = [sums.extent[0].min(*x), sums.extent[1].max(*x)];
             let off = x - sums.first;
             sums.linear += self.weights[place] * off;
             sums.square += self.weights[place] * off * off;
@@ -63,11 +64,7 @@ impl Quarters {
 
     /// Does everything rest: does no displacement vary by more than `least` (m)?
     pub fn rest(&self, least: f64) -> bool {
-        self.extents.iter().all(|parts| {
-            let low = parts.iter().map(|[low, _]| *low).fold(f64::INFINITY, f64::min);
-            let high = parts.iter().map(|[_, high]| *high).fold(f64::NEG_INFINITY, f64::max);
-            high - low <= least
-        })
+        self.extents.iter().all(|[low, high]| high - low <= least)
     }
 
     /// Does the size of each displacement stay? `false` where some do not and all of these grow, or all of them decay, from
@@ -85,10 +82,8 @@ impl Quarters {
         let least = least.max(ROUNDING * largest);
         let stays =
             |sizes: &&[f64; 4]| sizes.iter().all(|size| *size <= least) || is_steady(&sizes[..]);
-        let ranges = self.extents.iter().map(|parts| {
-            let [_, quarters @ ..] = parts.map(|[low, high]| high - low);
-            quarters
-        });
+        let range = |sums: &Sums| sums.extent[1] - sums.extent[0];
+        let ranges = self.sums.iter().map(|quarters| quarters.each_ref().map(range));
         let mut moving = sizes.iter().zip(ranges).filter(|(sizes, _)| !stays(sizes)).peekable();
         let Some((first, _)) = moving.peek() else { return Some(true) };
         let grows = |sizes: &[f64; 4]| sizes[3] > sizes[0];
