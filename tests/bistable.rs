@@ -67,7 +67,7 @@ fn every_candidate_begins_to_grow_where_it_is_said_to_at_its_frequency() {
 
 /// The state that needs least is first; to stick a module needs the kinetic energy of m2 at the slider's speed.
 #[test]
-fn candidates_are_ranked_by_the_energy_that_a_motion_needs_to_reach_their_state() {
+fn candidates_are_ranked_by_the_energy_of_masses_that_move_with_their_surface() {
     let (scene, model) = set2();
     let found = found();
     let energies: Vec<f64> = found.candidates.iter().map(|c| c.reach.unwrap().energy).collect();

@@ -137,8 +137,10 @@ fn print_candidates(
     }
     writeln!(
         out,
-        "\nA motion has had at least the energy of `needs` before its contacts are in the state, and no slower push of \
-         one degree of freedom has it; the state that needs least is first"
+        "\n`needs` ranks the states, the least first: contacts that stick or turn round then have the velocities of their \
+         surfaces, and the normal force of each that opens falls to zero while the others slide. `push` is the velocity of \
+         the heaviest degree of freedom with this energy. Neither is a threshold: friction feeds smaller motions until they \
+         are as large, and a blow that lifts a mass off opens its contact with less"
     )?;
     print_width(widest, out)
 }
