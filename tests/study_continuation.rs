@@ -68,9 +68,14 @@ fn the_scenes_own_start_is_tried_beside_a_driven_motion_as_it_is_beside_rest() {
     let [low, high, alone] = &found.falling[..] else { panic!("{:?}", found.falling) };
     let sizes = [low, high].map(amplitude);
     assert!(forced(alone) && sizes[0] > sizes[1] && sizes[1] > 0.02, "{sizes:?}, {alone:?}");
-    let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
-    assert!(!range.rests && range.range[0] == 0.38 && range.bounded == [false, true]);
-    assert!((0.4..0.55).contains(&range.range[1]), "{range:?}");
+    // One range, or two that touch where the larger motion may have lost its period.
+    let ranges = &found.bistable;
+    assert!((1..=2).contains(&ranges.len()), "{ranges:?}");
+    let [first, last] = [&ranges[0], &ranges[ranges.len() - 1]];
+    assert!(ranges.windows(2).all(|two| two[0].range[1] == two[1].range[0]), "{ranges:?}");
+    assert!(ranges.iter().all(|range| !range.rests) && first.range[0] == 0.38, "{ranges:?}");
+    assert!(!first.bounded[0] && last.bounded[1], "{ranges:?}");
+    assert!((0.4..0.55).contains(&last.range[1]), "{ranges:?}");
 }
 
 /// Two masses that stick and slip, of 7 mm at µ = 0.3 and of 17 mm at 0.2: two motions, of which neither can be followed to
@@ -109,6 +114,43 @@ fn each_motion_that_the_scenes_own_start_leads_to_is_followed() {
     let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
     assert!(range.rests && range.bounded == [false, true] && range.third.is_some(), "{range:?}");
     assert!(range.range[0] == 0.2 && (0.4..0.5).contains(&range.range[1]), "{range:?}");
+}
+
+/// A ring of two modules with many cycles beside rest, each of which gives way to another one after a small change of µ: the
+/// scene's own start leads at µ = 1 to one of 503 µm that jumps at 1.00875 to one of 210 µm, and that one at 1.0288 to one of
+/// 117 µm. Motions after a jump were once dropped, and rest and a cycle were said to be side by side up to the first jump
+/// only. By a time stepping of another author (Moreau and Jean) there are cycles at all of these values: of 119 µm at 1.02 and
+/// of 113 µm at 1.05.
+#[test]
+fn motions_are_followed_beyond_the_jumps_that_lead_to_them() {
+    let text = r#"
+        slider = { velocity = -0.06, angle = 0.4 }
+        friction = { coefficient = 1.1, static = 1.3 }
+        damping = { beta = 3e-5 }
+        initial = [{ module = 1, v2 = 0.2 }]
+        integrator = { step = 2e-6 }
+        experiment = { stop_time = 1.0, output_interval = 2e-4 }
+        [ring]
+        modules = 2
+        m1 = 0.35
+        m2 = 0.65
+        k1 = 50e3
+        k2 = 65e3
+        k3 = 25e3
+        k4 = 62e3
+        k5 = 280e3
+        k6 = 240e3
+        preload = 4.5e-3
+    "#;
+    let mut scene = parse("ring", text).unwrap();
+    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
+    for values in [&[1.0, 1.05][..], &[1.0, 1.02, 1.05]] {
+        let found = whole(&(scene.clone(), look.clone()), values, 1e-3);
+        let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
+        assert!(range.rests && range.range == [1.0, 1.05], "{range:?}");
+        let last = amplitude(&found.falling[values.len() - 1]);
+        assert!((110e-6..140e-6).contains(&last), "{last}");
+    }
 }
 
 fn amplitude(point: &Point) -> f64 {

@@ -419,10 +419,14 @@ fn a_motion_that_a_start_leads_to_at_some_values_is_followed_to_both_of_its_ends
     assert!(range.rests && (range.range[1] - low).abs() < 1e-4, "{range:?} {low}");
     assert_eq!((range.range[0], range.bounded), (0.3, [false, true]));
     // The way downwards has gone from 0.5 to 0.4 before, at rest: that is other work than the cycle's way there, which a
-    // resolution wider than the steps would show at once.
+    // resolution wider than the steps would show at once. Smaller changes on that way may push the cycle to rest.
     let coarse = followed(&block, &[0.3, 0.4, 0.5, 0.6], 0.2);
-    let rests = |way| coarse.jumps.iter().any(|jump| jump.way == way && jump.endings[1].rests());
-    assert!(rests(Way::Rising) && !rests(Way::Falling), "{:?}", coarse.jumps);
+    let to_rest = |way| {
+        let of_way = coarse.jumps.iter().filter(move |jump| jump.way == way);
+        of_way.filter(|jump| jump.endings[1].rests())
+    };
+    assert!(to_rest(Way::Rising).next().is_some(), "{:?}", coarse.jumps);
+    assert!(to_rest(Way::Falling).all(|jump| jump.between != [0.5, 0.4]), "{:?}", coarse.jumps);
 }
 
 /// A damped block on a belt whose friction falls with the slip, N (µ_s − µ)/v_s e^(−v/v_s) against c: sliding is stable

@@ -46,6 +46,8 @@ const TOLD: f64 = 1e-3;
 const MORE_WINDOWS: usize = 3;
 /// Windows from one look at how neighbouring motions part to the next.
 const WINDOWS_BETWEEN: usize = 12;
+/// Windows after which a period is looked for again where none was found: that takes longer than a window.
+const WINDOWS_IN_VAIN: usize = 4;
 
 /// A motion that is looked at until it is settled.
 pub(crate) struct Settling {
@@ -77,6 +79,8 @@ pub(crate) struct Settling {
     seen: Vec<Seen>,
     /// How the state came back at the end of each window since the motion was steady.
     closures: Vec<Closure>,
+    /// How many windows had ended when the state was last seen not to come back.
+    looked_in_vain: usize,
     /// Of the rows of a window.
     weights: Vec<f64>,
 }
@@ -151,6 +155,7 @@ impl Settling {
             windows: 0,
             seen: Vec::new(),
             closures: Vec::new(),
+            looked_in_vain: 0,
             #[allow(clippy::cast_possible_truncation)]
             weights: Window::BlackmanHarris.weights(look.rows() as usize),
         };
@@ -397,10 +402,15 @@ impl Settling {
         if !is_due && period(simulation).is_some_and(|period| period > self.look.window) {
             return Ok(None);
         }
+        let looked_in_vain = self.windows < self.looked_in_vain + WINDOWS_IN_VAIN;
+        if !is_due && looked_in_vain {
+            return Ok(None);
+        }
         let search = closure(simulation, interval, main, self.look.rows(), is_over)?;
         let was_cut_short = matches!(search, Search::CutShort);
         if !matches!(search, Search::Found(_)) {
             self.closures.clear();
+            self.looked_in_vain = self.windows;
         }
         if let Search::Found(found) = search {
             self.closures.push(found);

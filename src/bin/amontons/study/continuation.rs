@@ -167,11 +167,18 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
     row
 }
 
-/// Values of µ in a candidate's range at which one way ends in rest and the other in a cycle in which contacts take the
-/// candidate's states together.
+/// Values of µ in a candidate's range at which rest was met and a cycle in which contacts take the candidate's states
+/// together.
 fn met(compared: &[Both]) -> Vec<f64> {
     let is_met = |both: &&Both| both.takes.contains(&true);
-    compared.iter().filter(is_met).map(|both| both.friction).collect()
+    looked_at(compared.iter().filter(is_met))
+}
+
+/// Values of µ of motions beside rest, of which a value may have several.
+fn looked_at<'a>(compared: impl Iterator<Item = &'a Both>) -> Vec<f64> {
+    let mut values: Vec<f64> = compared.map(|both| both.friction).collect();
+    values.dedup();
+    values
 }
 
 /// Amplitude and frequency of both ways, jumps as marks, ranges with two motions shaded.
@@ -284,7 +291,7 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     };
     let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, seen)];
     let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
-    for jump in found.jumps.iter().filter(|jump| jump.among == way) {
+    for jump in found.jumps.iter().filter(|jump| jump.among == Some(way)) {
         let [before, after] = &jump.endings;
         curve.push([jump.between[0], seen(before)]);
         curve.push([jump.at(), f64::NAN]);
@@ -333,29 +340,33 @@ fn print(scene: &Scene, look: &Look, found: &Continuation) {
             both.words()
         );
         if let Some(Third { friction, ending }) = third {
-            println!(
-                "    and a third motion: at {friction:.6} the scene's own start leads to {}",
-                told(ending)
-            );
+            println!("    and a third motion: at {friction:.6} {}", told(ending));
         }
     }
     for [from, to] in &found.unknown {
         println!(
-            "  {from:.6} to {to:.6}: unknown, for one of the ways has no settled motion there; a longer --longest may decide"
+            "  {from:.6} to {to:.6}: unknown, for a motion that was met there has not settled, which a longer --longest may \
+             decide, or could not be followed"
         );
     }
     if found.bistable.is_empty() && found.unknown.is_empty() {
         println!("  {}", none(found));
     }
+    if found.more {
+        println!(
+            "  Not all motions that were met are followed to their ends, which takes too long: ranges may be wider. A \
+             narrower --friction follows them further."
+        );
+    }
+    println!(
+        "  Known are only motions met from rest, from the scene's own start, or where one of these ends; others may exist."
+    );
 }
 
-/// Has the downward way, too, begun at rest, and no start of the scene's own led it to a motion beside that?
+/// `true` where the way downwards, too, has begun at rest, and no other motion was met beside the first.
 fn only_rests(found: &Continuation) -> bool {
     let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
-    let is_begun = |jump: &Jump| (jump.way, jump.among) == (Way::Rising, Way::Falling);
-    found.bistable.is_empty()
-        && found.falling.last().is_some_and(rests)
-        && !found.jumps.iter().any(is_begun)
+    found.bistable.is_empty() && found.falling.last().is_some_and(rests)
 }
 
 /// Says what is known of second motions after both ways have ended in the same motion at every compared value.
@@ -363,7 +374,7 @@ fn none(found: &Continuation) -> &'static str {
     if only_rests(found) {
         "unknown: the downward way has begun at rest too, and a motion beside rest may exist that no start has led to"
     } else {
-        "none: both ways end in the same motion at each value at which they were compared"
+        "none: all that was met ends in the same motion at each value at which it was compared"
     }
 }
 
@@ -410,8 +421,8 @@ fn print_eigenvalues(
         let found = match (&met[..], compared.is_empty()) {
             ([], true) => "not known: no cycle beside rest was found in this range".to_owned(),
             ([], false) => format!(
-                "not met by the cycle beside rest that was followed, at {}; another one may meet it",
-                listed(compared.iter().map(|both| both.friction))
+                "not met by the cycles beside rest that were followed, at {}; another one may meet it",
+                listed(looked_at(compared.iter()).into_iter())
             ),
             (values, _) => {
                 let values = listed(values.iter().copied());

@@ -1,0 +1,165 @@
+//! What a continuation tells: the motions of both ways, jumps, and ranges with two motions.
+
+use crate::study::ending::{Ending, Kind};
+use serde::{Deserialize, Serialize};
+
+/// Which way µ goes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Way {
+    /// From the first value to the last.
+    Rising,
+    /// From the last value to the first.
+    Falling,
+}
+
+impl Way {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Rising, Self::Falling];
+
+    /// The opposite one.
+    pub(super) const fn other(self) -> Self {
+        match self {
+            Self::Rising => Self::Falling,
+            Self::Falling => Self::Rising,
+        }
+    }
+
+    /// As tables and the journal have it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Rising => "rising",
+            Self::Falling => "falling",
+        }
+    }
+}
+
+/// A value of µ on one of the ways.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Point {
+    /// µ.
+    pub friction: f64,
+    /// What the motion ends in, or why it has failed; after a failure a way is not followed further.
+    pub ending: Result<Ending, String>,
+}
+
+/// Where one motion gives way to another.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Jump {
+    /// Which way µ goes.
+    pub way: Way,
+    /// The way whose values it lies among; `None` of an end of a motion that stands among neither way's values. The falling
+    /// way, too, has jumps of rising µ: upper ends of motions that stand among its values.
+    pub among: Option<Way>,
+    /// The last µ that still has the motion, and the first that has it no more.
+    pub between: [f64; 2],
+    /// The motion there, before and after.
+    pub endings: [Ending; 2],
+}
+
+impl Jump {
+    /// The middle of its bounds.
+    #[must_use]
+    pub fn at(&self) -> f64 {
+        0.5 * (self.between[0] + self.between[1])
+    }
+}
+
+/// A range of µ in which two different motions were met.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Bistable {
+    /// From and to, by the jumps that bound it or, where it reaches the ends of what was followed, those values.
+    pub range: [f64; 2],
+    /// `true` for an end that is bounded by a jump.
+    pub bounded: [bool; 2],
+    /// `true` if one of the two motions is rest.
+    pub rests: bool,
+    /// The kinds of both: where they differ, those of the ways upwards and downwards. What decays to rest has that of rest.
+    pub kinds: [Kind; 2],
+    /// Where a third motion was met.
+    pub third: Option<Third>,
+}
+
+impl Bistable {
+    /// Both motions in words, such as `rest and a cycle`.
+    #[must_use]
+    pub fn words(&self) -> String {
+        words(self.kinds)
+    }
+}
+
+/// A motion beside two others.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Third {
+    /// µ.
+    pub friction: f64,
+    /// The motion.
+    pub ending: Ending,
+}
+
+/// Two motions in words, rest first and cycles before others.
+pub(super) fn words(kinds: [Kind; 2]) -> String {
+    let one = |kind: Kind| match kind {
+        Kind::Equilibrium => (0, "rest", "rest"),
+        Kind::Periodic | Kind::QuasiPeriodic => (1, "a cycle", "two cycles"),
+        Kind::Irregular => (2, "an irregular motion", "two irregular motions"),
+        Kind::Undecided => (3, "an undecided motion", "two undecided motions"),
+        Kind::Unsettled => {
+            (4, "a motion that has not settled", "two motions that have not settled")
+        }
+        Kind::Unbounded => (5, "growth without bound", "growth without bound"),
+    };
+    let mut both = kinds.map(one);
+    both.sort_unstable();
+    let [first, second] = both;
+    if first == second { first.2.to_owned() } else { format!("{} and {}", first.1, second.1) }
+}
+
+/// Rest and a motion beside it at one value of µ.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Both {
+    /// µ.
+    pub friction: f64,
+    /// Rest first.
+    pub endings: [Ending; 2],
+    /// `true` of a motion in which contacts take the states of the candidate that it was looked at for.
+    pub takes: [bool; 2],
+}
+
+/// What was followed.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Continuation {
+    /// By ascending µ.
+    pub rising: Vec<Point>,
+    /// By ascending µ too. The way begins from the scene's own start at the last value. Where both ways end in the same
+    /// motion and another cycle was met, that one stands here in its place.
+    pub falling: Vec<Point>,
+    /// By ascending µ, rising ones first.
+    pub jumps: Vec<Jump>,
+    /// By ascending µ.
+    pub bistable: Vec<Bistable>,
+    /// Ranges of µ in which a motion was met that is not known and that may be a second one, by ascending µ.
+    pub unknown: Vec<[f64; 2]>,
+    /// `true` where motions were met that were not followed to their ends, which takes too long.
+    pub more: bool,
+    /// For each of [`Plan::candidates`](super::Plan::candidates) some values of µ in each part of it in which both rest and a
+    /// motion beside it were met, once for each such motion.
+    pub compared: Vec<Vec<Both>>,
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn two_motions_are_called_what_they_are() {
+        let said = |a, b| words([a, b]);
+        assert_eq!(said(Kind::Periodic, Kind::Equilibrium), "rest and a cycle");
+        assert_eq!(said(Kind::Periodic, Kind::QuasiPeriodic), "two cycles");
+        assert_eq!(said(Kind::Undecided, Kind::Periodic), "a cycle and an undecided motion");
+        assert_eq!(said(Kind::Equilibrium, Kind::Irregular), "rest and an irregular motion");
+        assert_eq!(said(Kind::Undecided, Kind::Undecided), "two undecided motions");
+        assert_eq!(said(Kind::Unbounded, Kind::Equilibrium), "rest and growth without bound");
+    }
+}

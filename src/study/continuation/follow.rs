@@ -1,0 +1,278 @@
+//! Following a motion from one value of µ to the next.
+
+use super::Plan;
+use super::findings::{Jump, Point, Way};
+use super::followed::{Followed, Reached, is_known, is_open};
+use crate::Error;
+use crate::scene::Scene;
+use crate::simulation::{Progress, Simulation, Snapshot, assign};
+use crate::study::Watch;
+use crate::study::difference::{OTHER_EXTENT, distance, have_other_kinds};
+use crate::study::ending::{Ending, Kind};
+use crate::study::journal::Journal;
+use crate::study::push::Push;
+use crate::study::settling::settle;
+use crate::sweep::FRICTION;
+use serde::{Deserialize, Serialize};
+use std::collections::HashMap;
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// A motion that has not settled and in which contacts change their states is followed for this many times longer.
+const MORE_TIMES: usize = 2;
+/// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution.
+const STEEP: f64 = 1.0 / 16.0;
+
+/// How many rows a motion may take from a value that it has passed to another one at which it is compared.
+const ROWS_BETWEEN: u64 = 10_000_000;
+
+/// A piece of the work: what was found, and the state from which the next value starts.
+#[derive(Clone, Debug, Serialize, Deserialize)]
+struct Piece {
+    ending: Result<Ending, String>,
+    progress: Option<Progress>,
+}
+
+/// The state that a value starts in.
+#[derive(Clone, Copy)]
+pub(super) enum Start<'a> {
+    /// That in which another value has ended.
+    From(&'a Reached),
+    /// That of the first value of a way: upwards at rest, downwards as the scene says, which may be in a cycle.
+    Scene(Way),
+}
+
+/// A plan on its way.
+pub(super) struct Run<'a> {
+    pub(super) plan: &'a Plan<'a>,
+    pub(super) journal: &'a Journal,
+    pub(super) watch: Watch<'a>,
+    /// The rows of each run so far, by what the journal calls it.
+    rows: Mutex<HashMap<String, u64>>,
+}
+
+impl<'a> Run<'a> {
+    pub(super) fn new(plan: &'a Plan<'a>, journal: &'a Journal, watch: Watch<'a>) -> Self {
+        Self { plan, journal, watch, rows: Mutex::default() }
+    }
+
+    /// How many rows all runs so far have taken, those that the journal has from before included: a measure of work that is
+    /// the same on every machine while no run is on its way.
+    pub(super) fn rows(&self) -> u64 {
+        self.rows_by_key().values().sum()
+    }
+
+    fn rows_by_key(&self) -> MutexGuard<'_, HashMap<String, u64>> {
+        self.rows.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// How many rows a run has taken.
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    fn rows_of(&self, ending: &Result<Ending, String>) -> u64 {
+        ending.as_ref().map_or(1, |ending| (ending.time / self.plan.look.interval).ceil() as u64)
+    }
+
+    /// `true` of a scene that starts anywhere else than in its equilibrium.
+    pub(super) fn has_own_start(&self) -> bool {
+        Push::of_resting(self.plan.scene).is_none()
+    }
+
+    /// All values of one way, in its order, as far as it goes.
+    pub(super) fn follow(&self, way: Way, step_done: &dyn Fn()) -> Result<Option<Followed>, Error> {
+        let mut values = self.plan.values.to_vec();
+        if way == Way::Falling {
+            values.reverse();
+        }
+        let label = way.name().to_owned();
+        let Some(first) = self.reach(&label, values[0], Start::Scene(way))? else {
+            return Ok(None);
+        };
+        let mut followed = Followed::way(way, label, first);
+        step_done();
+        for value in &values[1..] {
+            if !followed.goes_on() {
+                break;
+            }
+            if !self.advance(&mut followed, *value)? {
+                return Ok(None);
+            }
+            step_done();
+        }
+        Ok(Some(followed))
+    }
+
+    /// Follows a way from the last value that it has passed to another one. The change of µ is halved wherever the
+    /// motion gives way to another, until it stays or the change is as small as the resolution. `false` if the watch
+    /// ended it.
+    pub(super) fn advance(&self, followed: &mut Followed, to: f64) -> Result<bool, Error> {
+        let resolution = self.plan.resolution * (1.0 + 1e-9);
+        let way = followed.way;
+        let Some(mut here) = followed.passed.last().cloned() else { return Ok(true) };
+        let mut step = to - here.point.friction;
+        loop {
+            let from = here.point.friction;
+            let is_whole = step.abs() >= (to - from).abs() * (1.0 - 1e-9);
+            let target = if is_whole { to } else { from + step };
+            if followed.rows_left == 0 {
+                followed.passed.push(Reached::not_tried(target));
+                return Ok(true);
+            }
+            let Some(next) = self.reach(&followed.label, target, Start::From(&here))? else {
+                return Ok(false);
+            };
+            followed.rows_left =
+                followed.rows_left.saturating_sub(self.rows_of(&next.point.ending));
+            let stays = match (here.ending(), next.ending()) {
+                (Some(before), Some(after)) => {
+                    followed.is_leaving || distance(before, after) <= OTHER_EXTENT
+                }
+                _ => false,
+            };
+            let half = 0.5 * (target - from);
+            // A cycle of another kind may be another cycle that looks alike: a small change tells.
+            let has_other_kind = !followed.is_leaving
+                && matches!((here.ending(), next.ending()), (Some(a), Some(b)) if have_other_kinds(a, b));
+            // Rest is left at once; a cycle may change steeply, which a smaller change shows.
+            let is_of_cycles = [&here, &next]
+                .map(Reached::ending)
+                .iter()
+                .all(|ending| ending.is_some_and(|ending| ending.kind.is_cycle()));
+            let smallest = if is_of_cycles { STEEP * resolution } else { resolution };
+            // No double lies between them where half of the change is nothing.
+            let is_coarse = !stays || is_of_cycles && has_other_kind;
+            if is_coarse
+                && half.abs() >= 0.5 * smallest
+                && from + half != target
+                && from + half != from
+            {
+                step = half;
+                continue;
+            }
+            if let (Some(before), Some(after)) = (here.ending(), next.ending()) {
+                if !stays {
+                    let (between, endings) = ([from, target], [before.clone(), after.clone()]);
+                    followed.jumps.push(Jump { way, among: Some(way), between, endings });
+                    if let Some(beyond) = &mut followed.beyond {
+                        beyond.push(next);
+                        return Ok(true);
+                    }
+                }
+                // A motion that has left another one and not yet settled may become any motion.
+                followed.is_leaving = (followed.is_leaving || !stays) && is_open(after);
+            }
+            step = if stays { 2.0 * step } else { to - target };
+            let is_over = target == to || next.progress.is_none();
+            followed.passed.push(next.clone());
+            if is_over {
+                return Ok(true);
+            }
+            here = next;
+        }
+    }
+
+    /// One value, from where it starts.
+    pub(super) fn reach(
+        &self,
+        label: &str,
+        friction: f64,
+        start: Start<'_>,
+    ) -> Result<Option<Reached>, Error> {
+        let key = match start {
+            Start::Scene(_) => format!("{label} {friction:?}"),
+            Start::From(from) => format!("{label} {friction:?} from {:?}", from.point.friction),
+        };
+        let work = || match self.run(friction, start) {
+            Ok(None) => Ok(None),
+            Ok(Some((ending, progress))) => {
+                Ok(Some(Piece { ending: Ok(ending), progress: Some(progress) }))
+            }
+            // A finding, not the end of the study.
+            Err(error) => Ok(Some(Piece { ending: Err(error.to_string()), progress: None })),
+        };
+        let piece: Option<Piece> = self.journal.piece(&key, work)?;
+        if let Some(piece) = &piece {
+            self.rows_by_key().insert(key, self.rows_of(&piece.ending));
+        }
+        Ok(piece.map(|Piece { ending, progress }| Reached {
+            point: Point { friction, ending },
+            progress,
+        }))
+    }
+
+    /// A motion at a value, from where it was.
+    pub(super) fn resume(&self, friction: f64, progress: Progress) -> Result<Simulation, Error> {
+        Simulation::resume(Snapshot::new(self.scene(friction)?, progress))
+    }
+
+    fn scene(&self, friction: f64) -> Result<Scene, Error> {
+        let mut scene = self.plan.scene.clone();
+        assign(&mut scene, FRICTION, friction)?;
+        Ok(scene)
+    }
+
+    fn run(&self, friction: f64, start: Start<'_>) -> Result<Option<(Ending, Progress)>, Error> {
+        let mut simulation = match start {
+            Start::Scene(Way::Falling) => Simulation::new(self.scene(friction)?, 0.0)?,
+            Start::From(Reached { point, progress: Some(progress) })
+                if !point.ending.as_ref().is_ok_and(has_no_state) =>
+            {
+                self.resume(friction, progress.clone())?
+            }
+            // An equilibrium moves with µ; a motion that rests follows it, and one that grows without bound has no state to
+            // begin with.
+            Start::Scene(Way::Rising) | Start::From(_) => {
+                let mut scene = self.scene(friction)?;
+                scene.rest();
+                Simulation::new(scene, 0.0)?
+            }
+        };
+        self.plan.push.give(&mut simulation);
+        let mut ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
+        // A motion that drifts slowly to another one would else drift on with each further value, and no jump be seen.
+        for _ in 0..MORE_TIMES {
+            match &ending {
+                Some(drifts) if is_drifting(drifts) => {
+                    ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
+                }
+                _ => break,
+            }
+        }
+        Ok(ending.map(|ending| (ending, simulation.save().into_progress())))
+    }
+
+    /// The motion of a way at a value, from the nearest one that it has passed; `None` inside where it is not known.
+    #[allow(clippy::type_complexity)]
+    pub(super) fn reached(
+        &self,
+        friction: f64,
+        followed: &Followed,
+    ) -> Result<Option<Option<(Ending, Progress)>>, Error> {
+        let Some(start) = followed.nearest(friction) else { return Ok(Some(None)) };
+        let from = start.point.friction;
+        let label = format!("{}, compared at {friction:?}:", followed.label);
+        let rows = if followed.is_way() { u64::MAX } else { ROWS_BETWEEN };
+        let there = Followed::motion(followed.way, label, start, rows);
+        let mut there = Followed { is_leaving: false, ..there };
+        if from != friction && !self.advance(&mut there, friction)? {
+            return Ok(None);
+        }
+        let Some(Reached { point: Point { ending: Ok(ending), .. }, progress: Some(progress) }) =
+            there.passed.pop()
+        else {
+            return Ok(Some(None));
+        };
+        Ok(Some((is_known(&ending) && there.jumps.is_empty()).then_some((ending, progress))))
+    }
+}
+
+/// `true` of a motion in which contacts change their states and that has not settled, or not come back as near as a
+/// periodic one does.
+fn is_drifting(ending: &Ending) -> bool {
+    let is_open = ending.kind == Kind::Unsettled
+        || ending.kind == Kind::Undecided && ending.closure.is_some();
+    is_open && !ending.linear
+}
+
+/// `true` of a motion after which the next value starts in its own equilibrium.
+fn has_no_state(ending: &Ending) -> bool {
+    ending.rests() || ending.kind == Kind::Unbounded
+}

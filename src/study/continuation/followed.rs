@@ -1,0 +1,174 @@
+//! Motions over µ as far as they were followed.
+
+use super::findings::{Jump, Point, Way};
+use crate::simulation::Progress;
+use crate::study::difference::{OTHER_EXTENT, distance};
+use crate::study::ending::{Ending, Kind};
+
+/// A value of µ with the state that its motion has ended in.
+#[derive(Clone)]
+pub(super) struct Reached {
+    pub(super) point: Point,
+    pub(super) progress: Option<Progress>,
+}
+
+impl Reached {
+    /// A value at which a motion is not looked at because it has taken too many rows.
+    pub(super) fn not_tried(friction: f64) -> Self {
+        let ending = Err("the motion would have taken too long to be followed to here".to_owned());
+        Self { point: Point { friction, ending }, progress: None }
+    }
+
+    pub(super) fn ending(&self) -> Option<&Ending> {
+        self.point.ending.as_ref().ok()
+    }
+
+    /// `true` of a motion that can be followed: it has settled or is on its way to rest, and does not grow without bound.
+    pub(super) fn is_settled(&self) -> bool {
+        self.ending().is_some_and(|ending| ending.kind.is_cycle() || ending.rests())
+    }
+
+    /// `true` of a motion that has neither settled nor is on its way to rest.
+    pub(super) fn is_open(&self) -> bool {
+        self.ending().is_some_and(is_open)
+    }
+}
+
+/// One way, or another motion, as far as it was followed.
+#[derive(Clone)]
+pub(super) struct Followed {
+    pub(super) way: Way,
+    /// What the journal calls it, and nothing else: it knows a piece of work by that and the values of µ.
+    pub(super) label: String,
+    /// All values that it has passed, in its order, those between the asked ones included.
+    pub(super) passed: Vec<Reached>,
+    pub(super) jumps: Vec<Jump>,
+    /// `true` while the last motion is one that has left another at a jump and has not settled.
+    pub(super) is_leaving: bool,
+    /// The motions beyond the ends of one that is followed no farther than it exists; `None` of a way, which passes its
+    /// jumps.
+    pub(super) beyond: Option<Vec<Reached>>,
+    /// How many rows its runs may still take.
+    pub(super) rows_left: u64,
+}
+
+impl Followed {
+    /// A way, which passes its jumps.
+    pub(super) fn way(way: Way, label: String, first: Reached) -> Self {
+        Self {
+            way,
+            label,
+            passed: vec![first],
+            jumps: Vec::new(),
+            is_leaving: false,
+            beyond: None,
+            rows_left: u64::MAX,
+        }
+    }
+
+    /// One motion, which is followed no farther than to its first jump and for no more than some rows.
+    pub(super) fn motion(way: Way, label: String, first: Reached, rows_left: u64) -> Self {
+        let is_leaving = first.is_open();
+        Self { is_leaving, beyond: Some(Vec::new()), rows_left, ..Self::way(way, label, first) }
+    }
+
+    /// One motion, followed downwards and upwards from the same value.
+    pub(super) fn joined(mut down: Self, up: Self) -> Self {
+        down.passed.extend(up.passed.into_iter().skip(1));
+        down.jumps.extend(up.jumps);
+        down.rows_left = down.rows_left.min(up.rows_left);
+        down.beyond.get_or_insert_default().extend(up.beyond.into_iter().flatten());
+        down
+    }
+
+    /// What it has reached at a value that it has passed.
+    pub(super) fn at(&self, friction: f64) -> Option<&Reached> {
+        self.passed.iter().find(|reached| reached.point.friction == friction)
+    }
+
+    /// `true` if it can be followed further from where it is.
+    pub(super) fn goes_on(&self) -> bool {
+        let has_ended = self.beyond.is_some() && !self.jumps.is_empty();
+        !has_ended && self.passed.last().is_some_and(|last| last.progress.is_some())
+    }
+
+    /// The lowest and the highest value that it has passed.
+    pub(super) fn extent(&self) -> [f64; 2] {
+        let passed = || self.passed.iter().map(|reached| reached.point.friction);
+        [passed().fold(f64::INFINITY, f64::min), passed().fold(f64::NEG_INFINITY, f64::max)]
+    }
+
+    /// `true` of a way, which passes its jumps.
+    pub(super) const fn is_way(&self) -> bool {
+        self.beyond.is_none()
+    }
+
+    /// `true` of a value that lies among those that it has passed.
+    pub(super) fn covers(&self, friction: f64) -> bool {
+        let [low, high] = self.extent();
+        (low..=high).contains(&friction)
+    }
+
+    /// `true` of a value for which its motion is asked: any of a way; of another motion one that it covers or that lies beyond
+    /// one at which it could not be followed on.
+    pub(super) fn may_reach(&self, friction: f64) -> bool {
+        let [low, high] = self.extent();
+        let fails = |end: f64| self.at(end).is_some_and(|reached| reached.point.ending.is_err());
+        self.is_way()
+            || self.covers(friction)
+            || friction < low && fails(low)
+            || friction > high && fails(high)
+    }
+
+    /// The passed value nearest to another one with a motion, on the same side of all jumps; one with a settled motion
+    /// where there is one.
+    pub(super) fn nearest(&self, friction: f64) -> Option<Reached> {
+        let is_beside = |reached: &&Reached| {
+            let (low, high) =
+                (reached.point.friction.min(friction), reached.point.friction.max(friction));
+            reached.progress.is_some()
+                && !self.jumps.iter().any(|jump| (low..=high).contains(&jump.at()))
+        };
+        let apart = |reached: &Reached| (reached.point.friction - friction).abs();
+        let has_settled = |reached: &Reached| {
+            reached.ending().is_some_and(|ending| ending.kind != Kind::Unsettled || ending.rests())
+        };
+        let beside = self.passed.iter().filter(is_beside);
+        let order = |a: &&Reached, b: &&Reached| {
+            has_settled(b).cmp(&has_settled(a)).then(apart(a).total_cmp(&apart(b)))
+        };
+        beside.min_by(order).cloned()
+    }
+
+    /// The settled motions that this way has jumped to, each with the place of its jump: at the first value beyond at which
+    /// the motion has settled.
+    pub(super) fn jumped_to(&self) -> impl Iterator<Item = (Reached, &Jump)> {
+        self.jumps.iter().enumerate().filter_map(|(place, jump)| {
+            let from = self.place(jump.between[1])?;
+            let next = self.jumps.get(place + 1);
+            let to = next.and_then(|jump| self.place(jump.between[0]));
+            let mut passed = self.passed[from..=to.unwrap_or(self.passed.len() - 1)].iter();
+            let settled = passed.find(|reached| reached.is_settled())?;
+            Some((settled.clone(), jump))
+        })
+    }
+
+    fn place(&self, friction: f64) -> Option<usize> {
+        self.passed.iter().position(|reached| reached.point.friction == friction)
+    }
+}
+
+/// `true` of two motions at the same value that are known and are the same one.
+pub(super) fn are_alike(a: &Ending, b: &Ending) -> bool {
+    is_known(a) && is_known(b) && distance(a, b) <= OTHER_EXTENT
+}
+
+/// `true` of a motion that has settled, or is on its way to rest or away from it.
+pub(super) fn is_known(ending: &Ending) -> bool {
+    ending.kind != Kind::Unsettled || ending.is_known()
+}
+
+/// `true` of a motion that may become any motion.
+pub(super) fn is_open(ending: &Ending) -> bool {
+    ending.kind == Kind::Unsettled && !ending.rests()
+}
