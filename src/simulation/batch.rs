@@ -1,6 +1,6 @@
 //! Several simulations that move together, each as it would by itself.
 
-use super::Simulation;
+use super::{Simulation, Steps};
 use super::clock::Leg;
 use crate::Error;
 use crate::integrator::{RingBatch, Width};
@@ -95,8 +95,8 @@ fn advance_in(lanes: &mut RingBatch, simulations: &mut [Result<Simulation, Error
     loop {
         let mut fewest = None;
         for (lane, simulation) in simulations.iter_mut().enumerate() {
-            let count = attempt(simulation, |simulation| simulation.prepare(&leg)).flatten();
-            if let (Some(count), Ok(simulation)) = (count, simulation) {
+            let steps = attempt(simulation, |simulation| simulation.prepare(&leg)).flatten();
+            if let (Some(Steps { count, .. }), Ok(simulation)) = (steps, simulation) {
                 let Simulation { motion, drive, model, .. } = simulation;
                 lanes.load(lane, motion, drive, model.damping);
                 fewest = Some(fewest.map_or(count, |fewest: u64| fewest.min(count)));

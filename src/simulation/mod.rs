@@ -334,8 +334,9 @@ impl Simulation {
         mut go_on: impl FnMut() -> ControlFlow<()>,
     ) -> Result<ControlFlow<()>, Error> {
         let mut leg = self.leg_to(target)?;
-        while let Some(count) = self.prepare(&leg).map_err(|error| self.stopped(&error, &leg))? {
-            let edge = self.edge_ahead(&leg);
+        loop {
+            let prepared = self.prepare(&leg).map_err(|error| self.stopped(&error, &leg))?;
+            let Some(Steps { count, edge }) = prepared else { break };
             let step = length_to(edge, &leg);
             let count = count.min(most);
             self.integrator
@@ -365,16 +366,17 @@ impl Simulation {
         Ok(leg)
     }
 
-    /// Brings everything up to date for the next steps of a leg; how many can be taken alike, if any are left.
-    fn prepare(&mut self, leg: &Leg) -> Result<Option<u64>, Error> {
+    /// Brings everything up to date for the next steps of a leg; those that can be taken alike, if any are left.
+    fn prepare(&mut self, leg: &Leg) -> Result<Option<Steps>, Error> {
         if leg.is_done() {
             return Ok(None);
         }
         let mut count = leg.left();
+        let mut edge = None;
         // Most short steps find nothing changed.
         if self.driven.is_some() || self.stale.drive || self.stale.limit {
             let [time, end] = leg.next_step();
-            let edge = self.edge_ahead(leg);
+            edge = self.driven.as_ref().and_then(|driven| driven.edge_between(time, end));
             let end = edge.unwrap_or(end);
             self.update_drive([time, end])?;
             self.update_rates([time, end], length_to(edge, leg));
@@ -384,13 +386,7 @@ impl Simulation {
                 count = if is_part { 1 } else { leg.steps_before(driven.constant_until(time)) };
             }
         }
-        Ok(Some(count.min(CHUNK - leg.done % CHUNK)))
-    }
-
-    /// Where within the next step of a leg a signal has an edge that exact motion stops at, s.
-    fn edge_ahead(&self, leg: &Leg) -> Option<f64> {
-        let [time, end] = leg.next_step();
-        self.driven.as_ref()?.edge_between(time, end)
+        Ok(Some(Steps { count: count.min(CHUNK - leg.done % CHUNK), edge }))
     }
 
     /// Looks now and then, and at the end, whether the motion is still finite.
@@ -528,6 +524,13 @@ fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
         // Locked degrees of freedom have no variables.
         Structure::Network(_) => numbering.dof(index, component).unwrap_or(0),
     }
+}
+
+/// Steps that can be taken alike.
+struct Steps {
+    count: u64,
+    /// s, where within the first of them a signal has an edge that exact motion stops at.
+    edge: Option<f64>,
 }
 
 /// How long (s) the next step of a leg is, or its part up to an edge.
