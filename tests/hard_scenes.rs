@@ -355,3 +355,25 @@ fn a_block_on_a_belt_that_swings_obeys_the_law_at_every_instant() {
         judged(Run::new(scene, Method::EventDriven), 2.0);
     }
 }
+
+/// A mass lies between a surface that stands and a mass that 45 N press on it along a line. As long as nothing moves both
+/// contacts have the same forces, N cos a + T sin a = 45 N with the angle a of the line: any of them within the cone of
+/// friction are lawful. The motion once sought the end of sticking in forces that no one had checked, and ended in a loop.
+#[test]
+fn a_mass_that_is_wedged_stays_however_its_contacts_share_the_load() {
+    let mut run = Run::new(hard("wedged_between_mass_and_surface"), Method::EventDriven);
+    for _ in 0..20 {
+        run.step();
+        assert_eq!(run.simulation.contact_states(), [ContactState::Stick; 2]);
+        assert!(run.simulation.velocity().iter().all(|v| v.abs() < 1e-12));
+    }
+}
+
+/// A contact sticks with T / N at its static limit, which its falling N passes. With kinetic friction its slip would go
+/// back, so that it can neither stick nor slip: its mass lifts off. The motion once tried both in turn and ended.
+#[test]
+fn a_contact_that_can_neither_stick_nor_slip_opens() {
+    let scene = hard("stick_ends_where_slip_goes_back");
+    let step = scene.step;
+    judged(Run::new(scene, Method::EventDriven), step);
+}

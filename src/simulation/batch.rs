@@ -1,7 +1,7 @@
 //! Several simulations that move together, each as it would by itself.
 
-use super::{Simulation, Steps};
 use super::clock::Leg;
+use super::{Simulation, Steps};
 use crate::Error;
 use crate::integrator::{RingBatch, Width};
 use crate::scene::Method;

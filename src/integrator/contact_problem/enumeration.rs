@@ -1,19 +1,21 @@
-//! All contact states of a group, one after the other.
+//! Proofs that the law of contact has no solution.
 //!
-//! Where a state's equations determine its forces, those obey the law or do not. Where they do not (contacts that
-//! hold one mass twice), the first phase of the simplex method tells whether any forces do. So where no state has
-//! forces, the law has no solution.
+//! Of few contacts all states are tried, one after the other. Where a state's equations determine its forces, those obey
+//! the law or do not. Where they do not (contacts that hold one mass twice), the first phase of the simplex method tells
+//! whether any forces do. So where no state has forces, the law has no solution.
+//!
+//! Of any number of contacts the law asks at least that nothing pulls, that friction stays within its limits, and that no
+//! contact is pressed into its surface. Where no forces do even that, the law has no solution. That some do proves nothing.
 
 use super::{ContactProblem, Freedom, Strictness};
 use crate::contact::ContactState;
 
-/// The most contacts of a group whose states are all tried: 4⁸ states.
-const MOST_CONTACTS: usize = 8;
-/// All states are tried of at most so many contacts of which some are held in both directions. Each may press or pull in
-/// three states: 6⁶ in all.
-const MOST_HELD: usize = 6;
+/// All states of a group are tried if they are no more than this: those of eight contacts that may do anything.
+const MOST_STATES: usize = 4_usize.pow(8);
 /// A state is taken to have forces if the artificial unknowns sum up to no more than this part of the right-hand sides.
 const FEASIBLE: f64 = 1e-11;
+/// No forces are proven to exist if the artificial unknowns sum up to no less than this part.
+const INFEASIBLE: f64 = 1e-8;
 /// A reduced cost or an entry that is nothing, where rows are of the size 1.
 const NOTHING: f64 = 1e-12;
 /// A pivot of Bland's rule for each column and row, at the most.
@@ -41,6 +43,17 @@ enum Row {
     Cone { contact: usize, width: f64 },
 }
 
+/// What the first phase of the simplex method ends in.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Phase {
+    /// A solution.
+    Solved,
+    /// There is none: the artificial unknowns sum up to at least this part of the right-hand sides.
+    Impossible(f64),
+    /// Neither, within so many pivots.
+    Open,
+}
+
 /// The linear program of one contact state.
 pub(super) struct Enumeration {
     unknowns: Vec<Unknown>,
@@ -56,7 +69,7 @@ pub(super) struct Enumeration {
 impl Enumeration {
     /// Takes the memory that groups of up to `contacts` contacts need.
     pub(super) fn with_room(contacts: usize) -> Self {
-        let contacts = if contacts > 1 { contacts.min(MOST_CONTACTS) } else { 0 };
+        let contacts = if contacts > 1 { contacts } else { 0 };
         let (rows, unknowns) = (3 * contacts, 4 * contacts);
         Self {
             unknowns: Vec::with_capacity(unknowns),
@@ -68,8 +81,8 @@ impl Enumeration {
         }
     }
 
-    /// The first phase of the simplex method with Bland's rule: is there a solution?
-    fn run(&mut self) -> bool {
+    /// The first phase of the simplex method with Bland's rule.
+    fn run(&mut self) -> Phase {
         let Self { unknowns, table, costs, basis, pivot_row, .. } = self;
         let (count, width) = (unknowns.len(), unknowns.len() + 1);
         let size =
@@ -88,10 +101,10 @@ impl Enumeration {
         }
         for _ in 0..MOST_PIVOTS * (width + basis.len()) {
             if -costs[count] <= FEASIBLE * size {
-                return true;
+                return Phase::Solved;
             }
             let Some(entering) = costs[..count].iter().position(|cost| *cost < -NOTHING) else {
-                return false;
+                return Phase::Impossible(-costs[count] / size);
             };
             let falls = |row: &&[f64]| row[entering] > NOTHING;
             let least = table.chunks_exact(width).filter(falls);
@@ -102,7 +115,7 @@ impl Enumeration {
             };
             let Some(place) = (0..basis.len()).filter(leaves).min_by_key(|place| basis[*place])
             else {
-                return false;
+                return Phase::Open;
             };
             let own = &mut table[place * width..][..width];
             let pivot = own[entering];
@@ -117,7 +130,7 @@ impl Enumeration {
             subtract(costs, pivot_row, entering);
             basis[place] = entering;
         }
-        false
+        Phase::Open
     }
 }
 
@@ -135,19 +148,15 @@ fn subtract(row: &mut [f64], pivot_row: &[f64], entering: usize) {
 impl ContactProblem {
     /// Can all states of a group be gone through?
     pub(super) fn is_enumerable(&self, group: usize) -> bool {
-        let contacts = &self.delassus.groups()[group];
-        let is_known = |contact: &usize| {
-            matches!(
-                self.freedom[*contact],
-                Freedom::Law(_)
-                    | Freedom::Open
-                    | Freedom::Slipping { .. }
-                    | Freedom::Held(_)
-                    | Freedom::HeldSlipping { .. }
-            )
+        let count = |contact: &usize| match self.freedom[*contact] {
+            Freedom::Fixed | Freedom::Guided { .. } => None,
+            // Each may press or pull.
+            _ if self.is_held(*contact) => Some(2 * self.possible(*contact).len()),
+            _ => Some(self.possible(*contact).len()),
         };
-        let most = if self.has_held(group) { MOST_HELD } else { MOST_CONTACTS };
-        contacts.len() <= most && contacts.iter().all(is_known)
+        let counts = self.delassus.groups()[group].iter().map(count);
+        let all = counts.into_iter().try_fold(1_usize, |all, count| all.checked_mul(count?));
+        all.is_some_and(|all| all <= MOST_STATES)
     }
 
     /// Looks for a state of a group whose forces obey the law; is there one?
@@ -209,7 +218,7 @@ impl ContactProblem {
     /// Forces of the states at hand, whose equations do not determine them; do any obey the law?
     fn program(&mut self, group: usize, strictness: Strictness) -> bool {
         self.write_program(group);
-        if !self.enumeration.run() {
+        if self.enumeration.run() != Phase::Solved {
             return false;
         }
         self.clear(group);
@@ -232,10 +241,37 @@ impl ContactProblem {
         self.are_lawful(group, strictness)
     }
 
+    /// Is there proof that a group has no forces under its law, whatever its states?
+    pub(super) fn is_impossible(&mut self, group: usize) -> bool {
+        let Self { enumeration, delassus, freedom, .. } = self;
+        let Enumeration { unknowns, rows, .. } = enumeration;
+        unknowns.clear();
+        rows.clear();
+        for &contact in &delassus.groups()[group] {
+            let (slope, width) = match &freedom[contact] {
+                Freedom::Open => continue,
+                Freedom::Slipping { direction, friction } => (direction * friction, None),
+                Freedom::Law(range) => (-range.backward, Some(range.forward + range.backward)),
+                // Those that are held may pull.
+                _ => return false,
+            };
+            unknowns.push(Unknown::Normal { contact, sign: 1.0, slope });
+            unknowns.push(Unknown::Rest { row: rows.len() });
+            rows.push(Row::Normal { contact });
+            if let Some(width) = width {
+                unknowns.push(Unknown::Tangential { contact });
+                unknowns.push(Unknown::Rest { row: rows.len() });
+                rows.push(Row::Cone { contact, width });
+            }
+        }
+        self.write_table();
+        matches!(self.enumeration.run(), Phase::Impossible(by) if by >= INFEASIBLE)
+    }
+
     /// Writes what the states at hand ask of the forces.
     fn write_program(&mut self, group: usize) {
-        let Self { enumeration, delassus, freedom, states, free, pulls, .. } = self;
-        let Enumeration { unknowns, rows, table, .. } = enumeration;
+        let Self { enumeration, delassus, freedom, states, pulls, .. } = self;
+        let Enumeration { unknowns, rows, .. } = enumeration;
         unknowns.clear();
         rows.clear();
         for &contact in &delassus.groups()[group] {
@@ -274,6 +310,13 @@ impl ContactProblem {
                 }
             }
         }
+        self.write_table();
+    }
+
+    /// Writes the table of the unknowns and rows at hand.
+    fn write_table(&mut self) {
+        let Self { enumeration, delassus, free, .. } = self;
+        let Enumeration { unknowns, rows, table, .. } = enumeration;
         let scales = |contact: usize| delassus.scales(contact);
         table.clear();
         for (place, row) in rows.iter().enumerate() {

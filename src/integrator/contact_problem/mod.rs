@@ -9,7 +9,8 @@
 //! 2. Gauss–Seidel over the contacts (paper, eqs. 19–24), from zero, while it converges fast;
 //! 3. the states that it has come to, as linear equations;
 //! 4. Lemke's pivots on the linear complementarity problem ([`lemke`]);
-//! 5. all states, of up to eight contacts ([`enumeration`]): where none has forces, there are none;
+//! 5. all states, of up to eight contacts ([`enumeration`]): where none has forces, there are none; of more, whether forces
+//!    can do so much as press and keep contacts closed;
 //! 6. Gauss–Seidel, for as long as one may wait.
 //!
 //! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact that
@@ -236,6 +237,9 @@ impl ContactProblem {
             } else {
                 Err(StepFailure::Wedged { contact: self.most_pressed(group) })
             };
+        }
+        if self.is_impossible(group) {
+            return Err(StepFailure::Wedged { contact: self.most_pressed(group) });
         }
         match self.sweep(group, MAX_SWEEPS) {
             Swept::Converged(sweeps) => Ok(sweeps),

@@ -168,6 +168,15 @@ impl ContactProblem {
         self.is_lawful(group, strictness)
     }
 
+    /// Does a contact that is open not close under the forces at hand?
+    pub(in crate::integrator) fn stays_open(&mut self, contact: usize) -> bool {
+        let group = self.delassus.groups().iter().position(|group| group.contains(&contact));
+        group.is_some_and(|group| {
+            self.accelerate(group);
+            self.accelerations[contact].value[0] > 0.0
+        })
+    }
+
     /// The accelerations of a group under its forces.
     pub(super) fn accelerate(&mut self, group: usize) {
         for &contact in &self.delassus.groups()[group] {

@@ -432,3 +432,29 @@ proptest! {
         prop_assert_eq!(taken, after);
     }
 }
+
+/// Seventeen contacts that slip have 2¹⁷ states. Each is pushed into its surface by its own friction, a_N = −N − 1 and what
+/// little its neighbours lift: the sum of all a_N is negative whatever the forces.
+#[test]
+fn many_contacts_that_jam_are_proven_to_have_no_forces() {
+    const COUNT: usize = 17;
+    let mut rows = vec![0.0; 4 * COUNT * COUNT];
+    for i in 0..COUNT {
+        let mut set = |row: usize, column: usize, value| rows[row * 2 * COUNT + column] = value;
+        set(2 * i, 2 * i, 1.0);
+        set(2 * i, 2 * i + 1, -2.0);
+        set(2 * i + 1, 2 * i, -2.0);
+        set(2 * i + 1, 2 * i + 1, 5.0);
+        if i > 0 {
+            set(2 * i, 2 * i - 2, 0.01);
+            set(2 * i - 2, 2 * i, 0.01);
+        }
+    }
+    let mut problem = with_law(&rows, 1.0);
+    problem.freedom.fill(Freedom::Slipping { direction: 1.0, friction: 1.0 });
+    problem.free.fill([-1.0, 0.0]);
+    assert!(matches!(problem.solve(&[Slide; COUNT]), Err(StepFailure::Wedged { .. })));
+    // Pulled away they are free.
+    problem.free.fill([1.0, 0.0]);
+    assert!(problem.solve(&[Slide; COUNT]).is_ok());
+}

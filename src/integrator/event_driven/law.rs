@@ -1,7 +1,7 @@
 //! The equation of motion of given contact states: accelerations and multipliers in one row.
 
 use crate::contact::{ContactState, Friction, FrictionRange};
-use crate::integrator::contact_problem::{Demand, GivenStates};
+use crate::integrator::contact_problem::{Delassus, Demand, GivenStates};
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::{Kept, Push, Response};
 use crate::model::{Contact, Direction};
@@ -30,6 +30,12 @@ pub(super) struct StateLaw {
     /// What `held` is set to.
     states: Vec<ContactState>,
     friction: Vec<Friction>,
+    /// T/N of contacts that share a load that the equations of sticking leave open, and whether those that are taken over
+    /// are older.
+    shares: Vec<Option<f64>>,
+    is_stale: bool,
+    /// How often shares have changed.
+    changes: u64,
     /// The place of (N, T) of each contact in a row.
     places: Vec<[usize; 2]>,
     /// Places of a row.
@@ -66,6 +72,9 @@ impl StateLaw {
             held: GivenStates::new(&dynamics.problem.delassus),
             states: Vec::with_capacity(contacts),
             friction: Vec::with_capacity(contacts),
+            shares: vec![None; contacts],
+            is_stale: false,
+            changes: 0,
             places,
             width,
             force: vec![0.0; dofs],
@@ -97,7 +106,8 @@ impl StateLaw {
         states: &[ContactState],
         friction: &[Friction],
     ) {
-        if self.states != states || self.friction != friction {
+        if self.states != states || self.friction != friction || self.is_stale {
+            self.is_stale = false;
             self.states.clear();
             self.states.extend_from_slice(states);
             self.friction.clear();
@@ -112,7 +122,49 @@ impl StateLaw {
                 let own = delassus.local(contact);
                 Demand::of(states[contact], &FrictionRange::of(limit), own)
             });
+            self.take_shares(delassus);
         }
+    }
+
+    /// Gives contacts that stick and share their load the share that they have been given, as long as what is held stays the
+    /// same.
+    fn take_shares(&mut self, delassus: &Delassus) {
+        for (group, contacts) in delassus.groups().iter().enumerate() {
+            for &contact in contacts {
+                let Some(slope) = self.shares[contact] else { continue };
+                if self.states[contact] != ContactState::Stick || self.held.is_regular(group) {
+                    continue;
+                }
+                let rank = self.held.rank(group);
+                let open = self.held.exchange(delassus, group, contact, Demand::Normal { slope });
+                if self.held.rank(group) < rank {
+                    self.held.exchange(delassus, group, contact, open);
+                }
+            }
+        }
+    }
+
+    /// Notes how a contact shares its load, T/N.
+    pub(super) fn share(&mut self, contact: usize, slope: f64) {
+        if self.shares[contact] != Some(slope) {
+            self.shares[contact] = Some(slope);
+            self.is_stale = true;
+            self.changes += 1;
+        }
+    }
+
+    /// Forgets all shares.
+    pub(super) fn forget_shares(&mut self) {
+        if self.shares.iter().any(Option::is_some) {
+            self.shares.fill(None);
+            self.is_stale = true;
+            self.changes += 1;
+        }
+    }
+
+    /// How often shares have changed: what was computed with others is old.
+    pub(super) fn changes(&self) -> u64 {
+        self.changes
     }
 
     /// (N, T) of each contact, N, where `dynamics` has the accelerations without contact forces.

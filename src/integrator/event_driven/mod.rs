@@ -45,6 +45,8 @@ const MAX_EVENTS: u64 = 10_000;
 const MAX_STANDSTILL: u64 = 16;
 /// A contact that has had more events than this at one instant opens no more there, unless its force falls.
 const MOST_OPENINGS: u32 = 5;
+/// A contact that has had more events than this at one instant, sticking and slipping in turn, can do neither as it does.
+const MOST_TURNS: u32 = 3;
 /// More series than this in one internal step are more oscillations than anyone waits for: of the fastest, a
 /// series covers about three radians.
 const MAX_SERIES: u32 = 100_000;
@@ -235,6 +237,8 @@ impl<W: Witness> EventDriven<W> {
                 }
             }
         }
+        // Each step finds out anew how loads are shared, so that it depends on nothing but the motion.
+        self.series.law.forget_shares();
         Ok(())
     }
 
@@ -398,6 +402,32 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
+    /// Contacts that stick and slip in turn at one instant. Where more is held than the masses can move, the equations of
+    /// sticking leave it open how the contacts share their load: they share it as the law has found that they can. Where
+    /// nothing is left open, friction that sticks would pass its limit, and the slip that follows would go the other way:
+    /// the contact opens, if it then stays open.
+    fn end_turns(&mut self, motion: &mut Motion) -> Result<(), StepFailure> {
+        for i in 0..self.events.len() {
+            let problem = &mut self.dynamics.problem;
+            let sticks = problem.states[i] == ContactState::Stick;
+            if self.repeats[i] <= MOST_TURNS || !sticks {
+                continue;
+            }
+            if self.overheld[i] {
+                let [normal, tangential] = problem.forces[i];
+                self.series.law.share(i, if normal > 0.0 { tangential / normal } else { 0.0 });
+            } else if self.events[i] == Some(Event::Stop) {
+                let held = std::mem::replace(&mut problem.freedom[i], Freedom::Open);
+                let opens = problem.solve(&self.likely).is_ok() && problem.stays_open(i);
+                if !opens {
+                    problem.freedom[i] = held;
+                    motion.statistics.count_sweeps(problem.solve(&self.likely)?);
+                }
+            }
+        }
+        Ok(())
+    }
+
     /// The states that follow on the events, by the law of contact; `again`: at the instant of the last ones.
     fn change(
         &mut self,
@@ -422,6 +452,8 @@ impl<W: Witness> EventDriven<W> {
         }
         let problem = &mut self.dynamics.problem;
         motion.statistics.count_sweeps(problem.solve(&self.likely)?);
+        self.end_turns(motion)?;
+        let problem = &mut self.dynamics.problem;
         motion.statistics.other_solutions += u64::from(problem.has_another_solution());
         motion.statistics.events += 1;
         for i in 0..self.events.len() {
