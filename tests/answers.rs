@@ -440,7 +440,29 @@ fn continuation(case: &Case, folder: &Path) -> Result<Answer, String> {
         falling.with_friction(high + (low - high) * f64::from(i) / 20.0);
         falling.end(0.02 * case.time);
     }
-    compare("falling, last", row("falling", low), falling.end(case.time));
+    let last = row("falling", low);
+    let mut end = falling.end(case.time);
+    if !is_open(&last[kind]) && (last[kind] == "equilibrium") != end.rests {
+        // Both ways end in the same motion: in its place stands the one that rest gives way to, followed downwards.
+        let value = |part: i32| low + (high - low) * f64::from(part) / 100.0;
+        let grows = |part: &i32| {
+            let there = at(value(*part));
+            there.growth(&there.sliding()) > 0.0
+        };
+        if let Some(first) = (1..100).find(grows) {
+            let mut rest = at(value(first));
+            rest.start.iter_mut().for_each(|start| start.fill(0.0));
+            rest.start[1][0] = 1e-3 * case.push;
+            let mut motion = Motion::of(&rest, case.step);
+            motion.end(2.0 * case.time);
+            for part in (0..first).rev() {
+                motion.with_friction(value(part));
+                motion.end(0.1 * case.time);
+            }
+            end = motion.end(case.time);
+        }
+    }
+    compare("falling, last", last, end);
     Ok(limits_of_motions(&table, &said))
 }
 

@@ -132,9 +132,10 @@ impl Ending {
                  combine two frequencies"
                     .to_owned(),
             ),
-            (Kind::Irregular, .., Some(rate)) => {
-                Some(format!("neighbouring motions part by e^({rate:.3} t/s)"))
-            }
+            (Kind::Irregular, .., Some(rate)) => Some(format!(
+                "neighbouring motions part as fast as e^({rate:.0e} t/s), by one stretch of the motion: elsewhere the rate may \
+                 be half or twice as large"
+            )),
             (Kind::Undecided, Some(period), Some(closure), _) => Some(format!(
                 "the state comes back after {period:.6e} s to within {closure:.1e} of its size, and no nearer; a longer \
                  --window or --longest or, of the paper's scheme, another --step may decide"

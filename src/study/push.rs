@@ -51,8 +51,13 @@ impl Push {
     /// Gives it; to a faster motion the same part of its largest velocity, so that what grows beside a large cycle
     /// is seen at once.
     pub(crate) fn give(&self, simulation: &mut Simulation) {
+        self.give_part(simulation, 1.0);
+    }
+
+    /// Gives so small a part of it.
+    pub(crate) fn give_part(&self, simulation: &mut Simulation, part: f64) {
         let fastest = simulation.velocity().iter().fold(0.0, |most, v| f64::max(most, v.abs()));
-        simulation.push(self.dof, self.velocity.max(SMALL * fastest));
+        simulation.push(self.dof, part * self.velocity.max(SMALL * fastest));
     }
 }
 

@@ -159,7 +159,11 @@ pub fn cases() -> Vec<Case> {
         brake("a single damper", "[integrator]", &more(damper)),
         brake("a slider that stands still", "velocity = 0.2", "velocity = 0.0"),
         brake("a slider that moves back", "velocity = 0.2", "velocity = -0.2"),
-        brake("a signal on the slider", "[integrator]", &more(sine)),
+        Case {
+            // Below 0.4 some motions converge so slowly that a continuation takes many minutes.
+            friction: [0.4, 0.5],
+            ..brake("a signal on the slider", "[integrator]", &more(sine))
+        },
         brake("a pulse of force", "[integrator]", &more(force)),
         brake("a network with a loop", "[integrator]", &more(loops)),
         brake("two pads", "[integrator]", &more(SECOND_PAD)),

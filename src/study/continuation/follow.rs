@@ -25,6 +25,13 @@ const STEEP: f64 = 1.0 / 16.0;
 /// How many rows a motion may take from a value that it has passed to another one at which it is compared.
 const ROWS_BETWEEN: u64 = 10_000_000;
 
+/// The part of a push that a cycle is given which does not survive the whole one.
+const SMALLER: f64 = 1e-3;
+/// For how many times as long as the whole push took to end it.
+const WAITS: f64 = 2.0;
+/// Rows between two questions whether anyone still waits.
+const ROWS_AT_ONCE: f64 = 256.0;
+
 /// A piece of the work: what was found, and the state from which the next value starts.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Piece {
@@ -136,7 +143,8 @@ impl<'a> Run<'a> {
                 .map(Reached::ending)
                 .iter()
                 .all(|ending| ending.is_some_and(|ending| ending.kind.is_cycle()));
-            let smallest = if is_of_cycles { STEEP * resolution } else { resolution };
+            let leaves_cycle = here.ending().is_some_and(|ending| ending.kind.is_cycle());
+            let smallest = if leaves_cycle { STEEP * resolution } else { resolution };
             // No double lies between them where half of the change is nothing.
             let is_coarse = !stays || is_of_cycles && has_other_kind;
             if is_coarse
@@ -236,7 +244,45 @@ impl<'a> Run<'a> {
                 _ => break,
             }
         }
+        if let (Some(ending), Start::From(reached)) = (&ending, start) {
+            let is_small =
+                (friction - reached.point.friction).abs() <= self.plan.resolution * (1.0 + 1e-9);
+            if is_small && let Some(stayed) = self.stay(friction, reached, ending)? {
+                return Ok(Some(stayed));
+            }
+        }
         Ok(ending.map(|ending| (ending, simulation.save().into_progress())))
+    }
+
+    /// What a cycle that a push has ended does after a much smaller one, if it stays: near its end it may survive no larger
+    /// one. What leaves it whatever the push is given time to do so.
+    fn stay(
+        &self,
+        friction: f64,
+        from: &Reached,
+        ending: &Ending,
+    ) -> Result<Option<(Ending, Progress)>, Error> {
+        let (Some(before), Some(progress)) = (from.ending(), &from.progress) else {
+            return Ok(None);
+        };
+        if !before.kind.is_cycle() || distance(before, ending) <= OTHER_EXTENT {
+            return Ok(None);
+        }
+        let mut simulation = self.resume(friction, progress.clone())?;
+        self.plan.push.give_part(&mut simulation, SMALLER);
+        let interval = self.plan.look.interval;
+        let first = (simulation.time() / interval).round();
+        let mut row = first;
+        while (row - first) * interval < WAITS * ending.time {
+            row += ROWS_AT_ONCE;
+            simulation.advance_to(row * interval)?;
+            if self.watch.is_over() {
+                return Ok(None);
+            }
+        }
+        let after = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
+        let stays = |after: &Ending| distance(before, after) <= OTHER_EXTENT;
+        Ok(after.filter(stays).map(|after| (after, simulation.save().into_progress())))
     }
 
     /// The motion of a way at a value, from the nearest one that it has passed; `None` inside where it is not known.

@@ -7,8 +7,9 @@
 //! cycle that has lost its stability would else be followed for as long as rounding takes to grow.
 //!
 //! A change of µ is a push too. Where a motion gives way to another, the change is halved until the motion stays or the
-//! change is as small as the resolution: only what a motion does not survive at that size is a jump. So jumps do not
-//! depend on the values of µ that are asked for.
+//! change is as small as the resolution: only what a motion does not survive at that size is a jump. There a cycle that the
+//! push has ended is run again with a thousandth of it, since a cycle near its end may survive no larger one. So jumps do
+//! not depend on the values of µ that are asked for.
 
 mod findings;
 mod follow;

@@ -264,9 +264,18 @@ impl Run<'_> {
         let Some(ending) = start.ending().filter(|_| start.is_settled()) else {
             return Ok(Some(None));
         };
+        // Where a motion ends is known no better than to the bracket of its jump.
+        let friction = start.point.friction;
+        let ends_here = |jump: &Jump| {
+            let [a, b] = jump.between;
+            (a.min(b)..=a.max(b)).contains(&friction) && are_alike(&jump.endings[0], ending)
+        };
+        if found.all().any(|followed| followed.jumps.iter().any(ends_here)) {
+            return Ok(Some(None));
+        }
         let ways = found.ways.iter().enumerate().filter(|(place, _)| Some(*place) != except);
         let followed = ways.map(|(_, way)| way).chain(&found.others);
-        let Some(motions) = self.motions(start.point.friction, followed)? else { return Ok(None) };
+        let Some(motions) = self.motions(friction, followed)? else { return Ok(None) };
         Ok(Some((!motions.has(ending)).then_some(motions.known.len())))
     }
 

@@ -1,6 +1,5 @@
 //! Ranges of µ in which two motions were met.
 
-use super::Jump;
 use super::findings::{Bistable, Both, Third, words};
 use super::follow::Run;
 use super::followed::{Followed, Reached, are_alike};
@@ -41,7 +40,7 @@ impl Run<'_> {
     pub(super) fn compare(&self, found: &Found) -> Result<Option<Ranges>, Error> {
         let values = self.plan.values;
         let ends = [values[0], values[values.len() - 1]];
-        let jumps = found.all().flat_map(|followed| followed.jumps.iter().map(Jump::at));
+        let jumps = found.all().flat_map(|followed| followed.jumps.iter().map(|jump| jump.at()));
         let mut bounds: Vec<f64> = jumps.chain(ends).collect();
         bounds.sort_by(f64::total_cmp);
         // Jumps of two motions at the same place have nothing between them.
