@@ -43,18 +43,18 @@ enum Row {
     Cone { contact: usize, width: f64 },
 }
 
-/// What the first phase of the simplex method ends in.
+/// The result of the first phase of the simplex method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Phase {
     /// A solution.
     Solved,
     /// There is none: the artificial unknowns sum up to at least this part of the right-hand sides.
     Impossible(f64),
-    /// Neither, within so many pivots.
+    /// The pivots have ended before either was known.
     Open,
 }
 
-/// The linear program of one contact state.
+/// A linear program: that of one contact state, or of what the law asks at least.
 pub(super) struct Enumeration {
     unknowns: Vec<Unknown>,
     rows: Vec<Row>,

@@ -30,12 +30,11 @@ pub(super) struct StateLaw {
     /// What `held` is set to.
     states: Vec<ContactState>,
     friction: Vec<Friction>,
-    /// T/N of contacts that share a load that the equations of sticking leave open, and whether those that are taken over
-    /// are older.
+    /// T/N of contacts that share a load that the equations of sticking leave open.
     shares: Vec<Option<f64>>,
-    is_stale: bool,
-    /// How often shares have changed.
+    /// How often shares have changed, and how often they had when `held` was set.
     changes: u64,
+    taken: u64,
     /// The place of (N, T) of each contact in a row.
     places: Vec<[usize; 2]>,
     /// Places of a row.
@@ -73,8 +72,8 @@ impl StateLaw {
             states: Vec::with_capacity(contacts),
             friction: Vec::with_capacity(contacts),
             shares: vec![None; contacts],
-            is_stale: false,
             changes: 0,
+            taken: 0,
             places,
             width,
             force: vec![0.0; dofs],
@@ -106,8 +105,8 @@ impl StateLaw {
         states: &[ContactState],
         friction: &[Friction],
     ) {
-        if self.states != states || self.friction != friction || self.is_stale {
-            self.is_stale = false;
+        if self.states != states || self.friction != friction || self.taken != self.changes {
+            self.taken = self.changes;
             self.states.clear();
             self.states.extend_from_slice(states);
             self.friction.clear();
@@ -148,7 +147,6 @@ impl StateLaw {
     pub(super) fn share(&mut self, contact: usize, slope: f64) {
         if self.shares[contact] != Some(slope) {
             self.shares[contact] = Some(slope);
-            self.is_stale = true;
             self.changes += 1;
         }
     }
@@ -157,7 +155,6 @@ impl StateLaw {
     pub(super) fn forget_shares(&mut self) {
         if self.shares.iter().any(Option::is_some) {
             self.shares.fill(None);
-            self.is_stale = true;
             self.changes += 1;
         }
     }

@@ -15,6 +15,7 @@ use crate::study::settling::settle;
 use crate::sweep::FRICTION;
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
+use std::ops::ControlFlow::{Break, Continue};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A motion that has not settled and in which contacts change their states is followed for this many times longer.
@@ -29,8 +30,6 @@ const ROWS_BETWEEN: u64 = 10_000_000;
 const SMALLER: f64 = 1e-3;
 /// For how many times as long as the whole push took to end it.
 const WAITS: f64 = 2.0;
-/// Rows between two questions whether anyone still waits.
-const ROWS_AT_ONCE: f64 = 256.0;
 
 /// A piece of the work: what was found, and the state from which the next value starts.
 #[derive(Clone, Debug, Serialize, Deserialize)]
@@ -95,16 +94,33 @@ impl<'a> Run<'a> {
         };
         let mut followed = Followed::way(way, label, first);
         step_done();
-        for value in &values[1..] {
-            if !followed.goes_on() {
+        let is_done = self.advance_through(&mut followed, &values[1..], |followed| {
+            step_done();
+            followed.goes_on()
+        })?;
+        Ok(is_done.then_some(followed))
+    }
+
+    /// Follows a motion through values, as far as it goes and as long as it is to; `goes_on` is asked after each value. `false` if
+    /// the watch ended it.
+    pub(super) fn advance_through(
+        &self,
+        followed: &mut Followed,
+        values: &[f64],
+        goes_on: impl Fn(&Followed) -> bool,
+    ) -> Result<bool, Error> {
+        if !followed.goes_on() {
+            return Ok(true);
+        }
+        for value in values {
+            if !self.advance(followed, *value)? {
+                return Ok(false);
+            }
+            if !goes_on(followed) {
                 break;
             }
-            if !self.advance(&mut followed, *value)? {
-                return Ok(None);
-            }
-            step_done();
         }
-        Ok(Some(followed))
+        Ok(true)
     }
 
     /// Follows a way from the last value that it has passed to another one. The change of µ is halved wherever the
@@ -139,11 +155,8 @@ impl<'a> Run<'a> {
             let has_other_kind = !followed.is_leaving
                 && matches!((here.ending(), next.ending()), (Some(a), Some(b)) if have_other_kinds(a, b));
             // Rest is left at once; a cycle may change steeply, which a smaller change shows.
-            let is_of_cycles = [&here, &next]
-                .map(Reached::ending)
-                .iter()
-                .all(|ending| ending.is_some_and(|ending| ending.kind.is_cycle()));
-            let leaves_cycle = here.ending().is_some_and(|ending| ending.kind.is_cycle());
+            let leaves_cycle = here.is_cycle();
+            let is_of_cycles = leaves_cycle && next.is_cycle();
             let smallest = if leaves_cycle { STEEP * resolution } else { resolution };
             // No double lies between them where half of the change is nothing.
             let is_coarse = !stays || is_of_cycles && has_other_kind;
@@ -272,13 +285,10 @@ impl<'a> Run<'a> {
         self.plan.push.give_part(&mut simulation, SMALLER);
         let interval = self.plan.look.interval;
         let first = (simulation.time() / interval).round();
-        let mut row = first;
-        while (row - first) * interval < WAITS * ending.time {
-            row += ROWS_AT_ONCE;
-            simulation.advance_to(row * interval)?;
-            if self.watch.is_over() {
-                return Ok(None);
-            }
+        let rows = (WAITS * ending.time / interval).ceil();
+        let go_on = || if self.watch.is_over() { Break(()) } else { Continue(()) };
+        if simulation.advance_while((first + rows) * interval, go_on)?.is_break() {
+            return Ok(None);
         }
         let after = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
         let stays = |after: &Ending| distance(before, after) <= OTHER_EXTENT;

@@ -28,6 +28,11 @@ impl Reached {
         self.ending().is_some_and(|ending| ending.kind.is_cycle() || ending.rests())
     }
 
+    /// `true` of a cycle.
+    pub(super) fn is_cycle(&self) -> bool {
+        self.ending().is_some_and(|ending| ending.kind.is_cycle())
+    }
+
     /// `true` of a motion that has neither settled nor is on its way to rest.
     pub(super) fn is_open(&self) -> bool {
         self.ending().is_some_and(is_open)

@@ -11,8 +11,8 @@ use crate::Error;
 use crate::stability::parallel::collect;
 use std::collections::VecDeque;
 
-/// All other motions may take as many rows as the ways and the scene's own starts have taken, or so many, which is some minutes:
-/// a scene may have any number of motions, and of those without a period each run is long.
+/// The rows that all other motions together may take, or as many as the ways and the scene's own starts have taken if that is
+/// more. These take some minutes. A scene may have any number of motions, and each run of one without a period is long.
 const ROWS: u64 = 40_000_000;
 
 /// A motion that was met at a value and is to be followed from there.
@@ -232,15 +232,12 @@ impl Run<'_> {
     /// A motion as it is once it has settled, at the value at which it is met or at one of those beyond.
     fn settled(&self, mut motion: Followed) -> Result<Option<Followed>, Error> {
         let first = motion.passed[0].point.friction;
-        for value in self.beyond(first, motion.way) {
-            if !motion.is_leaving || !motion.goes_on() {
-                break;
-            }
-            if !self.advance(&mut motion, value)? {
-                return Ok(None);
-            }
+        if !motion.is_leaving {
+            return Ok(Some(motion));
         }
-        Ok(Some(motion))
+        let values = self.beyond(first, motion.way);
+        let is_open = |motion: &Followed| motion.is_leaving && motion.goes_on();
+        Ok(self.advance_through(&mut motion, &values, is_open)?.then_some(motion))
     }
 
     /// The values beyond one, in the order of a way.
@@ -295,15 +292,9 @@ impl Run<'_> {
             if start.only.is_some_and(|only| only != way) {
                 return Ok(Some(followed));
             }
-            for value in self.beyond(start.reached.point.friction, way) {
-                if !followed.goes_on() {
-                    break;
-                }
-                if !self.advance(&mut followed, value)? {
-                    return Ok(None);
-                }
-            }
-            Ok(Some(followed))
+            let values = self.beyond(start.reached.point.friction, way);
+            let is_done = self.advance_through(&mut followed, &values, Followed::goes_on)?;
+            Ok(is_done.then_some(followed))
         };
         let followed = collect(2, &follow, &|_| {})?;
         let Some(followed) = followed.into_iter().collect::<Option<Vec<Followed>>>() else {
