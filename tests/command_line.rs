@@ -569,3 +569,22 @@ fn an_interrupted_run_names_the_file_that_its_rows_are_in() {
     let rows = interrupted(&["--step", "1e-14", "--stop-time", "10"], "at 0 s of 10 s");
     assert_eq!(rows.lines().count(), 2);
 }
+
+/// Who reads no further than the first lines, as `| head` does, once ended a study with a panic.
+#[test]
+fn a_study_whose_reader_has_gone_writes_its_files_and_succeeds() {
+    let folder = folder();
+    let (reader, writer) = std::io::pipe().unwrap();
+    drop(reader);
+    let continuation =
+        ["study", "continuation", "set2", "--friction", "0.1:0.2:0.1", "-o", "found"];
+    let output = Command::new(env!("CARGO_BIN_EXE_amontons"))
+        .args(continuation)
+        .current_dir(folder.path())
+        .stdout(writer)
+        .stderr(Stdio::piped())
+        .output()
+        .unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    assert!(folder.path().join("found/study.json").is_file());
+}

@@ -255,6 +255,19 @@ fn set_1_has_two_branches_near_2_with_hysteresis() {
     );
 }
 
+/// Two jumps closer than two resolutions were once taken for one, and the two cycles between them were left out although both
+/// are known to a sixteenth of the resolution.
+#[test]
+fn a_range_narrower_than_two_resolutions_is_told() {
+    let resolution = 0.004;
+    let found = whole(&moved("set1", None), &[2.02, 2.06], resolution);
+    let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
+    let [from, to] = range.range;
+    assert!(to - from < 2.0 * resolution && range.bounded == [true; 2], "{range:?}");
+    // As with a resolution of 1e-4.
+    assert!((from - 2.0372).abs() < resolution && (to - 2.0421).abs() < resolution, "{range:?}");
+}
+
 /// What `amontons accuracy` says of the amplitude with the paper's scheme at a step, s, relative.
 fn said_error(scene: &Scene, step: f64) -> f64 {
     let mut scene = scene.clone();

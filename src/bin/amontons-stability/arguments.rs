@@ -67,8 +67,8 @@ pub struct Point {
     /// Friction coefficient [default: the scene's]
     #[arg(long, value_name = "MU", allow_hyphen_values = true)]
     pub friction: Option<f64>,
-    /// Contact state, of Sl (slides), R-Sl (slides the other way), St (sticks), Dt (detached): one for all contacts,
-    /// or one for each, such as Sl-St [default of states: all of them; of modes: uniform sliding]
+    /// Contact state, of Sl (slip velocity v − ẋ above 0), R-Sl (below 0), St (sticks), Dt (detached): one for all
+    /// contacts, or one for each, such as Sl-St [default of states: all of them; of modes: uniform sliding]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
 }

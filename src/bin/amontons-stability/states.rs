@@ -30,6 +30,8 @@ struct Row {
 struct Report {
     given: Given,
     rows: Vec<Row>,
+    /// The state of all contacts at rest.
+    resting: Vec<ContactState>,
     equilibrium: Result<Equilibrium, Error>,
     /// Or why there are none.
     departures: Result<Vec<(Leaving, Option<Departure>)>, String>,
@@ -54,7 +56,7 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
     let found = spectra(arguments.point.state.as_deref(), scene, &here)?;
     let resting = here.resting_state();
     let rows = found.into_iter().map(|(states, spectrum, alike)| Row {
-        has_equilibrium: here.equilibrium().is_ok() && states == resting,
+        has_equilibrium: here.equilibrium().is_ok() && *states == *resting,
         states,
         spectrum,
         alike,
@@ -66,6 +68,7 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
             _ => Err(format!("they are looked at for up to {MAX_LEAVING} contacts")),
         },
         equilibrium: here.equilibrium().cloned(),
+        resting,
         given,
     };
     match arguments.format {
@@ -191,8 +194,10 @@ impl Report {
         } else {
             print_list(&self.rows, out)?;
         }
-        if let Some(row) = self.rows.iter().find(|row| row.has_equilibrium) {
-            writeln!(out, "Equilibrium: {}\n", Joined(&row.states))?;
+        if self.equilibrium.is_ok() {
+            let is_shown = self.rows.iter().any(|row| row.has_equilibrium);
+            let note = if is_shown { "" } else { ", which is not among the states above" };
+            writeln!(out, "Equilibrium: {}{note}\n", Joined(&self.resting))?;
         }
         self.print_departures(out)
     }

@@ -7,6 +7,7 @@ mod effects;
 mod export;
 mod interrupt;
 mod paper;
+mod say;
 mod scenes;
 mod simulate;
 mod study;

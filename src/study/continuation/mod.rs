@@ -84,8 +84,6 @@ pub fn continuation(
     let mut found = Found::new(ways, run.rows());
     let mut starts: Vec<Start> = own.into_iter().map(Start::own).collect();
     starts.extend(found.ways_jumped_to());
-    // What was met in the round before and could not be added will not be in this one.
-    let mut last = None;
     let Ranges { bistable, unknown, .. } = loop {
         if !run.follow_all(starts, &mut found)? {
             return Ok(None);
@@ -93,9 +91,6 @@ pub fn continuation(
         let Some(ranges) = run.compare(&found)? else { return Ok(None) };
         // A range may show a motion that none of the values has, whose ends are bounds of new ranges.
         starts = ranges.new.iter().cloned().map(Start::own).collect();
-        if !starts.is_empty() && last.replace(found.all().count()) == Some(found.all().count()) {
-            starts.clear();
-        }
         if starts.is_empty() {
             starts.extend(found.towards(&ranges.lone));
         }

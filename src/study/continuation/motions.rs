@@ -4,7 +4,7 @@
 //! Each is followed unless one that was followed before has the same motion at that value. Where two others are known, a third
 //! one waits: it is followed only towards values at which fewer than two are known.
 
-use super::findings::{Jump, Way};
+use super::findings::{Jump, Point, Way};
 use super::follow::{Run, Start as Begin};
 use super::followed::{Followed, Reached, are_alike};
 use crate::Error;
@@ -66,6 +66,16 @@ impl Found {
 
     pub(super) fn all(&self) -> impl Iterator<Item = &Followed> {
         self.ways.iter().chain(&self.others)
+    }
+
+    /// `true` if a motion ends at the value at which it is: that is known no better than to the bracket of its jump.
+    pub(super) fn has_end_of(&self, point: &Point) -> bool {
+        let ends_here = |jump: &Jump| {
+            let [a, b] = jump.between;
+            let is_near = (a.min(b)..=a.max(b)).contains(&point.friction);
+            is_near && point.ending.as_ref().is_ok_and(|here| are_alike(&jump.endings[0], here))
+        };
+        self.all().any(|followed| followed.jumps.iter().any(ends_here))
     }
 
     /// The motions that both ways have jumped to, each to be followed back over its jump.
@@ -261,18 +271,12 @@ impl Run<'_> {
         let Some(ending) = start.ending().filter(|_| start.is_settled()) else {
             return Ok(Some(None));
         };
-        // Where a motion ends is known no better than to the bracket of its jump.
-        let friction = start.point.friction;
-        let ends_here = |jump: &Jump| {
-            let [a, b] = jump.between;
-            (a.min(b)..=a.max(b)).contains(&friction) && are_alike(&jump.endings[0], ending)
-        };
-        if found.all().any(|followed| followed.jumps.iter().any(ends_here)) {
+        if found.has_end_of(&start.point) {
             return Ok(Some(None));
         }
         let ways = found.ways.iter().enumerate().filter(|(place, _)| Some(*place) != except);
         let followed = ways.map(|(_, way)| way).chain(&found.others);
-        let Some(motions) = self.motions(friction, followed)? else { return Ok(None) };
+        let Some(motions) = self.motions(start.point.friction, followed)? else { return Ok(None) };
         Ok(Some((!motions.has(ending)).then_some(motions.known.len())))
     }
 

@@ -40,18 +40,24 @@ impl Run<'_> {
     pub(super) fn compare(&self, found: &Found) -> Result<Option<Ranges>, Error> {
         let values = self.plan.values;
         let ends = [values[0], values[values.len() - 1]];
-        let jumps = found.all().flat_map(|followed| followed.jumps.iter().map(|jump| jump.at()));
-        let mut bounds: Vec<f64> = jumps.chain(ends).collect();
-        bounds.sort_by(f64::total_cmp);
-        // Jumps of two motions at the same place have nothing between them.
-        bounds.dedup_by(|a, b| (*a - *b).abs() <= 2.0 * self.plan.resolution && !ends.contains(a));
+        let jumps = found.all().flat_map(|followed| followed.jumps.iter());
+        let jumps = jumps.map(|jump| (jump.at(), 0.5 * (jump.between[1] - jump.between[0]).abs()));
+        let mut bounds: Vec<(f64, f64)> = jumps.chain(ends.map(|end| (end, 0.0))).collect();
+        bounds.sort_by(|a, b| a.0.total_cmp(&b.0));
+        // Jumps whose brackets overlap may be at the same place.
+        bounds.dedup_by(|a, b| a.0 - b.0 <= a.1 + b.1 && !ends.contains(&a.0));
         let mut ranges = Ranges::default();
-        for range in bounds.windows(2).map(|two| [two[0], two[1]]) {
+        for range in bounds.windows(2).map(|two| [two[0].0, two[1].0]) {
             let middle = f64::midpoint(range[0], range[1]);
             let Some(mut motions) = self.motions(middle, found.all())? else { return Ok(None) };
-            if self.has_own_start() {
+            let is_narrow = range[1] - range[0] <= 2.0 * self.plan.resolution;
+            // Motions that exist only in a range as narrow are not searched for.
+            if is_narrow && motions.known.len() < 2 {
+                continue;
+            }
+            if self.has_own_start() && !is_narrow {
                 let Some(own) = self.own_start(middle)? else { return Ok(None) };
-                motions.meet(own, &mut ranges.new);
+                motions.meet(own, found, &mut ranges.new);
             }
             ranges.add(range, range.map(|end| !ends.contains(&end)), middle, motions);
         }
@@ -115,9 +121,9 @@ impl Motions {
     }
 
     /// Takes in what the scene's own start leads to. One that cannot be followed may exist at this value alone.
-    fn meet(&mut self, own: Reached, new: &mut Vec<Reached>) {
+    fn meet(&mut self, own: Reached, found: &Found, new: &mut Vec<Reached>) {
         let (Ok(ending), Some(progress)) = (&own.point.ending, &own.progress) else { return };
-        if self.has(ending) {
+        if self.has(ending) || found.has_end_of(&own.point) {
             return;
         }
         if !own.is_settled() {

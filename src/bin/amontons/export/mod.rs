@@ -4,6 +4,7 @@ mod measured;
 mod written;
 
 use crate::arguments::Export;
+use crate::say::say;
 use crate::scenes;
 use amontons::Error;
 use amontons::accuracy::Choice;
@@ -57,17 +58,17 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
         written::write(path, text.as_bytes())?;
     }
     let colon = if scene.description.is_empty() { "" } else { ": " };
-    println!("{}{colon}{}", scene.name, scene.description);
+    say!("{}{colon}{}", scene.name, scene.description);
     print_contents(&scene, &simulation)?;
-    println!("  platform       {}", platforms(&libraries));
+    say!("  platform       {}", platforms(&libraries));
     if let (Some(choice), Some(tolerance)) = (&choice, arguments.tolerance) {
         print_choice(choice, &scene, tolerance);
     }
     print_equilibrium(&scene, simulation.reference());
-    println!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
+    say!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
     let mut label = "reference";
     for (path, text) in &beside {
-        println!("  {label:13}  {} ({} kB)", path.display(), text.len().div_ceil(1000));
+        say!("  {label:13}  {} ({} kB)", path.display(), text.len().div_ceil(1000));
         label = "";
     }
     if let Some(left_out @ 1..) = check.map(|check| check.left_out) {
@@ -97,7 +98,7 @@ pub fn platforms(libraries: &[Library]) -> String {
 fn print_choice(choice: &Choice, scene: &Scene, tolerance: f64) {
     let mut label = "tolerance";
     for line in measured::reasons(choice, scene, tolerance) {
-        println!("  {label:13}  {line}");
+        say!("  {label:13}  {line}");
         label = "";
     }
     if !choice.taken.keeps(tolerance) {
@@ -119,33 +120,33 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
             format!("network of {}", counted(network.masses.len(), "mass", "masses"))
         }
     };
-    println!(
+    say!(
         "  structure      {kind}: {}, {}",
         counted(model.dofs(), "degree of freedom", "degrees of freedom"),
         counted(model.contacts.len(), "contact", "contacts")
     );
     let variables = fmu_variables(scene);
     let count = |causality| variables.iter().filter(|v| v.causality == causality).count();
-    println!(
+    say!(
         "  variables      {}, {}, {}",
         counted(count(Causality::Input), "input", "inputs"),
         counted(count(Causality::Output), "output", "outputs"),
         counted(count(Causality::Parameter), "parameter", "parameters")
     );
     if let Some(selected) = simulation.selected() {
-        println!("  chosen by      integrator.{}: {selected}", scene.selection);
+        say!("  chosen by      integrator.{}: {selected}", scene.selection);
     }
-    println!("  step           {:e} s", acting.step);
+    say!("  step           {:e} s", acting.step);
     match acting.method {
         Method::ForwardIncrement => {
-            println!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
+            say!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
         }
         Method::EventDriven => {
-            println!("  integrator     event-driven, exact between changes of contact state");
+            say!("  integrator     event-driven, exact between changes of contact state");
         }
     }
     if !scene.signals.is_empty() {
-        println!("  signals        {}", scene.signals.len());
+        say!("  signals        {}", scene.signals.len());
     }
     Ok(())
 }
@@ -157,6 +158,6 @@ fn print_equilibrium(scene: &Scene, equilibrium: &Equilibrium) {
     let forces = first_forces(scene, &all[..all.len().min(MOST)]);
     let more = if all.len() > MOST { ", …" } else { "" };
     if !forces.is_empty() {
-        println!("  equilibrium    {forces}{more}");
+        say!("  equilibrium    {forces}{more}");
     }
 }

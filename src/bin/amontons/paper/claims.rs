@@ -1,5 +1,6 @@
 //! Claims and their verdicts.
 
+use crate::say::say;
 use amontons::report::{Claim, Page, Verdict};
 
 /// A claim that holds if a condition does; why it does not, where that is known.
@@ -41,11 +42,11 @@ pub fn print(page: &Page) {
             Verdict::Differs { .. } => "differs",
             Verdict::Unknown { .. } => "unknown",
         };
-        println!("{verdict}  {}", claim.paper);
-        println!("         {}", claim.found);
+        say!("{verdict}  {}", claim.paper);
+        say!("         {}", claim.found);
     }
     let hold = claims().filter(|claim| claim.verdict.holds()).count();
-    println!("\n{hold} of {} claims hold", claims().count());
+    say!("\n{hold} of {} claims hold", claims().count());
 }
 
 #[cfg(test)]

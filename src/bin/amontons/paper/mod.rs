@@ -13,6 +13,7 @@ mod motion;
 mod perturbations;
 
 use crate::interrupt::{self, Interrupted};
+use crate::say::say;
 use amontons::Error;
 use amontons::progress::Progress;
 use amontons::report::{Cell, Page, Section, Table, write};
@@ -81,7 +82,7 @@ pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
     write(&page, &path)?;
     claims::print(&page);
     let total: f64 = times.iter().map(|(_, seconds)| seconds).sum();
-    println!("{} in {total:.1} s", path.display());
+    say!("{} in {total:.1} s", path.display());
     Ok(())
 }
 

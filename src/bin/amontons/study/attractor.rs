@@ -1,5 +1,6 @@
 //! Attractors as tables and legends have them.
 
+use crate::say::say;
 use amontons::picture::prefixed;
 use amontons::scene::Scene;
 use amontons::simulation::variables;
@@ -21,17 +22,17 @@ pub fn number(attractor: Option<usize>) -> String {
 
 /// Prints the attractors, one a line.
 pub fn print(attractors: &[Ending], of: &str, unit: &str) {
-    println!(
+    say!(
         "\nattractors (amplitude and strongest frequency of {of}; motions that differ in their place alone are one)"
     );
     for (place, ending) in attractors.iter().enumerate() {
-        println!("  {}  {}", place + 1, words(ending, unit));
+        say!("  {}  {}", place + 1, words(ending, unit));
         if let Some(evidence) = ending.evidence().filter(|_| ending.kind == Kind::Undecided) {
-            println!("     {evidence}");
+            say!("     {evidence}");
         }
     }
     if !attractors.iter().any(|ending| ending.kind.is_cycle()) {
-        println!("  no limit cycle was found");
+        say!("  no limit cycle was found");
     }
 }
 

@@ -5,6 +5,7 @@ use super::attractor::{self, number, unit_of, words};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared_with, watched};
 use crate::arguments::{Values, named_values};
+use crate::say::say;
 use amontons::picture::{Class, Map};
 use amontons::scene::Scene;
 use amontons::study::basin::{Axis, Basin as Found, Cell, SHORT_WINDOWS, basin, check_points};
@@ -68,7 +69,7 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
     print(&scene, [&x, &y], &look, &found);
     let map = map(&scene, [&x, &y], &look, &found);
     map.write(&folder.picture("basin"))?;
-    println!("\nresults and pictures are in {}", folder.path().display());
+    say!("\nresults and pictures are in {}", folder.path().display());
     Ok(())
 }
 
@@ -83,22 +84,22 @@ fn class(found: &Found, cell: &Cell) -> &'static str {
 
 fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
     let units = [x, y].map(|axis| unit_of(scene, &axis.name));
-    println!("{}: {}, {}, and {}, {}", scene.name, x.name, units[0], y.name, units[1]);
-    println!("{}", heading(&[(scene, look)]));
+    say!("{}: {}, {}, and {}, {}", scene.name, x.name, units[0], y.name, units[1]);
+    say!("{}", heading(&[(scene, look)]));
     attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
     let cells = || found.rows.iter().flatten();
     let count = |is: &dyn Fn(&Cell) -> bool| cells().filter(|cell| is(cell)).count();
-    println!("\npoints  end in");
+    say!("\npoints  end in");
     for place in 0..found.attractors.len() {
-        println!("{:>6}  {}", count(&|cell| cell.attractor == Some(place)), place + 1);
+        say!("{:>6}  {}", count(&|cell| cell.attractor == Some(place)), place + 1);
     }
     for rest in ["unsettled", "failed"] {
         let number = count(&|cell| class(found, cell) == rest);
         if number > 0 {
-            println!("{number:>6}  {rest}");
+            say!("{number:>6}  {rest}");
         }
     }
-    println!(
+    say!(
         "{} of {} were decided early, by windows of {} s",
         count(&|cell| cell.early),
         cells().count(),

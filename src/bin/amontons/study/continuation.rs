@@ -3,6 +3,7 @@
 use super::arguments::{Common, Looking};
 use super::folder::{Folder, quoted};
 use super::{heading, interrupted, prepared, watched_unevenly};
+use crate::say::say;
 use amontons::contact::Joined;
 use amontons::picture::{Band, Chart, Mark, Marker, Panel, Series, Style};
 use amontons::progress::Progress;
@@ -91,7 +92,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     };
     let known = known.as_ref();
     write(&folder, &scene, &look, &found, known.ok())?;
-    print(&scene, &look, &found);
+    print(&scene, &look, resolution, &found);
     print_eigenvalues(&scene, &found, known);
     if only_rests(&found) {
         eprintln!(
@@ -100,7 +101,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
              `amontons study perturbation` looks for such starts"
         );
     }
-    println!("\n{}", folder.path().display());
+    say!("\n{}", folder.path().display());
     Ok(())
 }
 
@@ -301,64 +302,54 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     curve
 }
 
-fn print(scene: &Scene, look: &Look, found: &Continuation) {
-    println!("{}: what it ends in over µ\n{}\n", scene.name, heading(&[(scene, look)]));
+fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
+    say!("{}: what it ends in over µ\n{}\n", scene.name, heading(&[(scene, look)]));
     for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
-        println!("µ {}", way.name());
+        say!("µ {}", way.name());
         for run in points.chunk_by(|a, b| kind(a) == kind(b)) {
             let (first, last) = (&run[0], &run[run.len() - 1]);
-            println!("  {} to {}: {}", first.friction, last.friction, described(first, last));
+            say!("  {} to {}: {}", first.friction, last.friction, described(first, last));
             if let Ok(ending) = &first.ending
                 && ending.kind == Kind::Undecided
                 && let Some(evidence) = ending.evidence()
             {
-                println!("    {evidence}");
+                say!("    {evidence}");
             }
         }
     }
-    println!("\nJumps: where one motion gives way to another");
+    say!("\nJumps: where one motion gives way to another");
     if found.jumps.is_empty() {
-        println!("  none");
+        say!("  none");
     }
     for Jump { way, between, endings: [before, after], .. } in &found.jumps {
         let (before, after) = (told(before), told(after));
-        println!(
-            "  {:8} {:.6} to {:.6}  {before} becomes {after}",
-            way.name(),
-            between[0],
-            between[1]
-        );
+        say!("  {:8} {:.6} to {:.6}  {before} becomes {after}", way.name(), between[0], between[1]);
     }
-    println!("\nRanges with two motions");
+    say!("\nRanges with two motions");
     for both in &found.bistable {
         let Bistable { range: [from, to], bounded, third, .. } = both;
         let open = |is_bounded: &bool| if *is_bounded { "" } else { " (as far as was looked)" };
-        println!(
-            "  {from:.6}{} to {to:.6}{}: {}",
-            open(&bounded[0]),
-            open(&bounded[1]),
-            both.words()
-        );
+        say!("  {from:.6}{} to {to:.6}{}: {}", open(&bounded[0]), open(&bounded[1]), both.words());
         if let Some(Third { friction, ending }) = third {
-            println!("    and a third motion: at {friction:.6} {}", told(ending));
+            say!("    and a third motion: at {friction:.6} {}", told(ending));
         }
     }
     for [from, to] in &found.unknown {
-        println!(
+        say!(
             "  {from:.6} to {to:.6}: unknown, for a motion that was met there has not settled, which a longer --longest may \
              decide, or could not be followed"
         );
     }
     if found.bistable.is_empty() && found.unknown.is_empty() {
-        println!("  {}", none(found));
+        say!("  {}", none(found, resolution));
     }
     if found.more {
-        println!(
+        say!(
             "  Not all motions that were met are followed to their ends, which takes too long: ranges may be wider. A \
              narrower --friction follows them further."
         );
     }
-    println!(
+    say!(
         "  Known are only motions met from rest, from the scene's own start, or where one of these ends; others may exist."
     );
 }
@@ -370,11 +361,15 @@ fn only_rests(found: &Continuation) -> bool {
 }
 
 /// Says what is known of second motions after both ways have ended in the same motion at every compared value.
-fn none(found: &Continuation) -> &'static str {
+fn none(found: &Continuation, resolution: f64) -> String {
     if only_rests(found) {
         "unknown: the downward way has begun at rest too, and a motion beside rest may exist that no start has led to"
+            .to_owned()
     } else {
-        "none: all that was met ends in the same motion at each value at which it was compared"
+        format!(
+            "none was met that is wider than two resolutions, {:.1e}: where motions were compared, they are the same one",
+            2.0 * resolution
+        )
     }
 }
 
@@ -392,14 +387,14 @@ fn print_eigenvalues(
     found: &Continuation,
     known: Result<&Bistability, &amontons::Error>,
 ) {
-    println!("\nWhat eigenvalues say");
+    say!("\nWhat eigenvalues say");
     if let Some(left_out) = signals_left_out(scene, 0.0) {
-        println!("  {left_out}");
+        say!("  {left_out}");
     }
     let known = match known {
         Ok(known) => known,
         Err(error) => {
-            println!("  unknown: {error}");
+            say!("  unknown: {error}");
             return;
         }
     };
@@ -409,11 +404,11 @@ fn print_eigenvalues(
                 known.stable.iter().any(|stable| stable[0] <= *from && *to <= stable[1]);
             let verb =
                 if is_stable { "no mode of sliding grows" } else { "a mode of sliding grows" };
-            println!("  {verb} from {from} to {to}");
+            say!("  {verb} from {from} to {to}");
         }
     }
     for crossing in &known.uniform {
-        println!("  {} at {:.6}", turn(crossing.becomes_unstable), crossing.value);
+        say!("  {} at {:.6}", turn(crossing.becomes_unstable), crossing.value);
     }
     for (candidate, compared) in known.candidates.iter().zip(&found.compared) {
         let [from, to] = candidate.range;
@@ -431,7 +426,7 @@ fn print_eigenvalues(
         };
         let states = Joined(&candidate.states);
         let hz = candidate.frequency_hz;
-        println!("  candidate {states} ({hz:.2} Hz) from {from:.4} to {to:.4}: {found}");
+        say!("  candidate {states} ({hz:.2} Hz) from {from:.4} to {to:.4}: {found}");
     }
 }
 

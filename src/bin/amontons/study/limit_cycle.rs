@@ -4,6 +4,7 @@ use super::arguments::{Common, Looking};
 use super::folder::{Folder, quoted};
 use super::{heading, interrupted, over, prepared, prepared_again, watched};
 use crate::arguments::Values;
+use crate::say::say;
 use amontons::contact::ContactState;
 use amontons::picture::{Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
@@ -56,11 +57,21 @@ fn part(text: &str) -> Result<f64, String> {
     }
 }
 
+/// The velocity of the slider as the scene has it, or that of the first contact where each has one of its own.
+fn as_it_is(scene: &Scene) -> (String, Values) {
+    let contacts = scene.network().map_or(&[][..], |network| &network.contacts);
+    let own = contacts.first().filter(|_| !scene.has_common_velocity());
+    let own =
+        own.and_then(|first| Some((format!("contact.{}.velocity", first.name), first.velocity?)));
+    let (name, value) =
+        own.unwrap_or_else(|| ("slider.velocity".to_owned(), scene.slider.velocity));
+    (name, Values(vec![value]))
+}
+
 pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     let LimitCycle { common, parameter, looking, .. } = arguments;
     let (scene, source, look) = prepared(common, looking)?;
-    let own = || ("slider.velocity".to_owned(), Values(vec![scene.slider.velocity]));
-    let (name, Values(values)) = &parameter.clone().unwrap_or_else(own);
+    let (name, Values(values)) = &parameter.clone().unwrap_or_else(|| as_it_is(&scene));
     // Before there is a folder.
     let possible = Possible::of(&scene, name, values)?;
     if let Some(note) = possible.note(name) {
@@ -115,7 +126,7 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
         }
     }
     told.print(&runs, &mut stdout().lock())?;
-    println!("{} has results.csv, study.json and pictures", folder.path().display());
+    say!("{} has results.csv, study.json and pictures", folder.path().display());
     Ok(())
 }
 

@@ -5,6 +5,7 @@ use super::attractor::{self, four_digits, number, unit_of, words};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared, watched};
 use crate::arguments::{Values, values};
+use crate::say::say;
 use amontons::picture::{Chart, Mark, Marker, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::study::perturbation::{Direction, Perturbations, Run, Threshold, perturbation};
@@ -63,7 +64,7 @@ pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
             None => return Err(interrupted(&folder)),
         }
     }
-    println!("\nresults and pictures are in {}", folder.path().display());
+    say!("\nresults and pictures are in {}", folder.path().display());
     Ok(())
 }
 
@@ -83,34 +84,34 @@ fn row(run: &Run) -> [String; 6] {
 
 fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) {
     let unit = unit_of(scene, &direction.name);
-    println!("{}: {}, {unit}", scene.name, direction.name);
-    println!("{}", heading(&[(scene, look)]));
+    say!("{}: {}, {unit}", scene.name, direction.name);
+    say!("{}", heading(&[(scene, look)]));
     attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
-    println!("\n{:<27}  runs  end in", direction.name);
+    say!("\n{:<27}  runs  end in", direction.name);
     for same in found.runs.chunk_by(|a, b| class(a) == class(b)) {
         let [first, last] = [&same[0], &same[same.len() - 1]].map(|run| run.amplitude);
         let range = if same.len() == 1 { format!("{first}") } else { format!("{first} to {last}") };
-        println!("{range:<27}  {:>4}  {}", same.len(), class(&same[0]));
+        say!("{range:<27}  {:>4}  {}", same.len(), class(&same[0]));
     }
     if let Some(failure) = found.runs.iter().find_map(|run| run.failure.as_ref()) {
         eprintln!("note: the first that failed: {failure}");
     }
-    println!("\nthresholds, to {:e} of themselves", direction.resolution);
+    say!("\nthresholds, to {:e} of themselves", direction.resolution);
     for Threshold { between: [below, above], attractors: [from, to] } in &found.thresholds {
-        println!("  between {below} and {above} {unit}: below {}, above {}", from + 1, to + 1);
+        say!("  between {below} and {above} {unit}: below {}, above {}", from + 1, to + 1);
     }
     let left = found.runs.iter().filter(|run| run.attractor.is_none()).count();
     if found.thresholds.is_empty() && left < found.runs.len() {
-        println!("  none between neighbours that both end in an attractor");
+        say!("  none between neighbours that both end in an attractor");
     }
     if found.runs.len() > 1 {
-        println!(
+        say!(
             "  changes that come and go between two neighbouring amplitudes are not seen; a smaller step of --amplitude shows \
              them"
         );
     }
     if left > 0 {
-        println!("  unknown beside the runs that have not ended in an attractor, {left} of them");
+        say!("  unknown beside the runs that have not ended in an attractor, {left} of them");
     }
 }
 
