@@ -123,8 +123,8 @@ pub fn run(case: &Case, plan: Plan) -> Report {
 
 /// What a run came to that ended in a panic with these words.
 fn panicked(said: String) -> Outcome {
-    // The judge takes parts of steps again, and one of them may end early.
-    if said.contains("`Err` value: Step(") { Outcome::Early(said) } else { Outcome::Broke(said) }
+    // The judge takes parts of steps again, and one of them may end.
+    if said.contains("`Err` value: Step(") { end_of(said) } else { Outcome::Broke(said) }
 }
 
 fn judged(case: &Case, plan: Plan, report: &mut Report) -> Outcome {
@@ -188,7 +188,14 @@ fn ended(error: &Error) -> Outcome {
     let said = error.to_string();
     if error.is_step_too_large() {
         Outcome::Refused(format!("during the run: {said}"))
-    } else if said.contains("no contact force satisfies its law") {
+    } else {
+        end_of(said)
+    }
+}
+
+/// What a run came to that ended with these words.
+fn end_of(said: String) -> Outcome {
+    if said.contains("no contact force satisfies its law") {
         Outcome::NoSolution(said)
     } else {
         Outcome::Early(said)
