@@ -112,11 +112,6 @@ impl Factors {
         if self.is_regular() { self.orientation } else { 0.0 }
     }
 
-    /// The number of rows that depend on no others.
-    pub(super) fn rank(&self) -> usize {
-        self.rank
-    }
-
     /// Has no row been left out?
     pub(super) fn is_regular(&self) -> bool {
         self.rank == self.size

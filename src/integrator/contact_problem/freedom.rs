@@ -69,6 +69,20 @@ impl Freedom {
         }
     }
 
+    /// The same, but that friction which holds stays below its limits by this part of them.
+    pub(in crate::integrator) fn below_limits(self, part: f64) -> Self {
+        let below = |range: FrictionRange| FrictionRange {
+            backward: (1.0 - part) * range.backward,
+            forward: (1.0 - part) * range.forward,
+            ..range
+        };
+        match self {
+            Self::Law(range) => Self::Law(below(range)),
+            Self::Held(range) => Self::Held(below(range)),
+            other => other,
+        }
+    }
+
     /// The same, slipping for sure in this direction (±1) of the friction force.
     pub(in crate::integrator) fn slipping(self, direction: f64) -> Self {
         match self {

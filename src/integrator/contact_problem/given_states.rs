@@ -93,7 +93,7 @@ impl GivenStates {
         group: usize,
         demand: impl Fn(usize) -> Demand,
     ) {
-        let Group { contacts, is_set, .. } = &mut self.groups[group];
+        let Group { contacts, is_set, unknowns, factors, .. } = &mut self.groups[group];
         let mut is_known = *is_set;
         for &contact in &*contacts {
             let demand = demand(contact);
@@ -104,12 +104,6 @@ impl GivenStates {
             return;
         }
         *is_set = true;
-        self.equate(delassus, group);
-    }
-
-    /// Makes the equations of a group from what is demanded of its contacts.
-    fn equate(&mut self, delassus: &Delassus, group: usize) {
-        let Group { contacts, unknowns, factors, .. } = &mut self.groups[group];
         unknowns.clear();
         for &contact in &*contacts {
             match self.demands[contact] {
@@ -133,20 +127,6 @@ impl GivenStates {
         );
     }
 
-    /// Puts another demand on one contact of a group; the demand that it had.
-    pub(in crate::integrator) fn exchange(
-        &mut self,
-        delassus: &Delassus,
-        group: usize,
-        contact: usize,
-        demand: Demand,
-    ) -> Demand {
-        let before = self.demands[contact];
-        self.demands[contact] = demand;
-        self.equate(delassus, group);
-        before
-    }
-
     /// Takes over the demands on all contacts, as [`set`](Self::set) does for one group.
     pub(in crate::integrator) fn set_all(
         &mut self,
@@ -159,11 +139,6 @@ impl GivenStates {
     /// Are there as many independent equations as unknowns in a group?
     pub(in crate::integrator) fn is_regular(&self, group: usize) -> bool {
         self.groups[group].factors.is_regular()
-    }
-
-    /// The number of independent equations of a group.
-    pub(in crate::integrator) fn rank(&self, group: usize) -> usize {
-        self.groups[group].factors.rank()
     }
 
     /// The sign of the determinant of a group's equations: 1, −1, or 0 where they are not independent.

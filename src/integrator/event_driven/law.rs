@@ -1,7 +1,7 @@
 //! The equation of motion of given contact states: accelerations and multipliers in one row.
 
 use crate::contact::{ContactState, Friction, FrictionRange};
-use crate::integrator::contact_problem::{Delassus, Demand, GivenStates};
+use crate::integrator::contact_problem::{Demand, GivenStates};
 use crate::integrator::dynamics::Dynamics;
 use crate::integrator::{Kept, Push, Response};
 use crate::model::{Contact, Direction};
@@ -30,11 +30,9 @@ pub(super) struct StateLaw {
     /// What `held` is set to.
     states: Vec<ContactState>,
     friction: Vec<Friction>,
-    /// T/N of contacts that share a load that the equations of sticking leave open.
-    shares: Vec<Option<f64>>,
-    /// How often shares have changed, and how often they had when `held` was set.
-    changes: u64,
-    taken: u64,
+    /// (N, T) of each contact, N, of forces that hold each other: what is added to those of the equations where these leave it
+    /// open how contacts share their load.
+    shared: Vec<[f64; 2]>,
     /// The place of (N, T) of each contact in a row.
     places: Vec<[usize; 2]>,
     /// Places of a row.
@@ -71,9 +69,7 @@ impl StateLaw {
             held: GivenStates::new(&dynamics.problem.delassus),
             states: Vec::with_capacity(contacts),
             friction: Vec::with_capacity(contacts),
-            shares: vec![None; contacts],
-            changes: 0,
-            taken: 0,
+            shared: vec![[0.0; 2]; contacts],
             places,
             width,
             force: vec![0.0; dofs],
@@ -105,8 +101,7 @@ impl StateLaw {
         states: &[ContactState],
         friction: &[Friction],
     ) {
-        if self.states != states || self.friction != friction || self.taken != self.changes {
-            self.taken = self.changes;
+        if self.states != states || self.friction != friction {
             self.states.clear();
             self.states.extend_from_slice(states);
             self.friction.clear();
@@ -121,47 +116,37 @@ impl StateLaw {
                 let own = delassus.local(contact);
                 Demand::of(states[contact], &FrictionRange::of(limit), own)
             });
-            self.take_shares(delassus);
         }
     }
 
-    /// Gives contacts that stick and share their load the share that they have been given, as long as what is held stays the
-    /// same.
-    fn take_shares(&mut self, delassus: &Delassus) {
-        for (group, contacts) in delassus.groups().iter().enumerate() {
-            for &contact in contacts {
-                let Some(slope) = self.shares[contact] else { continue };
-                if self.states[contact] != ContactState::Stick || self.held.is_regular(group) {
-                    continue;
-                }
-                let rank = self.held.rank(group);
-                let open = self.held.exchange(delassus, group, contact, Demand::Normal { slope });
-                if self.held.rank(group) < rank {
-                    self.held.exchange(delassus, group, contact, open);
+    /// Contacts of a group share their load as the forces that the contact problem has found, where `dynamics` has the
+    /// accelerations without contact forces; the equations must be set to the states of these.
+    pub(super) fn share(&mut self, dynamics: &Dynamics, slider: &[f64], group: usize) {
+        let problem = &dynamics.problem;
+        self.forces(dynamics, slider);
+        for &contact in &problem.delassus.groups()[group] {
+            let (found, given) = (problem.forces[contact], self.multipliers[contact]);
+            self.shared[contact] = [0, 1].map(|part| found[part] - given[part]);
+        }
+    }
+
+    /// The contacts of a group share their load as the equations have it.
+    pub(super) fn share_no_more(&mut self, dynamics: &Dynamics, group: usize) {
+        for &contact in &dynamics.problem.delassus.groups()[group] {
+            self.shared[contact] = [0.0; 2];
+        }
+    }
+
+    /// Adds to a row what contacts share otherwise than the equations have it.
+    pub(super) fn add_shared(&self, row: &mut [f64]) {
+        for ((places, shared), state) in self.places.iter().zip(&self.shared).zip(&self.states) {
+            if *shared != [0.0; 2] {
+                row[places[0]] += shared[0];
+                if *state == ContactState::Stick {
+                    row[places[1]] += shared[1];
                 }
             }
         }
-    }
-
-    /// Notes how a contact shares its load, T/N.
-    pub(super) fn share(&mut self, contact: usize, slope: f64) {
-        if self.shares[contact] != Some(slope) {
-            self.shares[contact] = Some(slope);
-            self.changes += 1;
-        }
-    }
-
-    /// Forgets all shares.
-    pub(super) fn forget_shares(&mut self) {
-        if self.shares.iter().any(Option::is_some) {
-            self.shares.fill(None);
-            self.changes += 1;
-        }
-    }
-
-    /// How often shares have changed: what was computed with others is old.
-    pub(super) fn changes(&self) -> u64 {
-        self.changes
     }
 
     /// (N, T) of each contact, N, where `dynamics` has the accelerations without contact forces.

@@ -22,7 +22,7 @@ mod series;
 mod watch;
 mod waves;
 
-use super::contact_problem::Freedom;
+use super::contact_problem::{ContactProblem, Freedom};
 use super::dynamics::Dynamics;
 use super::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
 use crate::Error;
@@ -47,6 +47,10 @@ const MAX_STANDSTILL: u64 = 16;
 const MOST_OPENINGS: u32 = 5;
 /// A contact that has had more events than this at one instant, sticking and slipping in turn, can do neither as it does.
 const MOST_TURNS: u32 = 3;
+/// And more than this, one that shares its load with others that hold the same masses.
+const MOST_SHARES: u32 = 7;
+/// Friction is at its limit within this part of it, of a contact that sticks and slips in turn.
+const AT_LIMIT: f64 = 1e-9;
 /// More series than this in one internal step are more oscillations than anyone waits for: of the fastest, a
 /// series covers about three radians.
 const MAX_SERIES: u32 = 100_000;
@@ -238,7 +242,9 @@ impl<W: Witness> EventDriven<W> {
             }
         }
         // Each step finds out anew how loads are shared, so that it depends on nothing but the motion.
-        self.series.law.forget_shares();
+        for group in 0..self.dynamics.problem.delassus.groups().len() {
+            self.series.law.share_no_more(&self.dynamics, group);
+        }
         Ok(())
     }
 
@@ -402,30 +408,58 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Contacts that stick and slip in turn at one instant. Where more is held than the masses can move, the equations of
-    /// sticking leave it open how the contacts share their load: they share it as the law has found that they can. Where
-    /// nothing is left open, friction that sticks would pass its limit, and the slip that follows would go the other way:
-    /// the contact opens, if it then stays open.
+    /// Contacts that stick and slip in turn at one instant: friction that sticks passes its limit, and the slip that follows
+    /// goes the other way. Such a contact does not stick at its limit: another contact changes its state, or it opens itself,
+    /// if it then stays open.
     fn end_turns(&mut self, motion: &mut Motion) -> Result<(), StepFailure> {
         for i in 0..self.events.len() {
+            // Where sticking holds more than the masses can move, another share of the load may do.
+            let most = if self.overheld[i] { MOST_SHARES } else { MOST_TURNS };
             let problem = &mut self.dynamics.problem;
-            let sticks = problem.states[i] == ContactState::Stick;
-            if self.repeats[i] <= MOST_TURNS || !sticks {
+            let turns = self.repeats[i] > most
+                && self.events[i] == Some(Event::Stop)
+                && problem.states[i] == ContactState::Stick;
+            if !turns {
                 continue;
             }
-            if self.overheld[i] {
-                let [normal, tangential] = problem.forces[i];
-                self.series.law.share(i, if normal > 0.0 { tangential / normal } else { 0.0 });
-            } else if self.events[i] == Some(Event::Stop) {
-                let held = std::mem::replace(&mut problem.freedom[i], Freedom::Open);
-                let opens = problem.solve(&self.likely).is_ok() && problem.stays_open(i);
-                if !opens {
-                    problem.freedom[i] = held;
-                    motion.statistics.count_sweeps(problem.solve(&self.likely)?);
-                }
+            let held = problem.freedom[i];
+            let slips = |problem: &ContactProblem| problem.states[i] != ContactState::Stick;
+            problem.freedom[i] = held.below_limits(AT_LIMIT);
+            if problem.solve(&self.likely).is_ok() && slips(problem) {
+                continue;
             }
+            problem.freedom[i] = Freedom::Open;
+            if problem.solve(&self.likely).is_ok() && problem.stays_open(i) {
+                continue;
+            }
+            problem.freedom[i] = held;
+            motion.statistics.count_sweeps(problem.solve(&self.likely)?);
         }
         Ok(())
+    }
+
+    /// Contacts that stick and slip in turn at one instant, where sticking holds more than the masses can move: its equations
+    /// leave it open how the contacts share their load. They share it as the law has found that they can, until a state of
+    /// theirs changes.
+    fn share_loads(&mut self, motion: &Motion, drive: &Drive) {
+        let Self { dynamics, series, surface_acceleration, .. } = self;
+        let law = &mut series.law;
+        for (group, contacts) in dynamics.problem.delassus.groups().iter().enumerate() {
+            let new = |i: usize| motion.contacts[i];
+            if contacts.iter().all(|&i| self.events[i].is_none() && self.before[i] == new(i)) {
+                continue;
+            }
+            let turns = |&i: &usize| {
+                self.overheld[i] && self.repeats[i] > MOST_TURNS && new(i) == ContactState::Stick
+            };
+            let are_found = contacts.iter().all(|&i| dynamics.problem.states[i] == new(i));
+            if are_found && contacts.iter().any(turns) {
+                law.set(dynamics, &motion.contacts, &drive.friction);
+                law.share(dynamics, surface_acceleration, group);
+            } else {
+                law.share_no_more(dynamics, group);
+            }
+        }
     }
 
     /// The states that follow on the events, by the law of contact; `again`: at the instant of the last ones.
@@ -456,6 +490,7 @@ impl<W: Witness> EventDriven<W> {
         let problem = &mut self.dynamics.problem;
         motion.statistics.other_solutions += u64::from(problem.has_another_solution());
         motion.statistics.events += 1;
+        let stays = self.dynamics.problem.states == motion.contacts;
         for i in 0..self.events.len() {
             let (state, new) = (motion.contacts[i], self.dynamics.problem.states[i]);
             let event = self.events[i];
@@ -463,8 +498,9 @@ impl<W: Witness> EventDriven<W> {
                 || state != ContactState::Detached && event != Some(Event::Lift);
             let opens = is_closed && new == ContactState::Detached;
             motion.contacts[i] = match event {
-                // Rounding may hide which way it goes: a slip that stops again where it went on sticks.
-                Some(Event::Stop) if again && new == state => ContactState::Stick,
+                // Rounding may hide which way it goes: a slip that stops again where it went on sticks, if no other state
+                // changes.
+                Some(Event::Stop) if again && stays && new == state => ContactState::Stick,
                 // And whether it opens: what closes again and again where it opened stays closed.
                 _ if opens && self.repeats[i] > MOST_OPENINGS => {
                     self.dynamics.problem.freedom[i].closed_state()
@@ -478,6 +514,7 @@ impl<W: Witness> EventDriven<W> {
                 statistics.count_change(*new);
             }
         }
+        self.share_loads(motion, drive);
         self.settle(motion, drive);
         Ok(())
     }

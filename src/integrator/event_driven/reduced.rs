@@ -38,9 +38,8 @@ struct Pair([f64; 2]);
 /// depends on nothing but its state, µ and the damping: whether it was kept leaves no trace.
 pub(super) struct ReducedLaws {
     slots: Vec<Reduced>,
-    /// µ of each contact that all of them were made for, and the shares of loads: [`StateLaw::changes`].
+    /// µ of each contact that all of them were made for.
     friction: Vec<Friction>,
-    shares: u64,
     /// Places of a row, rounded up.
     places: usize,
     zeros: Vec<f64>,
@@ -65,7 +64,6 @@ impl ReducedLaws {
         Self {
             slots: (0..slots).map(|_| slot()).collect(),
             friction: vec![f64::NAN.into(); contacts],
-            shares: 0,
             places,
             zeros: vec![0.0; dofs.max(contacts)],
             unit: vec![0.0; dofs],
@@ -91,9 +89,8 @@ impl ReducedLaws {
         (outer, slider): (&[f64], &[f64]),
     ) -> &Reduced {
         let friction = &drive.friction;
-        if self.friction != *friction || self.shares != law.changes() {
+        if self.friction != *friction {
             self.clear();
-            self.shares = law.changes();
             self.friction.copy_from_slice(friction);
         }
         let key = states.iter().rev().fold(0, |key, &state| 4 * key + state as usize % 4);
