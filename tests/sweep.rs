@@ -461,6 +461,67 @@ fn a_value_that_cannot_run_is_left_out_with_its_reason() {
     assert!(!folder.path().join("none.csv").exists());
 }
 
+/// A mass that a sine throws about lands where the forces already pull it off: its contact keeps its state, and the kink was
+/// once taken for a turn of a smooth motion, below the surface.
+#[test]
+fn the_amplitude_of_a_mass_that_bounces_off_where_it_lands_ends_at_its_surface() {
+    let scene = r#"
+[slider]
+velocity = 1.0
+angle = 0.0
+[friction]
+law = "none"
+[[mass]]
+name = "m"
+mass = 1.0
+force = [0.0, -10.0]
+[[spring]]
+name = "x"
+between = ["m", "ground"]
+direction = "x"
+stiffness = 100.0
+[[spring]]
+name = "y"
+between = ["m", "ground"]
+direction = "y"
+stiffness = 100.0
+[[damper]]
+name = "d"
+between = ["m", "ground"]
+direction = "y"
+damping = 4.0
+[[contact]]
+name = "c"
+mass = "m"
+[[signal]]
+input = "mass.m.fy"
+sine = { amplitude = 60.0, frequency = 7.0 }
+[integrator]
+method = "event-driven"
+step = 1e-3
+[experiment]
+stop_time = 20.0
+"#;
+    let folder = folder();
+    fs::write(folder.path().join("m.toml"), scene).unwrap();
+    let column = |name: &str, arguments: &[&str]| -> Vec<f64> {
+        let all = [&["simulate", "m.toml", "-o", "m.csv"], arguments].concat();
+        let output = amontons(folder.path(), &all);
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        let mut reader = csv::Reader::from_path(folder.path().join("m.csv")).unwrap();
+        let place = reader.headers().unwrap().iter().position(|head| head == name).unwrap();
+        reader.records().map(|row| row.unwrap()[place].parse().unwrap()).collect()
+    };
+    let rows = column("mass.m.y", &["--output-interval", "1e-4"]);
+    let highest = rows[150_000..].iter().fold(0.0, |most, y| f64::max(most, *y));
+    for interval in ["1e-3", "1e-2", "0.03"] {
+        let sweep =
+            ["--sweep", "mass.m.mass=1:1.1/2", "--window", "5", "--output-interval", interval];
+        let amplitude = column("amplitude.mass.m.y", &sweep)[0];
+        assert!((amplitude / (0.5 * highest) - 1.0).abs() < 1e-5, "{interval}: {amplitude}");
+    }
+}
+
 #[test]
 fn sweeps_that_make_no_sense_are_refused_with_what_would() {
     let folder = folder();

@@ -2,7 +2,7 @@
 //! outputs. Changes of contact states and turning points between two rows are closed in on in the motion itself, so none
 //! of this depends on where the rows are.
 //!
-//! Where a contact changes its state a value has a kink, beside which no polynomial through rows holds. So a span between
+//! Where a contact changes its state or lands a value has a kink, beside which no polynomial through rows holds. So a span between
 //! two rows is halved until nothing changes in it. There a displacement is a cubic through its values and velocities.
 
 use crate::Error;
@@ -38,7 +38,8 @@ struct Point {
     values: Vec<f64>,
     rates: Vec<Option<f64>>,
     states: Vec<ContactState>,
-    /// How often contacts have changed their states since the start.
+    /// How often contacts have changed their states or landed since the start: one that is thrown off where it lands keeps its
+    /// state.
     changes: u64,
 }
 
@@ -129,13 +130,14 @@ impl Passage {
                 }
             }
         }
+        let statistics = simulation.statistics();
         Ok(Point {
             saved: simulation.save(),
             time: simulation.time(),
             values,
             rates,
             states: simulation.contact_states().to_vec(),
-            changes: simulation.statistics().state_changes(),
+            changes: statistics.state_changes() + statistics.touch_downs,
         })
     }
 

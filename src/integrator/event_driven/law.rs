@@ -6,6 +6,9 @@ use crate::integrator::dynamics::Dynamics;
 use crate::integrator::{Kept, Push, Response};
 use crate::model::{Contact, Direction};
 
+/// Forces hold each other if their sum is this part of their sizes.
+const SHARED: f64 = 1e-9;
+
 /// What acts on the masses, or one power of it in time.
 #[derive(Clone, Copy)]
 pub(super) struct Acting<'a> {
@@ -120,13 +123,23 @@ impl StateLaw {
     }
 
     /// Contacts of a group share their load as the forces that the contact problem has found, where `dynamics` has the
-    /// accelerations without contact forces; the equations must be set to the states of these.
+    /// accelerations without contact forces, if both move the masses alike.
     pub(super) fn share(&mut self, dynamics: &Dynamics, slider: &[f64], group: usize) {
-        let problem = &dynamics.problem;
+        let Dynamics { problem, .. } = dynamics;
+        let contacts = &problem.delassus.groups()[group];
         self.forces(dynamics, slider);
-        for &contact in &problem.delassus.groups()[group] {
+        for &contact in contacts {
             let (found, given) = (problem.forces[contact], self.multipliers[contact]);
             self.shared[contact] = [0, 1].map(|part| found[part] - given[part]);
+        }
+        let holds = |&contact: &usize| {
+            [0, 1].into_iter().all(|row| {
+                let [sum, size] = problem.delassus.along(contact, row, |i| self.shared[i]);
+                sum.abs() <= SHARED * size
+            })
+        };
+        if !contacts.iter().all(holds) {
+            self.share_no_more(dynamics, group);
         }
     }
 

@@ -32,7 +32,7 @@ use impact::frictionless;
 pub(super) use ledger::Writer;
 use ledger::{Passage, Witness};
 use reduced::MOST_PLACES;
-use rounding::{NOISE, pulls, shortest};
+use rounding::{DIFFERENCE, NOISE, pulls, shortest};
 use series::{Instant, ORDER, Polynomial, Series};
 use watch::Event;
 use waves::Waves;
@@ -98,10 +98,13 @@ pub struct EventDriven<W = ()> {
     /// The states that contacts are first tried in after events.
     likely: Vec<ContactState>,
     frictionless: Vec<Friction>,
-    /// What the outer forces would accelerate a mass by at the most, m/s², and what that does in a step, m/s: beside
-    /// it a velocity may be nothing.
-    driven: f64,
+    /// What the constant load alone would accelerate a mass by at the most, m/s².
+    loaded: f64,
+    /// What all outer forces would do, each for itself where they may hold each other, m/s in a step: beside it a velocity may
+    /// be nothing.
     gained: f64,
+    /// The acceleration, m/s², of which the rounding of outer forces is a part, that of the phase of waves included.
+    driven: f64,
 }
 
 /// The places of the full matrices that a structure gets; `None` for a large one, which gets none.
@@ -165,6 +168,7 @@ impl<W: Witness> EventDriven<W> {
             kept: vec![ContactState::Detached; contacts],
             likely: vec![ContactState::Detached; contacts],
             frictionless: vec![Friction::from(0.0); contacts],
+            loaded: dynamics.fastest_driven(&model.load),
             driven: 0.0,
             gained: 0.0,
             dynamics,
@@ -291,8 +295,17 @@ impl<W: Witness> EventDriven<W> {
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
     fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
-        self.driven = self.dynamics.fastest_driven(&self.force);
-        self.gained = h * self.driven;
+        let inverse_mass = &self.dynamics.inverse_mass;
+        let (mut swung, mut blurred) = (0.0, 0.0);
+        for wave in &drive.waves {
+            let pushed = |&(dof, force): &(usize, f64)| (inverse_mass.get(dof, dof) * force).abs();
+            let most = wave.amplitude.abs() * wave.pushes.iter().map(pushed).fold(0.0, f64::max);
+            swung += most;
+            blurred += most * wave.phase.abs();
+        }
+        let driven = self.dynamics.fastest_driven(&self.force).max(self.loaded) + swung;
+        self.gained = h * driven;
+        self.driven = driven + blurred * f64::EPSILON / (NOISE * DIFFERENCE);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let old = motion.contacts[i];
             if old == ContactState::Detached {
@@ -452,8 +465,9 @@ impl<W: Witness> EventDriven<W> {
             let turns = |&i: &usize| {
                 self.overheld[i] && self.repeats[i] > MOST_TURNS && new(i) == ContactState::Stick
             };
-            let are_found = contacts.iter().all(|&i| dynamics.problem.states[i] == new(i));
-            if are_found && contacts.iter().any(turns) {
+            let is_open = |state: ContactState| state == ContactState::Detached;
+            let are_closed = |&i: &usize| is_open(dynamics.problem.states[i]) == is_open(new(i));
+            if contacts.iter().all(are_closed) && contacts.iter().any(turns) {
                 law.set(dynamics, &motion.contacts, &drive.friction);
                 law.share(dynamics, surface_acceleration, group);
             } else {
@@ -490,7 +504,9 @@ impl<W: Witness> EventDriven<W> {
         let problem = &mut self.dynamics.problem;
         motion.statistics.other_solutions += u64::from(problem.has_another_solution());
         motion.statistics.events += 1;
-        let stays = self.dynamics.problem.states == motion.contacts;
+        let is_open = |state: &ContactState| *state == ContactState::Detached;
+        let new = self.dynamics.problem.states.iter().map(is_open);
+        let none_opens = new.eq(motion.contacts.iter().map(is_open));
         for i in 0..self.events.len() {
             let (state, new) = (motion.contacts[i], self.dynamics.problem.states[i]);
             let event = self.events[i];
@@ -498,9 +514,9 @@ impl<W: Witness> EventDriven<W> {
                 || state != ContactState::Detached && event != Some(Event::Lift);
             let opens = is_closed && new == ContactState::Detached;
             motion.contacts[i] = match event {
-                // Rounding may hide which way it goes: a slip that stops again where it went on sticks, if no other state
-                // changes.
-                Some(Event::Stop) if again && stays && new == state => ContactState::Stick,
+                // Rounding may hide which way it goes: a slip that stops again where it went on sticks, if no contact opens
+                // or closes.
+                Some(Event::Stop) if again && none_opens && new == state => ContactState::Stick,
                 // And whether it opens: what closes again and again where it opened stays closed.
                 _ if opens && self.repeats[i] > MOST_OPENINGS => {
                     self.dynamics.problem.freedom[i].closed_state()
