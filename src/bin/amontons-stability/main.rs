@@ -127,10 +127,21 @@ fn friction(scene: &Scene) -> String {
     let about = scene.contact_law().friction.about();
     let Friction { kinetic, static_, .. } = scene.friction();
     if about.is_constant() {
-        format!("µ = {kinetic}")
+        format!("µ = {}", of_contacts(scene).unwrap_or_else(|| kinetic.to_string()))
     } else {
         format!("µ = {static_} to {kinetic} ({}), linearised at the slider's velocity", about.name)
     }
+}
+
+/// µ of each contact, of a scene in which some have one of their own.
+fn of_contacts(scene: &Scene) -> Option<String> {
+    let contacts = &scene.network()?.contacts;
+    contacts.iter().find(|contact| contact.friction.is_some())?;
+    let each = contacts.iter().map(|contact| {
+        let friction = contact.friction.unwrap_or(scene.friction_coefficient);
+        format!("{friction} (contact.{})", contact.name)
+    });
+    Some(each.collect::<Vec<_>>().join(", "))
 }
 
 /// Refuses a parameter of which nothing depends that an analysis looks at.

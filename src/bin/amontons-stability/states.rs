@@ -161,7 +161,7 @@ impl Report {
         });
         json!({
             "scene": self.given.scene.name,
-            "friction": self.given.scene.friction_coefficient,
+            "friction": self.given.scene.has_common_friction().then_some(self.given.scene.friction_coefficient),
             "states": states,
             "departures": departures.collect::<Vec<_>>(),
             "at": self.given.at,

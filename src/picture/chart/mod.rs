@@ -96,6 +96,12 @@ pub struct Mark {
 }
 
 impl Chart {
+    /// `true` if there is nothing to show: no point, mark, band or raster.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.x_range().is_err()
+    }
+
     /// Writes the chart as the path's ending asks, `.svg` or `.png`.
     ///
     /// # Errors

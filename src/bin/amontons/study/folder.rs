@@ -131,11 +131,18 @@ impl Folder {
         self.path.join(format!("{name}.{}", self.pictures.ending()))
     }
 
-    /// Draws a chart.
+    /// Draws a chart, if it has anything to show: where all runs have failed the reason is told with each of them.
     ///
     /// # Errors
     /// It cannot be drawn or written.
     pub fn draw(&self, name: &str, chart: &Chart) -> Result<(), amontons::Error> {
+        if chart.is_empty() {
+            eprintln!(
+                "note: {} is not drawn: there is no value to show",
+                self.picture(name).display()
+            );
+            return Ok(());
+        }
         chart.write(&self.picture(name))
     }
 }

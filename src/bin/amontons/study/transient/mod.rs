@@ -296,13 +296,14 @@ fn asked(question: &Open, interval: f64) -> String {
         ),
         Open::TooShort { span, periods, stop_time } => format!(
             "from {} s on {NO_MODES}, and {periods:.1} periods of the strongest line are too few to see it; \
-             --stop-time {} or more would decide",
+             --stop-time {} or more may decide",
             time(span[0], interval),
             rounded_up(*stop_time),
         ),
         Open::Slower { span, rate } => format!(
-            "from {} s on {NO_MODES}; a tenfold change that is slower than {rate:.2} 1/s would show in a longer run \
-             (--stop-time)",
+            "from {} s on {NO_MODES}; a tenfold change that is slower than {rate:.2} 1/s, or of a line beside \
+             stronger ones, may not be seen: a longer run (--stop-time), another output (--of) or the scene without its \
+             signals may show it",
             time(span[0], interval),
         ),
     }
