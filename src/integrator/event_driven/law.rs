@@ -150,9 +150,9 @@ impl StateLaw {
         }
     }
 
-    /// Adds to a row what contacts share otherwise than the equations have it.
-    pub(super) fn add_shared(&self, row: &mut [f64]) {
-        for ((places, shared), state) in self.places.iter().zip(&self.shared).zip(&self.states) {
+    /// Adds to the row of these states what contacts share otherwise than the equations have it.
+    pub(super) fn add_shared(&self, states: &[ContactState], row: &mut [f64]) {
+        for ((places, shared), state) in self.places.iter().zip(&self.shared).zip(states) {
             if *shared != [0.0; 2] {
                 row[places[0]] += shared[0];
                 if *state == ContactState::Stick {

@@ -199,7 +199,7 @@ impl Series {
         if self.order == ORDER {
             self.shorten();
         }
-        self.law.add_shared(&mut self.forces[..self.places]);
+        self.law.add_shared(&self.states, &mut self.forces[..self.places]);
     }
 
     /// Takes note of what the contacts hold.
