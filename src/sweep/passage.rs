@@ -2,7 +2,7 @@
 //! outputs. Changes of contact states and turning points between two rows are closed in on in the motion itself, so none
 //! of this depends on where the rows are.
 //!
-//! Where a contact changes its state or lands a value has a kink, beside which no polynomial through rows holds. So a span between
+//! Where a contact changes its state or lands, a value has a kink, beside which no polynomial through rows holds. So a span between
 //! two rows is halved until nothing changes in it. There a displacement is a cubic through its values and velocities.
 
 use crate::Error;

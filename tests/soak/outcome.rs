@@ -193,7 +193,7 @@ fn ended(error: &Error) -> Outcome {
     }
 }
 
-/// What a run came to that ended with these words.
+/// The outcome of a run that ended with this message.
 fn end_of(said: String) -> Outcome {
     if said.contains("no contact force satisfies its law") {
         Outcome::NoSolution(said)

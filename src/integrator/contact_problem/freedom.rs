@@ -69,7 +69,7 @@ impl Freedom {
         }
     }
 
-    /// The same, but that friction which holds stays below its limits by this part of them.
+    /// The same with lower limits of the friction that holds: each is lower by this part of itself.
     pub(in crate::integrator) fn below_limits(self, part: f64) -> Self {
         let below = |range: FrictionRange| FrictionRange {
             backward: (1.0 - part) * range.backward,

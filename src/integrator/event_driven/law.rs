@@ -150,6 +150,11 @@ impl StateLaw {
         }
     }
 
+    /// All contacts share their load as the equations have it.
+    pub(super) fn forget_shared(&mut self) {
+        self.shared.fill([0.0; 2]);
+    }
+
     /// Adds to the row of these states what contacts share otherwise than the equations have it.
     pub(super) fn add_shared(&self, states: &[ContactState], row: &mut [f64]) {
         for ((places, shared), state) in self.places.iter().zip(&self.shared).zip(states) {

@@ -98,10 +98,10 @@ pub struct EventDriven<W = ()> {
     /// The states that contacts are first tried in after events.
     likely: Vec<ContactState>,
     frictionless: Vec<Friction>,
-    /// What the constant load alone would accelerate a mass by at the most, m/s².
+    /// The largest acceleration that the constant load alone gives a mass, m/s².
     loaded: f64,
-    /// What all outer forces would do, each for itself where they may hold each other, m/s in a step: beside it a velocity may
-    /// be nothing.
+    /// The velocity, m/s, that the outer forces give a mass in a step. Forces that may hold each other add up here. A velocity
+    /// far below it is rounding.
     gained: f64,
     /// The acceleration, m/s², of which the rounding of outer forces is a part, that of the phase of waves included.
     driven: f64,
@@ -246,9 +246,7 @@ impl<W: Witness> EventDriven<W> {
             }
         }
         // Each step finds out anew how loads are shared, so that it depends on nothing but the motion.
-        for group in 0..self.dynamics.problem.delassus.groups().len() {
-            self.series.law.share_no_more(&self.dynamics, group);
-        }
+        self.series.law.forget_shared();
         Ok(())
     }
 
@@ -465,9 +463,8 @@ impl<W: Witness> EventDriven<W> {
             let turns = |&i: &usize| {
                 self.overheld[i] && self.repeats[i] > MOST_TURNS && new(i) == ContactState::Stick
             };
-            let is_open = |state: ContactState| state == ContactState::Detached;
-            let are_closed = |&i: &usize| is_open(dynamics.problem.states[i]) == is_open(new(i));
-            if contacts.iter().all(are_closed) && contacts.iter().any(turns) {
+            let is_found = |&i: &usize| are_open_alike(dynamics.problem.states[i], new(i));
+            if contacts.iter().all(is_found) && contacts.iter().any(turns) {
                 law.set(dynamics, &motion.contacts, &drive.friction);
                 law.share(dynamics, surface_acceleration, group);
             } else {
@@ -504,9 +501,8 @@ impl<W: Witness> EventDriven<W> {
         let problem = &mut self.dynamics.problem;
         motion.statistics.other_solutions += u64::from(problem.has_another_solution());
         motion.statistics.events += 1;
-        let is_open = |state: &ContactState| *state == ContactState::Detached;
-        let new = self.dynamics.problem.states.iter().map(is_open);
-        let none_opens = new.eq(motion.contacts.iter().map(is_open));
+        let mut states = self.dynamics.problem.states.iter().zip(&motion.contacts);
+        let none_opens = states.all(|(new, old)| are_open_alike(*new, *old));
         for i in 0..self.events.len() {
             let (state, new) = (motion.contacts[i], self.dynamics.problem.states[i]);
             let event = self.events[i];
@@ -534,6 +530,11 @@ impl<W: Witness> EventDriven<W> {
         self.settle(motion, drive);
         Ok(())
     }
+}
+
+/// `true` of two states of a contact that is open in both or closed in both.
+fn are_open_alike(a: ContactState, b: ContactState) -> bool {
+    (a == ContactState::Detached) == (b == ContactState::Detached)
 }
 
 impl<W: Witness> Integrator for EventDriven<W> {
