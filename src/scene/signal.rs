@@ -24,6 +24,15 @@ impl Signal {
         let last = self.input.rsplit('.').next().unwrap_or_default();
         self.input.starts_with("friction.") || matches!(last, "friction" | "static_friction")
     }
+
+    /// The frequency of a sine, Hz.
+    #[must_use]
+    pub const fn frequency(&self) -> Option<f64> {
+        match self.shape {
+            Shape::Sine(Sine { frequency, .. }) => Some(frequency),
+            _ => None,
+        }
+    }
 }
 
 /// A function of the time t (s); values are in the unit of the input.

@@ -3,7 +3,7 @@
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::{LumpedModel, equilibrium};
-use crate::scene::{Scene, Shape, Sine, nearest};
+use crate::scene::{Scene, Signal, nearest};
 use crate::simulation::catalogue::{Causality, Kind};
 use crate::simulation::{Variable, variables};
 use crate::stability::candidates::resting_state;
@@ -71,10 +71,7 @@ fn frequencies_in(
     let fastest = spectrum.oscillating.last()?.im / TAU;
     let bound = highest_frequency(&model).map_or(fastest, |bound| bound / TAU);
     // A motion follows what drives it, too.
-    let sines = scene.signals.iter().filter_map(|signal| match signal.shape {
-        Shape::Sine(Sine { frequency, .. }) => Some(frequency),
-        _ => None,
-    });
+    let sines = scene.signals.iter().filter_map(Signal::frequency);
     let range = [slowest, fastest.max(bound)];
     Some(sines.fold(range, |[low, high], frequency| [low.min(frequency), high.max(frequency)]))
 }

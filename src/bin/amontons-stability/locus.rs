@@ -324,8 +324,7 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
     if locus.is_damped {
         writeln!(
             out,
-            "  single dampers or falling friction keep modes from merging exactly; they come nearest, as far as the \
-             values that were asked for show (more values may show more):"
+            "  single dampers or falling friction keep modes from merging exactly; they come nearest:"
         )?;
     } else {
         writeln!(out, "  modes merge or part, exactly, damped or not (C = α M + β K):")?;

@@ -92,42 +92,51 @@ fn other_side(evaluate: &Evaluate<'_>, points: [Point; 3]) -> Result<Option<Poin
 /// Modes further apart than this part of their frequency do not come near each other.
 const NEAR: f64 = 0.05;
 
-/// Where modes come nearest to each other, between the values at which they are known.
+/// Where modes come nearest to each other, by the points of all branches, which are at the same values.
 pub(super) fn closest_approaches(
     evaluate: &Evaluate<'_>,
-    values: &[f64],
-    branches: &[Vec<Root>],
+    trace: &[Vec<Point>],
 ) -> Result<Vec<Approach>, Error> {
     let mut found = Vec::new();
-    for (i, a) in branches.iter().enumerate() {
-        for (j, b) in branches.iter().enumerate().skip(i + 1) {
-            let apart = |k: usize| (a[k].lambda - b[k].lambda).norm();
-            for k in 1..values.len() - 1 {
-                let is_least = apart(k) < apart(k - 1) && apart(k) <= apart(k + 1);
-                if is_least && apart(k) < NEAR * a[k].lambda.norm() {
-                    let pair = |k: usize| (values[k], [a[k], b[k]]);
-                    let both = |[from, to]: [(f64, [Root; 2]); 2], value: f64| {
-                        let root = |which: usize| {
-                            let known = [(from.0, from.1[which]), (to.0, to.1[which])];
-                            Ok::<_, Error>(on_branch(evaluate, known, value)?.1)
-                        };
-                        Ok([root(0)?, root(1)?])
-                    };
-                    let distance = |[a, b]: &[Root; 2]| (a.lambda - b.lambda).norm();
-                    let around = [k - 1, k, k + 1].map(pair);
-                    let (value, [a, b]) = golden_section(around, &both, &distance, &|_| false)?;
+    for (i, a) in trace.iter().enumerate() {
+        for (j, b) in trace.iter().enumerate().skip(i + 1) {
+            for (a, b) in a.windows(3).zip(b.windows(3)) {
+                let pair = |k: usize| (a[k].0, [a[k].1, b[k].1]);
+                let around = [0, 1, 2].map(pair);
+                let [left, middle, right] = around.map(|(_, pair)| distance(&pair));
+                if middle < left && middle <= right && middle < NEAR * a[1].1.lambda.norm() {
+                    let (value, pair) = nearest_of_pair(evaluate, around)?;
                     found.push(Approach {
                         value,
                         modes: [i, j],
-                        distance_hz: (a.lambda - b.lambda).norm() / TAU,
-                        frequency_hz: 0.5 * (a.lambda.im + b.lambda.im) / TAU,
+                        distance_hz: distance(&pair) / TAU,
+                        frequency_hz: 0.5 * (pair[0].lambda.im + pair[1].lambda.im) / TAU,
                     });
                 }
             }
         }
     }
-    found.sort_by(|a, b| a.value.total_cmp(&b.value));
     Ok(found)
+}
+
+/// How far two roots are apart, 1/s.
+fn distance([a, b]: &[Root; 2]) -> f64 {
+    (a.lambda - b.lambda).norm()
+}
+
+/// Where two branches are nearest to each other, between three points of which the middle one has them nearest.
+fn nearest_of_pair(
+    evaluate: &Evaluate<'_>,
+    around: [(f64, [Root; 2]); 3],
+) -> Result<(f64, [Root; 2]), Error> {
+    let both = |[from, to]: [(f64, [Root; 2]); 2], value: f64| {
+        let root = |which: usize| {
+            let known = [(from.0, from.1[which]), (to.0, to.1[which])];
+            Ok::<_, Error>(on_branch(evaluate, known, value)?.1)
+        };
+        Ok([root(0)?, root(1)?])
+    };
+    golden_section(around, &both, &distance, &|_| false)
 }
 
 /// Golden-section search of the least cost between three points, the middle one having the least of

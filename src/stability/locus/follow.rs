@@ -1,7 +1,9 @@
 //! Following the roots of one part of a contact state from value to value of a parameter.
 
-use super::events::{Point, hidden_crossings, locate_coalescence, locate_crossing};
-use super::{Coalescence, Crossing, Root, order_of_merged};
+use super::events::{
+    Point, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
+};
+use super::{Approach, Coalescence, Crossing, Root, order_of_merged};
 use crate::Error;
 use nalgebra::Complex;
 use std::cmp::Ordering;
@@ -12,6 +14,8 @@ const MAX_HALVINGS: u32 = 24;
 const DOUBLE: f64 = 1e-8;
 /// The fewest steps in which a range is gone through.
 const FEWEST_STEPS: f64 = 200.0;
+/// An extremum beside an end of the range shows at a point this part of a step from it.
+const BESIDE_END: f64 = 1e-3;
 
 /// Gives the roots at a value of the parameter; always the same number of them.
 pub(super) type Evaluate<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + 'a;
@@ -23,14 +27,18 @@ pub(super) struct Followed {
     pub(super) branches: Vec<Vec<Root>>,
     pub(super) coalescences: Vec<Coalescence>,
     pub(super) crossings: Vec<Crossing>,
+    /// Of roots that do not merge.
+    pub(super) approaches: Vec<Approach>,
     /// Values near which roots could not be told apart by continuity.
     pub(super) undecided: Vec<f64>,
 }
 
-/// Follows all roots over ascending values; `done` hears of each value done.
+/// Follows all roots over ascending values; `done` hears of each value done. Where roots come near each other is found for
+/// those that do not merge.
 pub(super) fn follow(
     evaluate: &Evaluate<'_>,
     values: &[f64],
+    merge: bool,
     done: &dyn Fn(),
 ) -> Result<Followed, Error> {
     let first = evaluate(values[0])?;
@@ -43,13 +51,20 @@ pub(super) fn follow(
         found: Followed::default(),
     };
     let mut branches: Vec<Vec<Root>> = tracker.roots.iter().map(|&root| vec![root]).collect();
-    let longest = (values[values.len() - 1] - values[0]) / FEWEST_STEPS;
+    let last = values[values.len() - 1];
+    let longest = (last - values[0]) / FEWEST_STEPS;
+    let beside =
+        BESIDE_END * longest.min(values[1] - values[0]).min(last - values[values.len() - 2]);
     done();
+    tracker.follow_to(values[0] + beside, 0)?;
     for pair in values.windows(2) {
         let steps = ((pair[1] - pair[0]) / longest).ceil().clamp(1.0, FEWEST_STEPS);
         #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
         for i in 1..steps as u32 {
             tracker.follow_to(pair[0] + (pair[1] - pair[0]) * (f64::from(i) / steps), 0)?;
+        }
+        if pair[1] == last {
+            tracker.follow_to(last - beside, 0)?;
         }
         tracker.follow_to(pair[1], 0)?;
         for (branch, &root) in branches.iter_mut().zip(&tracker.roots) {
@@ -59,13 +74,16 @@ pub(super) fn follow(
     }
     let Tracker { trace, mut found, .. } = tracker;
     // Where two merge they are alike by nature, and numbered by a rule.
-    let range = values[values.len() - 1] - values[0];
+    let range = last - values[0];
     let Followed { undecided, coalescences, .. } = &mut found;
     undecided.retain(|value| {
         coalescences.iter().all(|event| (event.value - value).abs() > 1e-6 * range)
     });
     for (mode, trace) in trace.iter().enumerate() {
         found.crossings.extend(hidden_crossings(evaluate, trace, mode)?);
+    }
+    if !merge {
+        found.approaches = closest_approaches(evaluate, &trace)?;
     }
     Ok(Followed { branches, ..found })
 }

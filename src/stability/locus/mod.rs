@@ -26,7 +26,6 @@ use std::borrow::Cow;
 use std::cmp::Ordering;
 
 pub(super) use events::between;
-use events::closest_approaches;
 use follow::{Followed, follow};
 
 /// One eigenvalue of a contact state.
@@ -234,29 +233,25 @@ pub fn locus(
             count.set(count.get() + 1);
             done(count.get(), all);
         };
-        followed.push((follow(&evaluate, values, &one_done)?, copies));
+        followed.push((follow(&evaluate, values, !is_damped, &one_done)?, copies));
     }
-    let mut found = Locus { is_damped, ..together(values, followed) };
-    if is_damped {
-        let evaluate = |value: f64| {
-            let (model, mu) = model_at(value)?;
-            roots(&model, states, mu, Followable::Damped)
-        };
-        found.approaches = closest_approaches(&evaluate, values, &found.branches)?;
-    }
-    Ok(found)
+    Ok(Locus { is_damped, ..together(values, followed) })
 }
 
 /// Puts parts, each so many times, into one locus, and numbers its modes.
 fn together(values: &[f64], parts: Vec<(Followed, usize)>) -> Locus {
     let mut branches = Vec::new();
-    let (mut coalescences, mut crossings, mut undecided) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut coalescences, mut crossings) = (Vec::new(), Vec::new());
+    let (mut approaches, mut undecided) = (Vec::new(), Vec::new());
     for (part, copies) in parts {
         undecided.extend(part.undecided);
         for _ in 0..copies {
             let place = |mode: usize| branches.len() + mode;
             coalescences.extend(
                 part.coalescences.iter().map(|c| Coalescence { modes: c.modes.map(place), ..*c }),
+            );
+            approaches.extend(
+                part.approaches.iter().map(|a| Approach { modes: a.modes.map(place), ..*a }),
             );
             crossings.extend(part.crossings.iter().map(|c| Crossing { mode: place(c.mode), ..*c }));
             branches.extend(part.branches.iter().cloned());
@@ -272,11 +267,16 @@ fn together(values: &[f64], parts: Vec<(Followed, usize)>) -> Locus {
         event.modes = event.modes.map(|mode| number[mode]);
         event.modes.sort_unstable();
     }
+    for event in &mut approaches {
+        event.modes = event.modes.map(|mode| number[mode]);
+        event.modes.sort_unstable();
+    }
     for event in &mut crossings {
         event.mode = number[event.mode];
     }
     coalescences.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.modes.cmp(&b.modes)));
     crossings.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.mode.cmp(&b.mode)));
+    approaches.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.modes.cmp(&b.modes)));
     undecided.sort_by(f64::total_cmp);
     let branches = order.iter().map(|&old| branches[old].clone()).collect();
     Locus {
@@ -284,7 +284,7 @@ fn together(values: &[f64], parts: Vec<(Followed, usize)>) -> Locus {
         branches,
         coalescences,
         crossings,
-        approaches: Vec::new(),
+        approaches,
         undecided,
         is_damped: false,
     }

@@ -17,7 +17,7 @@ fn of_set(name: &str) -> LumpedModel {
 
 /// A locus of single roots.
 fn of_roots(evaluate: &follow::Evaluate<'_>, values: &[f64]) -> Locus {
-    together(values, vec![(follow(evaluate, values, &|| {}).unwrap(), 1)])
+    together(values, vec![(follow(evaluate, values, true, &|| {}).unwrap(), 1)])
 }
 
 fn grid(end: f64, step: f64) -> Vec<f64> {

@@ -49,6 +49,9 @@ pub(super) struct Found {
     pub(super) others: Vec<Followed>,
     /// Motions that were met where two others are known.
     waiting: Vec<Start>,
+    /// Where one that was met had not settled, from the value at which it was met to that at which it was first known.
+    /// What becomes of it between these is not known.
+    unsettled: Vec<[f64; 2]>,
     /// After how many rows of all runs no further motion is followed.
     most_rows: u64,
     /// How many starts were tried, by which the journal tells their work apart.
@@ -61,11 +64,24 @@ impl Found {
     /// Nothing but both ways, after so many rows.
     pub(super) fn new(ways: Vec<Followed>, rows: u64) -> Self {
         let most_rows = rows + rows.max(ROWS);
-        Self { ways, others: Vec::new(), waiting: Vec::new(), most_rows, tried: 0, more: false }
+        let (others, waiting, unsettled) = (Vec::new(), Vec::new(), Vec::new());
+        Self { ways, others, waiting, unsettled, most_rows, tried: 0, more: false }
     }
 
     pub(super) fn all(&self) -> impl Iterator<Item = &Followed> {
         self.ways.iter().chain(&self.others)
+    }
+
+    /// Where something changes, and how well that is known: jumps, and the ends of where a motion had not settled.
+    pub(super) fn bounds(&self) -> Vec<(f64, f64)> {
+        let jumps = self.all().flat_map(|followed| followed.jumps.iter());
+        let jumps = jumps.map(|jump| (jump.at(), 0.5 * (jump.between[1] - jump.between[0]).abs()));
+        jumps.chain(self.unsettled.iter().flatten().map(|end| (*end, 0.0))).collect()
+    }
+
+    /// `true` where a motion that was met had not settled.
+    pub(super) fn is_unsettled(&self, friction: f64) -> bool {
+        self.unsettled.iter().any(|[low, high]| (low..=high).contains(&&friction))
     }
 
     /// `true` if a motion ends at the value at which it is: that is known no better than to the bracket of its jump.
@@ -203,6 +219,9 @@ impl Run<'_> {
                 // What it becomes is not known as far as it was followed.
                 found.others.push(met);
                 continue;
+            }
+            if met.passed.len() > 1 {
+                found.unsettled.push(met.extent());
             }
             start.reached = last;
             let except = start.back.map(|(way, _)| way);

@@ -40,9 +40,8 @@ impl Run<'_> {
     pub(super) fn compare(&self, found: &Found) -> Result<Option<Ranges>, Error> {
         let values = self.plan.values;
         let ends = [values[0], values[values.len() - 1]];
-        let jumps = found.all().flat_map(|followed| followed.jumps.iter());
-        let jumps = jumps.map(|jump| (jump.at(), 0.5 * (jump.between[1] - jump.between[0]).abs()));
-        let mut bounds: Vec<(f64, f64)> = jumps.chain(ends.map(|end| (end, 0.0))).collect();
+        let mut bounds = found.bounds();
+        bounds.extend(ends.map(|end| (end, 0.0)));
         bounds.sort_by(|a, b| a.0.total_cmp(&b.0));
         // Jumps whose brackets overlap may be at the same place.
         bounds.dedup_by(|a, b| a.0 - b.0 <= a.1 + b.1 && !ends.contains(&a.0));
@@ -50,6 +49,7 @@ impl Run<'_> {
         for range in bounds.windows(2).map(|two| [two[0].0, two[1].0]) {
             let middle = f64::midpoint(range[0], range[1]);
             let Some(mut motions) = self.motions(middle, found.all())? else { return Ok(None) };
+            motions.misses |= found.is_unsettled(middle);
             let is_narrow = range[1] - range[0] <= 2.0 * self.plan.resolution;
             // Motions that exist only in a range as narrow are not searched for.
             if is_narrow && motions.known.len() < 2 {

@@ -8,7 +8,7 @@ use nalgebra::{Complex, DVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// A second difference that leaves less than this of a mode does not show it.
+/// A [`Difference`] that leaves less than this of a mode does not show it.
 const LEAST_LEFT: f64 = 1e-2;
 
 /// One mode over the kept rows of a stretch.
@@ -19,46 +19,98 @@ pub(super) struct Curve<'a> {
     pub(super) dof: usize,
     /// The amplitude of each degree of freedom, in parts of the largest.
     pub(super) shape: Vec<f64>,
-    /// Of the second difference, in kept rows.
-    pub(super) lag: usize,
+    /// How many kept rows after a value are in it.
+    pub(super) reach: usize,
+    /// How much larger rounding is than in the second difference that leaves all of the mode.
+    pub(super) noise: f64,
+}
+
+/// A sum over rows that leaves neither straight lines nor oscillations of some frequencies, and of an exponential a
+/// multiple of itself.
+struct Difference {
+    /// The weight of each row.
+    weights: Vec<f64>,
+    /// Between two of these, in kept rows.
+    lag: usize,
+    /// What it leaves of the mode: the mode's values are multiplied by this.
+    left: Complex<f64>,
+}
+
+impl Difference {
+    /// With rows `step` (s) apart, without the frequencies (Hz) of `drives`, of a mode with this eigenvalue (1/s).
+    #[allow(clippy::cast_precision_loss)]
+    fn of(drives: &[f64], lag: usize, step: f64, eigenvalue: Complex<f64>) -> Self {
+        let apart = lag as f64 * step;
+        // (E − 1)² for lines, and E² − 2 cos(ωΔ) E + 1 for each oscillation, E being the next row.
+        let mut weights = vec![1.0, -2.0, 1.0];
+        for frequency in drives {
+            let turned = 2.0 * libm::cos(TAU * (frequency * apart).fract());
+            let mut next = vec![0.0; weights.len() + 2];
+            for (place, weight) in weights.iter().enumerate() {
+                next[place] += weight;
+                next[place + 1] -= turned * weight;
+                next[place + 2] += weight;
+            }
+            weights = next;
+        }
+        let turned = (eigenvalue * apart).exp();
+        let left = weights.iter().rev().fold(Complex::ZERO, |sum, weight| sum * turned + *weight);
+        Self { weights, lag, left }
+    }
+
+    /// How many rows after the first are in it.
+    const fn reach(&self) -> usize {
+        self.lag * (self.weights.len() - 1)
+    }
+
+    fn noise(&self) -> f64 {
+        let sum: f64 = self.weights.iter().map(|weight| weight.abs()).sum();
+        (0.25 * sum / self.left.norm()).max(1.0)
+    }
+
+    /// Of one of the values of each row, from a row on, in parts of what is left of the mode.
+    fn at(&self, values: impl Fn(usize) -> Complex<f64>, row: usize) -> Complex<f64> {
+        let rows = self.weights.iter().enumerate();
+        rows.map(|(i, weight)| values(row + i * self.lag) * *weight).sum::<Complex<f64>>()
+            / self.left
+    }
 }
 
 impl Members {
-    /// `None` where no second difference shows the mode.
-    #[allow(clippy::cast_precision_loss)]
+    /// By rows `step` (s) apart of a scene that is driven with the frequencies (Hz) of `drives`. `None` where no difference
+    /// shows the mode.
     pub(super) fn curve(
         &self,
         coefficients: &[DVector<Complex<f64>>],
+        drives: &[f64],
         step: f64,
     ) -> Option<Curve<'_>> {
-        let factor = |lag: usize| {
-            let turned = self.eigenvalue * (lag as f64 * step);
-            (turned.exp() - Complex::ONE).powu(2)
-        };
+        let of = |lag: usize| Difference::of(drives, lag, step, self.eigenvalue);
+        let left = |lag: usize| of(lag).left.norm();
         // The first that leaves as much as there was, or else the one that leaves most.
-        let lags = 1..=(coefficients.len() / 8).max(1);
+        let lags = 1..=(coefficients.len() / (8 * (1 + drives.len()))).max(1);
         let lag = lags
             .clone()
-            .find(|&lag| factor(lag).norm() >= 1.0)
-            .or_else(|| lags.max_by(|&a, &b| factor(a).norm().total_cmp(&factor(b).norm())))?;
-        let factor = factor(lag);
-        if factor.norm() < LEAST_LEFT || !factor.is_finite() {
+            .find(|&lag| left(lag) >= 1.0)
+            .or_else(|| lags.max_by(|&a, &b| left(a).total_cmp(&left(b))))?;
+        let difference = of(lag);
+        let is_shown = difference.left.norm() >= LEAST_LEFT && difference.left.is_finite();
+        if !is_shown || difference.reach() >= coefficients.len() {
             return None;
         }
         // Both of a pair make the motion, which is real.
         let pair = if self.eigenvalue.im > 0.0 { 2.0 } else { 1.0 };
-        let difference = |i: usize, member: usize| {
-            let [a, b, c] = [i, i + lag, i + 2 * lag].map(|i| coefficients[i][member]);
-            (a - b * 2.0 + c) * pair / factor
-        };
+        let of_member =
+            |i: usize, member: usize| difference.at(|row| coefficients[row][member] * pair, i);
         let at = |i: usize, dof: usize| -> Complex<f64> {
-            self.members.iter().map(|(place, shape)| difference(i, *place) * shape[dof]).sum()
+            self.members.iter().map(|(place, shape)| of_member(i, *place) * shape[dof]).sum()
         };
-        let count = coefficients.len() - 2 * lag;
+        let (reach, noise) = (difference.reach(), difference.noise());
+        let count = coefficients.len() - reach;
         let dofs = self.members[0].1.len();
         // Not always an end: a signal may wake a scene that rests.
         let size = |i: usize| {
-            self.members.iter().fold(0.0, |sum, (place, _)| sum + difference(i, *place).norm_sqr())
+            self.members.iter().fold(0.0, |sum, (place, _)| sum + of_member(i, *place).norm_sqr())
         };
         let strongest = (0..count).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
         let sizes: Vec<f64> = (0..dofs).map(|dof| at(strongest, dof).norm()).collect();
@@ -67,7 +119,7 @@ impl Members {
         let shape =
             sizes.iter().map(|size| if largest > 0.0 { size / largest } else { 0.0 }).collect();
         let values = (0..count).map(|i| at(i, dof)).collect();
-        Some(Curve { members: self, values, dof, shape, lag })
+        Some(Curve { members: self, values, dof, shape, reach, noise })
     }
 }
 

@@ -6,8 +6,9 @@
 //! is measured: rate and frequency are those of a_k over time, and a motion that is not the mode's is not straight.
 //!
 //! A state that is not the one at rest has its own equilibrium, which may move as a straight line (a mass that sticks
-//! goes with the slider), and a load that has changed shifts the one at rest. The second difference in time leaves
-//! no such line, and of an exponential a multiple.
+//! goes with the slider), and a load that has changed shifts the one at rest. A sine among the signals makes an oscillation
+//! that does not decay. A difference of several rows leaves neither such lines nor such oscillations, and of an
+//! exponential a multiple.
 
 use super::curve::Curve;
 use super::growth::{Phase, ROUNDING};
@@ -55,6 +56,8 @@ pub(super) struct Follower {
     /// The largest displacement at rest, m.
     largest: f64,
     interval: f64,
+    /// The frequencies of the sines among the signals, Hz, each once.
+    drives: Vec<f64>,
     known: HashMap<Vec<ContactState>, Option<Basis>>,
     stretch: Option<Rows>,
     finished: Vec<Traced>,
@@ -118,17 +121,18 @@ struct Trace {
 
 impl Follower {
     /// For a run of a model that is linearised about its equilibrium, with rows each `interval` (s) and degrees of
-    /// freedom of these names.
+    /// freedom of these names, driven with the frequencies of `drives` (Hz, each once).
     pub(super) fn of(
         model: LumpedModel,
         friction: f64,
         names: Vec<String>,
         equilibrium: &[f64],
         interval: f64,
+        drives: Vec<f64>,
     ) -> Self {
         let largest = most(equilibrium);
         let (known, finished) = (HashMap::new(), Vec::new());
-        Self { model, friction, names, largest, interval, known, stretch: None, finished }
+        Self { model, friction, names, largest, interval, drives, known, stretch: None, finished }
     }
 
     /// Takes the next row: the contacts' states, how often they have changed since the start, displacements from the
@@ -158,12 +162,12 @@ impl Follower {
         if rows.kept.len() < FEWEST_ROWS {
             return;
         }
-        let Self { model, friction, known, .. } = self;
+        let Self { model, friction, known, drives, .. } = self;
         let basis = known
             .entry(rows.states.clone())
             .or_insert_with_key(|states| Basis::of(model, states, *friction));
         let Some(basis) = basis else { return };
-        let traced = basis.trace(&rows, self.interval, self.largest);
+        let traced = basis.trace(&rows, drives, self.interval, self.largest);
         self.finished.push(traced);
     }
 
@@ -214,7 +218,7 @@ impl Trace {
 
 impl Basis {
     #[allow(clippy::cast_precision_loss)]
-    fn trace(&self, rows: &Rows, interval: f64, largest: f64) -> Traced {
+    fn trace(&self, rows: &Rows, drives: &[f64], interval: f64, largest: f64) -> Traced {
         let begin = rows.first as f64 * interval;
         let step = rows.step as f64 * interval;
         let span = [begin, rows.last as f64 * interval];
@@ -230,7 +234,7 @@ impl Basis {
             })
             .collect();
         let curves: Vec<Curve> =
-            self.modes.iter().filter_map(|mode| mode.curve(&coefficients, step)).collect();
+            self.modes.iter().filter_map(|mode| mode.curve(&coefficients, drives, step)).collect();
         let strongest = |i: usize| {
             curves
                 .iter()
@@ -241,8 +245,8 @@ impl Basis {
         let mut traced = Traced { span, modes: Vec::new(), is_explained: true };
         for curve in &curves {
             let is_seen = |i: &usize| {
-                let last = (i + 2 * curve.lag).min(levels.len() - 1);
-                curve.values[*i].norm() > ROUNDING * levels[last]
+                let last = (i + curve.reach).min(levels.len() - 1);
+                curve.values[*i].norm() > ROUNDING * curve.noise * levels[last]
             };
             let seen: Vec<usize> = (0..curve.values.len()).filter(is_seen).collect();
             let matters = seen.iter().any(|&i| curve.values[i].norm() >= FAINT * strongest[i]);
@@ -252,8 +256,7 @@ impl Basis {
                     !matters || found.iter().all(|(range, _)| range.len() == run.len());
                 for (range, fit) in found {
                     let is_end = range.end == curve.values.len();
-                    let ends =
-                        [range.start, range.end - 1 + if is_end { 2 * curve.lag } else { 0 }];
+                    let ends = [range.start, range.end - 1 + if is_end { curve.reach } else { 0 }];
                     let span = ends.map(|i| begin + i as f64 * step);
                     let lambda = curve.members.eigenvalue;
                     if range.len() < FEWEST_POINTS || (span[1] - span[0]) * lambda.im < TAU {
@@ -289,7 +292,7 @@ mod tests {
     const FREQUENCY: f64 = 11.0;
 
     /// A mass that decays as exp(−10 t) at 11 Hz: tenfold within 2.5 periods.
-    fn follower() -> Follower {
+    fn follower(drives: Vec<f64>) -> Follower {
         let omega_squared = (TAU * FREQUENCY).powi(2) + RATE * RATE;
         let text = format!(
             "[[mass]]\nname = \"m\"\nmass = 1.0\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
@@ -299,7 +302,7 @@ mod tests {
             2.0 * RATE
         );
         let scene = parse("decaying", &text).unwrap();
-        Follower::of(LumpedModel::from(&scene), 0.0, scene.dof_names(), &[0.0], 1e-3)
+        Follower::of(LumpedModel::from(&scene), 0.0, scene.dof_names(), &[0.0], 1e-3, drives)
     }
 
     /// A exp(−10 t) cos(ω t) beside a straight line, over so many rows of 1 ms.
@@ -319,7 +322,7 @@ mod tests {
     #[test]
     fn a_decay_of_three_periods_is_found_beside_a_line_a_thousand_times_as_large() {
         for line in [[0.0, 0.0], [1e-3, 0.0], [1e-3, -5e-3]] {
-            let mut follower = follower();
+            let mut follower = follower(Vec::new());
             follow(&mut follower, 280, 1e-6, line);
             let found = follower.found(OBSERVED);
             let [phase] = &found.phases[..] else { panic!("{found:?}") };
@@ -335,9 +338,35 @@ mod tests {
     }
 
     #[test]
+    fn a_decay_is_found_beside_driven_oscillations_a_thousand_times_as_large() {
+        // One of the drives is within a tenth of the mode's own frequency.
+        let drives = [3.0, 10.5];
+        let mut follower = follower(drives.to_vec());
+        for row in 0..280_u16 {
+            let t = 1e-3 * f64::from(row);
+            let lambda = Complex::new(-RATE, TAU * FREQUENCY);
+            let own = (lambda * t).exp() * 1e-6;
+            let mut state = [own.re, (lambda * own).re];
+            for frequency in drives {
+                let (sin, cos) = libm::sincos(TAU * frequency * t + 0.4);
+                state[0] += 1e-3 * sin;
+                state[1] += 1e-3 * TAU * frequency * cos;
+            }
+            follower.row(usize::from(row), &[], 0, &state[..1], &state[1..]);
+        }
+        let found = follower.found(OBSERVED);
+        let [phase] = &found.phases[..] else { panic!("{found:?}") };
+        assert!((phase.rate + RATE).abs() <= phase.rate_error.min(1e-4), "{phase:?}");
+        let error = phase.frequency_error.min(1e-4);
+        assert!((phase.frequency - FREQUENCY).abs() <= error, "{phase:?}");
+        assert!((phase.amplitude[0] / 1e-6 - 1.0).abs() < 1e-4, "{phase:?}");
+        assert_eq!(found.explained.len(), 1);
+    }
+
+    #[test]
     fn rounding_is_not_followed() {
         // After 2.76 s the decay is at 1e-12 of the line.
-        let mut follower = follower();
+        let mut follower = follower(Vec::new());
         follow(&mut follower, 6000, 1.0, [1.0, 0.0]);
         let found = follower.found(OBSERVED);
         let [phase] = &found.phases[..] else { panic!("{found:?}") };
@@ -346,13 +375,13 @@ mod tests {
 
     #[test]
     fn less_than_tenfold_is_slow_and_another_motion_is_not_explained() {
-        let mut slow = follower();
+        let mut slow = follower(Vec::new());
         follow(&mut slow, 150, 1.0, [0.0, 0.0]);
         let found = slow.found(OBSERVED);
         assert_eq!(found.phases, []);
         assert!((found.slow[0].rate + RATE).abs() <= found.slow[0].rate_error, "{found:?}");
         // The same mass driven at 3 Hz.
-        let mut driven = follower();
+        let mut driven = follower(Vec::new());
         for row in 0..500_u16 {
             let (sin, cos) = libm::sincos(TAU * 3.0 * 1e-3 * f64::from(row));
             driven.row(usize::from(row), &[], 0, &[sin], &[TAU * 3.0 * cos]);

@@ -31,7 +31,7 @@ use crate::Error;
 use crate::contact::ContactState;
 use crate::error::Short;
 use crate::model::LumpedModel;
-use crate::scene::{Experiment, Scene};
+use crate::scene::{Experiment, Scene, Signal};
 use crate::simulation::catalogue::Quantity;
 use crate::simulation::{Simulation, Variable, variables};
 use crate::spectral::Spectrogram;
@@ -244,7 +244,10 @@ impl Linear {
     fn follower(&self, scene: &Scene, simulation: &Simulation, interval: f64) -> Follower {
         let equilibrium = &simulation.reference().displacement;
         let (model, names) = (self.model.clone(), scene.dof_names());
-        Follower::of(model, self.friction, names, equilibrium, interval)
+        let mut drives: Vec<f64> = scene.signals.iter().filter_map(Signal::frequency).collect();
+        drives.sort_by(f64::total_cmp);
+        drives.dedup();
+        Follower::of(model, self.friction, names, equilibrium, interval, drives)
     }
 
     fn leaves_out(&self, scene: &Scene) -> Vec<String> {
