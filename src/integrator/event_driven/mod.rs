@@ -301,7 +301,7 @@ impl<W: Witness> EventDriven<W> {
             swung += most;
             blurred += most * wave.phase.abs();
         }
-        let driven = self.dynamics.fastest_driven(&self.force).max(self.loaded) + swung;
+        let driven = self.shaken(&self.force) + swung;
         self.gained = h * driven;
         self.driven = driven + blurred * f64::EPSILON / (NOISE * DIFFERENCE);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {

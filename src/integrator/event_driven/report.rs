@@ -84,7 +84,7 @@ impl<W: Witness> EventDriven<W> {
 
     /// The fastest velocity, m/s, also where all stand.
     fn fastest(&self, motion: &Motion, drive: &Drive) -> f64 {
-        largest(&motion.velocity).max(self.shaken(drive))
+        largest(&motion.velocity).max(self.thrown(drive))
     }
 
     /// Does a contact of those that hold more directions than there are touch, and neither approach, leave nor slip? Which of
@@ -96,7 +96,7 @@ impl<W: Witness> EventDriven<W> {
         }
         let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
         let slip = drive.slider_velocity[contact] - tangent.dot(&motion.velocity);
-        let strained = self.shortest * self.shaken(drive);
+        let strained = self.shortest * self.thrown(drive);
         let still = NOISE * self.fastest(motion, drive);
         normal.dot(&motion.displacement).abs()
             <= NOISE * largest(&motion.displacement).max(strained)
@@ -120,8 +120,8 @@ impl<W: Witness> EventDriven<W> {
 
     /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the springs:
     /// beside it, where all stand, a velocity is rounding.
-    fn shaken(&self, drive: &Drive) -> f64 {
-        self.shortest * self.dynamics.fastest_driven(&drive.force)
+    fn thrown(&self, drive: &Drive) -> f64 {
+        self.shortest * self.shaken(&drive.force)
     }
 
     /// Do the slips of contacts that hold more directions than there are go on as their states have it under these forces,

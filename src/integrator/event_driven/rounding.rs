@@ -45,6 +45,12 @@ impl<W: Witness> EventDriven<W> {
         f64::EPSILON / THROWN * self.gained
     }
 
+    /// The largest acceleration that outer forces (N) give a mass, m/s². A load and a signal that hold each other are
+    /// rounded each for itself.
+    pub(super) fn shaken(&self, force: &[f64]) -> f64 {
+        self.dynamics.fastest_driven(force).max(self.loaded)
+    }
+
     /// How much more than usual counts as rounding at a contact. Where the sign of a difference is decided
     /// by rounding, two states may each lead to the other at one instant: the doubt is doubled until the
     /// changes that the difference goes through decide.

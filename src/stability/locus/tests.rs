@@ -244,6 +244,31 @@ fn a_single_damper_keeps_modes_from_merging_and_a_weak_one_by_a_little() {
     }
 }
 
+/// Only among the values that were asked for were modes once seen to come near each other.
+#[test]
+fn modes_come_nearest_at_the_same_places_on_every_grid_and_beside_the_ends_of_a_range() {
+    let mut model = of_set("set1");
+    model.dampers = SparseMatrix::from_entries(8, vec![(0, 0, 1.0)]);
+    let fine = over_friction(&model, &grid(3.5, 0.0037)).approaches;
+    assert!(fine.len() > 1, "{fine:?}");
+    let places = |found: &[Approach]| -> Vec<([usize; 2], f64)> {
+        found.iter().map(|a| (a.modes, a.value)).collect()
+    };
+    for step in [0.05, 0.7, 3.5] {
+        let coarse = over_friction(&model, &grid(3.5, step)).approaches;
+        assert_eq!(fine.len(), coarse.len(), "step {step}: {fine:?} {coarse:?}");
+        for ((modes, a), (others, b)) in places(&fine).into_iter().zip(places(&coarse)) {
+            assert!(modes == others && (a - b).abs() < 1e-6, "step {step}: {modes:?} {a} {b}");
+        }
+    }
+    let first = fine[0];
+    for range in [[first.value - 1e-4, 3.5], [0.0, first.value + 1e-4]] {
+        let found = over_friction(&model, &range).approaches;
+        let is_there = |a: &&Approach| (a.value - first.value).abs() < 1e-6;
+        assert_eq!(found.iter().filter(is_there).count(), 1, "{range:?}: {found:?}");
+    }
+}
+
 #[test]
 fn dampers_that_are_rayleigh_damping_in_disguise_begin_to_grow_at_the_same_values() {
     let rayleigh = of_set("set2");
