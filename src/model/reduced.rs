@@ -1,6 +1,6 @@
 //! Reduced matrices of a contact state (paper, eq. 3).
 
-use super::LumpedModel;
+use super::{Contact, LumpedModel};
 use crate::contact::ContactState;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -40,22 +40,19 @@ impl LumpedModel {
     ) -> Option<ReducedMatrices> {
         assert_eq!(states.len(), self.contacts.len(), "one state a contact");
         let dofs = self.dofs();
-        let (mut constraints, mut forces) = (Vec::new(), Vec::new());
+        let mut forces = Vec::new();
         for (contact, state) in self.contacts.iter().zip(states) {
-            let normal: Row = contact.normal.0.iter().copied().collect();
-            let tangent: Row = contact.tangent.0.iter().copied().collect();
+            let [normal, tangent] = rows(contact);
             if let Some(direction) = state.sliding_direction() {
-                constraints.push(normal.clone());
                 let mut force = normal;
                 let slope = direction * contact.friction(friction_coefficient);
                 subtract(&mut force, -slope, &tangent);
                 forces.push(force);
             } else if *state == ContactState::Stick {
-                constraints.extend([normal.clone(), tangent.clone()]);
                 forces.extend([normal, tangent]);
             }
         }
-        let motions = null_space(constraints, dofs);
+        let motions = self.motions(states);
         let tests = null_space(forces, dofs).transpose();
         if tests.nrows() != motions.ncols() {
             return None;
@@ -76,6 +73,42 @@ impl LumpedModel {
         }
         Some(ReducedMatrices { mass, damping, stiffness, motions })
     }
+
+    /// V: a basis, by columns, of the motions that the closed contacts allow.
+    fn motions(&self, states: &[ContactState]) -> DMatrix<f64> {
+        let mut constraints = Vec::new();
+        for (contact, state) in self.contacts.iter().zip(states) {
+            let [normal, tangent] = rows(contact);
+            match state {
+                ContactState::Detached => {}
+                ContactState::Stick => constraints.extend([normal, tangent]),
+                ContactState::Slide | ContactState::ReverseSlide => constraints.push(normal),
+            }
+        }
+        null_space(constraints, self.dofs())
+    }
+
+    /// Does damping besides α M + β K act in a contact state, one entry of `states` a contact? Modes of a state have no common
+    /// eigenvectors where it does. A damper on masses that contacts hold does nothing.
+    #[must_use]
+    pub fn has_single_damping_in(&self, states: &[ContactState]) -> bool {
+        let slides = |state: &ContactState| state.sliding_direction().is_some();
+        let mut contacts = self.contacts.iter().zip(states);
+        if contacts.any(|(contact, state)| contact.weakening() != 0.0 && slides(state)) {
+            return true;
+        }
+        if self.dampers.is_empty() {
+            return false;
+        }
+        let dampers = dense(&self.dampers);
+        let rates = &dampers * self.motions(states);
+        rates.amax() > 1e-12 * dampers.amax()
+    }
+}
+
+/// G_N and G_T of a contact.
+fn rows(contact: &Contact) -> [Row; 2] {
+    [&contact.normal, &contact.tangent].map(|direction| direction.0.iter().copied().collect())
 }
 
 fn dense(matrix: &super::SparseMatrix) -> DMatrix<f64> {
@@ -140,6 +173,7 @@ fn subtract(row: &mut Row, factor: f64, other: &Row) {
 mod tests {
     use super::*;
     use crate::contact::ContactState::{Detached, Slide, Stick};
+    use crate::model::SparseMatrix;
     use crate::scene::builtin;
 
     fn set1() -> LumpedModel {
@@ -173,6 +207,18 @@ mod tests {
         assert_eq!(freedom(&[Slide, Slide]), Some(7));
         assert_eq!(freedom(&[Stick, Stick]), Some(6));
         assert_eq!(freedom(&[Slide, ContactState::ReverseSlide]), None);
+    }
+
+    #[test]
+    fn a_damper_acts_only_in_states_that_let_its_masses_move() {
+        let mut model = set1();
+        assert!(!model.has_single_damping_in(&[Slide, Slide]));
+        // Between the ground and the second mass of module 1, along the surface.
+        let place = model.contacts[0].tangent.as_unit().unwrap();
+        model.dampers = SparseMatrix::from_entries(model.dofs(), vec![(place, place, 3.0)]);
+        assert!(model.has_single_damping_in(&[Slide, Stick]));
+        assert!(model.has_single_damping_in(&[Detached, Stick]));
+        assert!(!model.has_single_damping_in(&[Stick, Slide]));
     }
 
     #[test]

@@ -137,7 +137,7 @@ fn modes_of(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec
             });
         }
     };
-    if model.has_single_damping() {
+    if model.has_single_damping_in(states) {
         let Damping { alpha, beta } = model.damping;
         for (eigenvalue, vector) in damped_modes::solve(&reduced)? {
             let rayleigh = -eigenvalue * (eigenvalue + alpha) / (eigenvalue * beta + 1.0);

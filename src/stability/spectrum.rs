@@ -23,7 +23,7 @@ impl Spectrum {
     /// # Errors
     /// As [`modes`](super::modes()).
     pub fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Result<Self, Error> {
-        let found = if !model.has_single_damping() {
+        let found = if !model.has_single_damping_in(states) {
             let sigmas = all_stiffness_eigenvalues(model, states, friction)?;
             Self::from_all(sigmas.iter().flat_map(|&sigma| quadratic_roots(model, sigma)))
         } else {

@@ -1,8 +1,10 @@
 //! The modes of a contact state as a basis of its motions.
 
+use crate::Error;
 use crate::contact::ContactState;
-use crate::model::LumpedModel;
-use crate::stability::modes;
+use crate::model::{Damping, Entry, LumpedModel, SparseMatrix};
+use crate::scene::{Method, Scene};
+use crate::stability::{Modes, modes};
 use nalgebra::{Complex, DMatrix, DVector};
 
 /// Eigenvalues this near, in parts of themselves, are those of one mode that comes more than once.
@@ -24,18 +26,88 @@ pub(super) struct Basis {
 
 /// The modes of one eigenvalue.
 pub(super) struct Members {
+    /// λ of x ∝ exp(λ t), 1/s; of the paper's scheme from step to step.
     pub(super) eigenvalue: Complex<f64>,
     /// Each its row of the inverse, and its shape.
     pub(super) members: Vec<(usize, Vec<Complex<f64>>)>,
 }
 
+/// The step of the paper's scheme, s; `None` of a scene that moves exactly.
+pub(super) fn scheme_step(scene: &Scene) -> Option<f64> {
+    (scene.method == Method::ForwardIncrement).then_some(scene.step)
+}
+
+/// The modes of the paper's scheme with this `step` (h, s), each with s in place of λ, where ẋ = s x in a mode.
+///
+/// A step ẋ′ = ẋ + h ẍ, x′ = x + h ẋ′ takes such a mode to x′ = x / (1 − h s). With M ẍ = −C ẋ − K x that is
+/// s² (M − h C) + s (C − h K) + K = 0. The modes of the differential equation would differ by a part h |λ| from these, so
+/// that each would show in the others.
+fn modes_of_scheme(
+    model: &LumpedModel,
+    states: &[ContactState],
+    friction: f64,
+    step: f64,
+) -> Result<Modes, Error> {
+    let Damping { alpha, beta } = model.damping;
+    if !model.has_single_damping_in(states) {
+        // Shapes are those of M⁻¹ K.
+        let mut found = modes(model, states, friction)?;
+        for mode in found.oscillating.iter_mut().chain(&mut found.real) {
+            let sigma = mode.stiffness_eigenvalue;
+            let damping = sigma * beta + alpha;
+            let (mass, damping) = (-damping * step + 1.0, damping - sigma * step);
+            let root = (damping * damping - mass * sigma * 4.0).sqrt();
+            let roots = [root, -root].map(|root| (root - damping) / (mass * 2.0));
+            let apart = |s: &Complex<f64>| (s - mode.eigenvalue).norm();
+            let nearest = roots.into_iter().min_by(|a, b| apart(a).total_cmp(&apart(b)));
+            mode.eigenvalue = nearest.unwrap_or(mode.eigenvalue);
+        }
+        return Ok(found);
+    }
+    let times = |matrix: &SparseMatrix, factor: f64| {
+        matrix.entries().map(move |(row, column, value)| (row, column, factor * value)).collect()
+    };
+    let sum = |parts: [Vec<Entry>; 3]| SparseMatrix::from_entries(model.dofs(), parts.concat());
+    let LumpedModel { mass, stiffness, dampers, .. } = model;
+    let stepped = LumpedModel {
+        mass: sum([
+            times(mass, 1.0 - step * alpha),
+            times(stiffness, -step * beta),
+            times(dampers, -step),
+        ]),
+        damping: Damping { alpha: 0.0, beta: 0.0 },
+        dampers: sum([times(mass, alpha), times(stiffness, beta - step), times(dampers, 1.0)]),
+        ..model.clone()
+    };
+    modes(&stepped, states, friction)
+}
+
 impl Basis {
-    /// `None` where the modes do not span the motions, or are too nearly parallel to be told from each other.
-    pub(super) fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Option<Self> {
+    /// Of exact motion, or of the paper's scheme with a step (s). `None` where the modes do not span the motions, or are too
+    /// nearly parallel to be told from each other.
+    pub(super) fn of(
+        model: &LumpedModel,
+        states: &[ContactState],
+        friction: f64,
+        step: Option<f64>,
+    ) -> Option<Self> {
         let reduced = model.reduced(states, friction)?;
         let motions = reduced.motions;
         let free = (motions.transpose() * &motions).try_inverse()? * motions.transpose();
-        let found = modes(model, states, friction).ok()?;
+        let found = match step {
+            Some(step) => modes_of_scheme(model, states, friction, step),
+            None => modes(model, states, friction),
+        }
+        .ok()?;
+        // By which the mode's amplitude goes on over time.
+        let eigenvalue = |s: Complex<f64>| match step {
+            Some(step) => {
+                let left: Complex<f64> = Complex::from(1.0) - s * step;
+                let [size, turn] = [libm::hypot(left.re, left.im), libm::atan2(left.im, left.re)];
+                -Complex::new(libm::log(size), turn) / step
+            }
+            None => s,
+        };
         let pace = found.all().map(|mode| mode.eigenvalue.norm()).fold(0.0, f64::max);
         if !(pace > 0.0 && pace.is_finite()) {
             return None;
@@ -75,9 +147,11 @@ impl Basis {
                 columns.push(columns[place].map(|value| value.conj()));
             }
             let member = (place, mode.shape.clone());
-            match all.iter_mut().find(|members| is_equal(members.eigenvalue, lambda)) {
+            match all.iter_mut().find(|members| is_equal(members.eigenvalue, eigenvalue(lambda))) {
                 Some(members) => members.members.push(member),
-                None => all.push(Members { eigenvalue: lambda, members: vec![member] }),
+                None => {
+                    all.push(Members { eigenvalue: eigenvalue(lambda), members: vec![member] });
+                }
             }
         }
         if columns.len() != 2 * size {

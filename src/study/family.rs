@@ -4,7 +4,7 @@
 //! Two linear motions are: one that signals drive while everything else decays, and the largest one of a family. A larger
 //! motion than that makes a contact change its state and loses energy, until it is as small.
 
-use super::basis::Basis;
+use super::basis::{Basis, scheme_step};
 use super::linear::{Growth, MORE_THAN_ROUNDING, growth, linearised};
 use super::look::Look;
 use super::recurrence::{begin_fast, way_of_a_step};
@@ -107,7 +107,9 @@ fn changes_states(
 /// The modes of the present contact states that oscillate and neither grow nor decay. `None` where they are not known.
 fn neutral_modes(simulation: &Simulation) -> Option<Vec<Neutral>> {
     let friction = simulation.acting().friction_coefficient;
-    let basis = Basis::of(&linearised(simulation), simulation.contact_states(), friction)?;
+    let step = scheme_step(simulation.scene());
+    let states = simulation.contact_states();
+    let basis = Basis::of(&linearised(simulation), states, friction, step)?;
     let is_neutral = |rate: f64| rate.abs() <= MORE_THAN_ROUNDING * basis.pace;
     let groups = basis.modes.iter().filter(|group| {
         is_neutral(group.eigenvalue.re) && group.eigenvalue.im > MORE_THAN_ROUNDING * basis.pace

@@ -2,7 +2,7 @@
 
 use super::EventDriven;
 use super::ledger::Witness;
-use super::rounding::{NOISE, largest};
+use super::rounding::{DIFFERENCE, NOISE, largest};
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Motion};
 use crate::model::Contact;
@@ -67,7 +67,7 @@ impl<W: Witness> EventDriven<W> {
             *out = ContactForce { state, slip_velocity, ..*out };
         }
         let still = NOISE * fastest;
-        (!is_overheld || self.follow_surfaces(drive, forces, still))
+        (!is_overheld || self.follow_surfaces(motion, drive, forces, still))
             && self.stay_open(motion, drive, forces)
     }
 
@@ -114,8 +114,15 @@ impl<W: Witness> EventDriven<W> {
         (0..forces.len()).filter(is_asked).all(|i| {
             let free = self.dynamics.contacts[i].normal.dot(&self.dynamics.acceleration);
             let [carried, size] = delassus.along(i, 0, given);
-            free + carried >= -CLOSE * NOISE * (size + free.abs())
+            let lost = self.lost(i, 0, motion, drive);
+            free + carried >= -CLOSE * NOISE * (size + free.abs() + lost)
         })
+    }
+
+    /// In parts of [`NOISE`], the rounding of an acceleration (m/s²) along the normal (0) or the tangent (1) of a contact, of
+    /// springs' and outer forces that may hold each other.
+    fn lost(&self, contact: usize, row: usize, motion: &Motion, drive: &Drive) -> f64 {
+        self.pulled(contact, row, &motion.displacement) + DIFFERENCE * self.shaken(&drive.force)
     }
 
     /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the springs:
@@ -126,7 +133,13 @@ impl<W: Witness> EventDriven<W> {
 
     /// Do the slips of contacts that hold more directions than there are go on as their states have it under these forces,
     /// where they are no more than `still`, m/s? Surfaces that begin to move may part such contacts.
-    fn follow_surfaces(&self, drive: &Drive, forces: &[ContactForce], still: f64) -> bool {
+    fn follow_surfaces(
+        &self,
+        motion: &Motion,
+        drive: &Drive,
+        forces: &[ContactForce],
+        still: f64,
+    ) -> bool {
         let delassus = &self.dynamics.problem.delassus;
         let given = |i: usize| [forces[i].normal_force, forces[i].friction_force];
         let is_asked = |i: &usize| {
@@ -138,7 +151,8 @@ impl<W: Witness> EventDriven<W> {
             let free = self.dynamics.contacts[i].tangent.dot(&self.dynamics.acceleration);
             let surface = drive.slider_acceleration[i];
             let [carried, size] = delassus.along(i, 1, given);
-            let nothing = CLOSE * NOISE * (size + free.abs() + surface.abs());
+            let lost = self.lost(i, 1, motion, drive);
+            let nothing = CLOSE * NOISE * (size + free.abs() + surface.abs() + lost);
             let slip = surface - (free + carried);
             match forces[i].state.sliding_direction() {
                 None => slip.abs() <= nothing,

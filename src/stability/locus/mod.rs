@@ -85,7 +85,7 @@ pub(super) fn growing(
     states: &[ContactState],
     mu: f64,
 ) -> Result<Vec<Root>, Error> {
-    let mut found = if model.has_single_damping() {
+    let mut found = if model.has_single_damping_in(states) {
         damped_roots(model, states, mu)?
     } else {
         let sigmas = all_stiffness_eigenvalues(model, states, mu)?;
@@ -214,7 +214,7 @@ pub fn locus(
     };
     let ends = [*first, 0.5 * (first + last), *last].map(|value| Ok(model_at(value)?.0));
     let ends: Vec<Cow<'_, LumpedModel>> = ends.into_iter().collect::<Result<_, Error>>()?;
-    let is_damped = ends.iter().any(|model| model.has_single_damping());
+    let is_damped = ends.iter().any(|model| model.has_single_damping_in(states));
     let parts: Vec<(Followable, usize)> = if is_damped {
         vec![(Followable::Damped, 1)]
     } else {

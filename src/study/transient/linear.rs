@@ -11,22 +11,28 @@
 //! exponential a multiple.
 
 use super::curve::Curve;
-use super::growth::{Phase, ROUNDING};
+use super::growth::{Phase, ROUNDING, STRAIGHT};
 use super::straight::Fit;
 use crate::contact::ContactState;
 use crate::model::LumpedModel;
-use crate::study::basis::Basis;
+use crate::scene::{Scene, Shape, Signal};
+use crate::study::basis::{Basis, scheme_step};
 use nalgebra::Complex;
 use std::collections::HashMap;
 use std::f64::consts::{LN_10, TAU};
+use std::ops::Range;
 
-/// The most rows that are kept of a stretch; of a longer one every other is dropped, again and again.
+/// So many rows are kept of a stretch at most, and of a longer one as many of every other, every fourth one, ….
 const MOST_ROWS: usize = 512;
+/// Fewer rows that show so much of a change are looked at in place of more, which show it coarsely.
+const SHORTER: f64 = 0.9;
 /// A stretch of fewer rows is not looked at, nor a line through fewer points.
 const FEWEST_ROWS: usize = 16;
 const FEWEST_POINTS: usize = 8;
 /// A mode that is nowhere this part of the largest of its time does not matter for what the motion is.
 const FAINT: f64 = 3e-2;
+/// Where the logarithm of an amplitude jumps by more at an edge of a signal, the signal has changed the motion of the mode.
+const CORNER: f64 = 1e-2;
 /// How well rates and frequencies are known that are straight to rounding, in parts of |λ|.
 pub(super) const FINEST: f64 = 1e-9;
 
@@ -35,10 +41,30 @@ pub(super) const FINEST: f64 = 1e-9;
 pub(super) struct Found {
     /// Changes by a factor of ten or more.
     pub(super) phases: Vec<Phase>,
-    /// Changes by less, over the whole of a stretch.
-    pub(super) slow: Vec<Phase>,
-    /// Where the modes explain the motion: all that matter follow their exponentials; s.
-    pub(super) explained: Vec<[f64; 2]>,
+    /// Changes by less.
+    pub(super) slow: Vec<Slow>,
+    /// Where the modes explain the motion: all that matter follow their exponentials.
+    pub(super) explained: Vec<Explained>,
+}
+
+/// A change of a mode by a factor of less than ten.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Slow {
+    pub(super) phase: Phase,
+    /// Does it last from the beginning of the run, or from an edge of a signal, to where a contact changes its state or the run
+    /// ends?
+    pub(super) is_whole: bool,
+    /// Does another mode grow beside it?
+    pub(super) is_beside_growth: bool,
+}
+
+/// A stretch of time that the modes explain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Explained {
+    /// s.
+    pub(super) span: [f64; 2],
+    /// Does it begin with the run or at an edge of a signal, and not where a contact has changed its state?
+    pub(super) is_woken: bool,
 }
 
 /// A degree of freedom's displacement or velocity.
@@ -56,11 +82,47 @@ pub(super) struct Follower {
     /// The largest displacement at rest, m.
     largest: f64,
     interval: f64,
-    /// The frequencies of the sines among the signals, Hz, each once.
-    drives: Vec<f64>,
+    /// The step of the paper's scheme, s; `None` of exact motion.
+    step: Option<f64>,
+    drives: Drives,
+    /// Does the next stretch begin with the run or at an edge of a signal?
+    is_woken: bool,
     known: HashMap<Vec<ContactState>, Option<Basis>>,
     stretch: Option<Rows>,
     finished: Vec<Traced>,
+}
+
+/// What drives a run.
+struct Drives {
+    /// The frequencies of the sines among the signals, Hz, each once.
+    frequencies: Vec<f64>,
+    shapes: Vec<Shape>,
+    /// The first time (s) that has not been passed at which a signal jumps or has a corner.
+    next_edge: f64,
+}
+
+impl Drives {
+    fn of(signals: &[Signal]) -> Self {
+        let mut frequencies: Vec<f64> = signals.iter().filter_map(Signal::frequency).collect();
+        frequencies.sort_by(f64::total_cmp);
+        frequencies.dedup();
+        let shapes = signals.iter().map(|signal| signal.shape.clone()).collect();
+        let mut drives = Self { frequencies, shapes, next_edge: 0.0 };
+        drives.passes_edge(0.0);
+        drives
+    }
+
+    /// Is a time (s) beyond an edge that no time before it was beyond?
+    fn passes_edge(&mut self, time: f64) -> bool {
+        // A row at an edge is the last one before it.
+        let reached = time * (1.0 - 1e-12);
+        let passes = self.next_edge < reached;
+        if passes || time == 0.0 {
+            let next = self.shapes.iter().map(|shape| shape.next_edge(reached, 0.0));
+            self.next_edge = next.fold(f64::INFINITY, f64::min);
+        }
+        passes
+    }
 }
 
 /// The rows of one stretch.
@@ -68,41 +130,48 @@ struct Rows {
     states: Vec<ContactState>,
     /// Changes of state up to here.
     changes: u64,
+    /// Does it begin with the run or at an edge of a signal?
+    is_woken: bool,
     first: usize,
     last: usize,
-    /// Each so many rows one is kept.
+    /// The first rows: all, every other one, every fourth one, …
+    levels: Vec<Level>,
+}
+
+/// The first rows of a stretch, of which every so many is kept.
+struct Level {
     step: usize,
     /// Displacements, then velocities.
     kept: Vec<Vec<f64>>,
 }
 
 impl Rows {
+    fn of(states: &[ContactState], changes: u64, is_woken: bool, first: usize) -> Self {
+        let levels = vec![Level { step: 1, kept: Vec::new() }];
+        Self { states: states.to_vec(), changes, is_woken, first, last: first, levels }
+    }
+
     fn push(&mut self, row: usize, displacement: &[f64], velocity: &[f64]) {
         self.last = row;
-        if !(row - self.first).is_multiple_of(self.step) {
-            return;
+        let [.., coarsest] = &mut self.levels[..] else { return };
+        if coarsest.kept.len() == MOST_ROWS {
+            let (step, every_other) = (2 * coarsest.step, coarsest.kept.iter().step_by(2));
+            let kept = every_other.cloned().collect();
+            self.levels.push(Level { step, kept });
         }
-        if self.kept.len() == MOST_ROWS {
-            let mut place = 0;
-            self.kept.retain(|_| {
-                place += 1;
-                place % 2 == 1
-            });
-            self.step *= 2;
-            if !(row - self.first).is_multiple_of(self.step) {
-                return;
-            }
+        let [.., coarsest] = &mut self.levels[..] else { return };
+        if (row - self.first).is_multiple_of(coarsest.step) {
+            coarsest.kept.push([displacement, velocity].concat());
         }
-        self.kept.push([displacement, velocity].concat());
     }
 }
 
 /// The modes of a stretch over its time.
 struct Traced {
-    span: [f64; 2],
+    states: Vec<ContactState>,
     modes: Vec<Trace>,
-    /// `true` where the modes that matter follow their exponentials all the time.
-    is_explained: bool,
+    /// Where the modes that matter follow their exponentials all the time.
+    explained: Option<Explained>,
 }
 
 /// The growth or decay of one mode in a stretch.
@@ -117,22 +186,53 @@ struct Trace {
     frequency: [f64; 2],
     /// `true` where the mode is a fair part of the motion at some time.
     matters: bool,
+    /// Does its stretch begin with the run or at an edge of a signal?
+    is_woken: bool,
+    /// Is it followed to the end of its stretch, where a contact changes its state or the run ends?
+    lasts: bool,
 }
 
 impl Follower {
-    /// For a run of a model that is linearised about its equilibrium, with rows each `interval` (s) and degrees of
-    /// freedom of these names, driven with the frequencies of `drives` (Hz, each once).
+    /// For a run of a scene with this model, linearised about its equilibrium, with rows each `interval`, s.
     pub(super) fn of(
+        scene: &Scene,
         model: LumpedModel,
         friction: f64,
-        names: Vec<String>,
         equilibrium: &[f64],
         interval: f64,
-        drives: Vec<f64>,
     ) -> Self {
-        let largest = most(equilibrium);
-        let (known, finished) = (HashMap::new(), Vec::new());
-        Self { model, friction, names, largest, interval, drives, known, stretch: None, finished }
+        Self {
+            model,
+            friction,
+            names: scene.dof_names(),
+            largest: most(equilibrium),
+            interval,
+            step: scheme_step(scene),
+            drives: Drives::of(&scene.signals),
+            is_woken: true,
+            known: HashMap::new(),
+            stretch: None,
+            finished: Vec::new(),
+        }
+    }
+
+    /// Is the next row beyond an edge of a signal? A new stretch begins there.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn passes_edge(&mut self, row: usize) -> bool {
+        let passes = self.drives.passes_edge(row as f64 * self.interval);
+        if passes {
+            self.close(true);
+            self.is_woken = true;
+        }
+        passes
+    }
+
+    /// The model, linearised, and µ from here on.
+    pub(super) fn renew(&mut self, model: &LumpedModel, friction: f64) {
+        if self.model != *model || self.friction != friction {
+            (self.model, self.friction) = (model.clone(), friction);
+            self.known.clear();
+        }
     }
 
     /// Takes the next row: the contacts' states, how often they have changed since the start, displacements from the
@@ -147,55 +247,131 @@ impl Follower {
     ) {
         let goes_on = |rows: &Rows| rows.changes == changes && rows.states == states;
         if !self.stretch.as_ref().is_some_and(goes_on) {
-            self.close();
-            let states = states.to_vec();
-            let (step, kept) = (1, Vec::new());
-            self.stretch = Some(Rows { states, changes, first: row, last: row, step, kept });
+            // A surface that is turned round at an edge is followed at once.
+            #[allow(clippy::cast_precision_loss)]
+            let is_at_edge = self.drives.next_edge <= row as f64 * self.interval * (1.0 + 1e-12);
+            self.close(is_at_edge);
+            self.stretch = Some(Rows::of(states, changes, self.is_woken, row));
+            self.is_woken = false;
         }
         if let Some(rows) = &mut self.stretch {
             rows.push(row, displacement, velocity);
         }
     }
 
-    fn close(&mut self) {
+    /// Looks at the stretch that ends here, at an edge of a signal or not.
+    fn close(&mut self, is_at_edge: bool) {
         let Some(rows) = self.stretch.take() else { return };
-        if rows.kept.len() < FEWEST_ROWS {
+        if rows.levels[0].kept.len() < FEWEST_ROWS {
             return;
         }
-        let Self { model, friction, known, drives, .. } = self;
+        let Self { model, friction, step, known, drives, .. } = self;
         let basis = known
             .entry(rows.states.clone())
-            .or_insert_with_key(|states| Basis::of(model, states, *friction));
+            .or_insert_with_key(|states| Basis::of(model, states, *friction, *step));
         let Some(basis) = basis else { return };
-        let traced = basis.trace(&rows, drives, self.interval, self.largest);
+        let mut traced = basis.trace(&rows, &drives.frequencies, self.interval, self.largest);
+        // Beyond an edge the modes go on.
+        traced.modes.iter_mut().for_each(|mode| mode.lasts &= !is_at_edge);
         self.finished.push(traced);
     }
 
     /// All that was found once the run is over; amplitudes are those of the output where it is a displacement or
     /// a velocity, and else of the displacement that moves most in the mode.
     pub(super) fn found(mut self, observed: Option<Observed>) -> Found {
-        self.close();
+        self.close(false);
         let mut found = Found::default();
-        for Traced { span, modes, is_explained } in &self.finished {
-            for mode in modes {
-                let phase = mode.phase(observed, &self.names);
-                let change = mode.fit.slope * (phase.span[1] - phase.span[0]);
-                if change.abs() >= LN_10 {
-                    found.phases.push(phase);
-                } else if change.abs() > 0.0 && phase.rate.abs() > phase.rate_error && mode.matters
-                {
-                    found.slow.push(phase);
+        let modes = self.joined();
+        for mode in &modes {
+            let phase = mode.phase(observed, &self.names);
+            let change = mode.change();
+            if change.abs() >= LN_10 {
+                found.phases.push(phase);
+            } else if change.abs() > 0.0 && phase.rate.abs() > phase.rate_error && mode.matters {
+                let grows_beside = |other: &Trace| {
+                    let is_beside = other.span[0] < mode.span[1] && mode.span[0] < other.span[1];
+                    is_beside && other.eigenvalue != mode.eigenvalue && other.fit.slope > 0.0
+                };
+                let is_beside_growth = modes.iter().any(grows_beside);
+                let is_whole = mode.is_woken && mode.lasts;
+                found.slow.push(Slow { phase, is_whole, is_beside_growth });
+            }
+        }
+        found.explained = self.finished.iter().filter_map(|traced| traced.explained).collect();
+        found
+    }
+
+    /// The modes of all stretches; one that goes on over an edge as it was is one.
+    fn joined(&mut self) -> Vec<Trace> {
+        let mut found: Vec<Trace> = Vec::new();
+        // Those of the stretch before, by their place in what was found.
+        let mut before: (Vec<ContactState>, Range<usize>) = (Vec::new(), 0..0);
+        for Traced { states, modes, .. } in &mut self.finished {
+            let mut begin = found.len();
+            for mode in modes.drain(..) {
+                let last = (before.0 == *states).then_some(before.1.clone());
+                let goes_on = |place: &usize| found[*place].goes_on_in(&mode, 2.5 * self.interval);
+                match last.into_iter().flatten().find(goes_on) {
+                    Some(place) => {
+                        begin -= 1;
+                        let whole = found.remove(place).joined(mode);
+                        before.1.end -= 1;
+                        found.push(whole);
+                    }
+                    None => found.push(mode),
                 }
             }
-            if *is_explained {
-                found.explained.push(*span);
-            }
+            before = (states.clone(), begin..found.len());
         }
         found
     }
 }
 
 impl Trace {
+    /// Of the logarithm of the amplitude.
+    fn change(&self) -> f64 {
+        self.fit.slope * (self.span[1] - self.span[0])
+    }
+
+    /// Is a mode of the next stretch, which begins no more than `gap` (s) later, this one, and has its line no corner there?
+    fn goes_on_in(&self, next: &Self, gap: f64) -> bool {
+        let joint = 0.5 * (self.span[1] + next.span[0]);
+        self.eigenvalue == next.eigenvalue
+            && self.dof == next.dof
+            && next.span[0] - self.span[1] <= gap
+            && self.joined_fit(next).apart <= STRAIGHT
+            && (self.fit.at(joint) - next.fit.at(joint)).abs() <= CORNER
+    }
+
+    /// The line through both, from the beginning of this one to the end of the next.
+    fn joined_fit(&self, next: &Self) -> Fit {
+        let ends = [(self, self.span[0]), (next, next.span[1])];
+        let [first, last] = ends.map(|(trace, time)| [time, trace.fit.at(time)]);
+        let slope = (last[1] - first[1]) / (last[0] - first[0]);
+        let mut fit = Fit { slope, middle: first, apart: 0.0 };
+        for trace in [self, next] {
+            for time in trace.span {
+                let apart = (trace.fit.at(time) - fit.at(time)).abs() + trace.fit.apart;
+                fit.apart = fit.apart.max(apart);
+            }
+        }
+        fit
+    }
+
+    /// This one and what goes on from it as one.
+    fn joined(self, next: Self) -> Self {
+        let fit = self.joined_fit(&next);
+        let lengths = [&self, &next].map(|trace| trace.span[1] - trace.span[0]);
+        let mean = (self.frequency[0] * lengths[0] + next.frequency[0] * lengths[1])
+            / (lengths[0] + lengths[1]);
+        let error = [&self, &next]
+            .map(|trace| (trace.frequency[0] - mean).abs() + trace.frequency[1])
+            .into_iter()
+            .fold(0.0, f64::max);
+        let (span, matters) = ([self.span[0], next.span[1]], self.matters || next.matters);
+        Self { span, fit, frequency: [mean, error], matters, lasts: next.lasts, ..self }
+    }
+
     fn phase(&self, observed: Option<Observed>, names: &[String]) -> Phase {
         let (factor, displacement) = match observed {
             Some(Observed { dof, is_velocity }) => {
@@ -216,65 +392,134 @@ impl Trace {
     }
 }
 
+/// What some rows of a stretch show of a mode; by default nothing.
+#[derive(Default)]
+struct Seen {
+    traces: Vec<Trace>,
+    /// `true` where the mode is a fair part of the motion at some time.
+    matters: bool,
+    /// `true` where it follows one exponential for as long as it is seen.
+    is_straight: bool,
+    /// `true` where it is followed to the last of these rows.
+    lasts: bool,
+}
+
+impl Seen {
+    /// By what its logarithm changes along one straight line.
+    fn change(&self) -> f64 {
+        self.traces.iter().fold(0.0, |most, trace| f64::max(most, trace.change().abs()))
+    }
+}
+
 impl Basis {
+    /// The modes of a stretch whose rows are each `interval`, s, driven with the frequencies (Hz) of `drives`; `largest`: of
+    /// the displacements at rest, m.
     #[allow(clippy::cast_precision_loss)]
     fn trace(&self, rows: &Rows, drives: &[f64], interval: f64, largest: f64) -> Traced {
         let begin = rows.first as f64 * interval;
-        let step = rows.step as f64 * interval;
-        let span = [begin, rows.last as f64 * interval];
-        let coefficients: Vec<_> = rows.kept.iter().map(|kept| self.coefficients(kept)).collect();
+        let look = |level: &Level| self.look(level, begin, drives, interval, largest);
+        let mut levels: Vec<Vec<Seen>> = rows.levels.iter().map(look).collect();
+        let whole = levels.iter().last().into_iter().flatten();
+        let is_explained = whole.into_iter().all(|seen| seen.is_straight || !seen.matters);
+        // What is between two stretches belongs to the second.
+        let span = [rows.first.saturating_sub(1), rows.last].map(|row| row as f64 * interval);
+        let explained = Explained { span, is_woken: rows.is_woken };
+        let mut traced = Traced {
+            states: rows.states.clone(),
+            modes: Vec::new(),
+            explained: is_explained.then_some(explained),
+        };
+        for mode in 0..self.modes.len() {
+            // A mode that fades early is seen best in the first rows.
+            let most = levels.iter().map(|seen| seen[mode].change()).fold(0.0, f64::max);
+            let is_best = |seen: &Vec<Seen>| {
+                !seen[mode].lasts && seen[mode].change() >= SHORTER * most && most > 0.0
+            };
+            let best = levels.iter().position(is_best).unwrap_or(levels.len() - 1);
+            let mut traces = std::mem::take(&mut levels[best][mode].traces);
+            traces.iter_mut().for_each(|trace| trace.is_woken = rows.is_woken);
+            traced.modes.append(&mut traces);
+        }
+        traced
+    }
+
+    /// What the rows of a level show of each mode.
+    #[allow(clippy::cast_precision_loss)]
+    fn look(
+        &self,
+        Level { step, kept }: &Level,
+        begin: f64,
+        drives: &[f64],
+        interval: f64,
+        largest: f64,
+    ) -> Vec<Seen> {
+        let step = *step as f64 * interval;
+        let coefficients: Vec<_> = kept.iter().map(|kept| self.coefficients(kept)).collect();
         // The largest displacement of a row or before.
         let mut level = largest;
-        let levels: Vec<f64> = rows
-            .kept
+        let levels: Vec<f64> = kept
             .iter()
             .map(|kept| {
                 level = f64::max(level, most(&kept[..kept.len() / 2]));
                 level
             })
             .collect();
-        let curves: Vec<Curve> =
-            self.modes.iter().filter_map(|mode| mode.curve(&coefficients, drives, step)).collect();
+        let curves: Vec<Option<Curve>> =
+            self.modes.iter().map(|mode| mode.curve(&coefficients, drives, step)).collect();
         let strongest = |i: usize| {
             curves
                 .iter()
+                .flatten()
                 .filter_map(|curve| curve.values.get(i))
                 .fold(0.0, |most, w| f64::max(most, w.norm()))
         };
         let strongest: Vec<f64> = (0..coefficients.len()).map(strongest).collect();
-        let mut traced = Traced { span, modes: Vec::new(), is_explained: true };
-        for curve in &curves {
-            let is_seen = |i: &usize| {
-                let last = (i + curve.reach).min(levels.len() - 1);
-                curve.values[*i].norm() > ROUNDING * curve.noise * levels[last]
-            };
-            let seen: Vec<usize> = (0..curve.values.len()).filter(is_seen).collect();
-            let matters = seen.iter().any(|&i| curve.values[i].norm() >= FAINT * strongest[i]);
-            for run in seen.chunk_by(|a, b| a + 1 == *b) {
-                let found = curve.straight(run[0]..run[0] + run.len(), begin, step);
-                traced.is_explained &=
-                    !matters || found.iter().all(|(range, _)| range.len() == run.len());
-                for (range, fit) in found {
-                    let is_end = range.end == curve.values.len();
-                    let ends = [range.start, range.end - 1 + if is_end { curve.reach } else { 0 }];
-                    let span = ends.map(|i| begin + i as f64 * step);
-                    let lambda = curve.members.eigenvalue;
-                    if range.len() < FEWEST_POINTS || (span[1] - span[0]) * lambda.im < TAU {
-                        continue;
-                    }
-                    traced.modes.push(Trace {
-                        eigenvalue: lambda,
-                        shape: curve.shape.clone(),
-                        dof: curve.dof,
-                        span,
-                        fit,
-                        frequency: curve.frequency(range, begin, step),
-                        matters,
-                    });
+        let look = |curve: &Option<Curve>| {
+            curve.as_ref().map_or_else(Seen::default, |curve| {
+                let is_seen = |i: &usize| {
+                    let last = (i + curve.reach).min(levels.len() - 1);
+                    curve.values[*i].norm() > ROUNDING * curve.noise * levels[last]
+                };
+                let rows: Vec<usize> = (0..curve.values.len()).filter(is_seen).collect();
+                curve.seen(&rows, &strongest, begin, step)
+            })
+        };
+        curves.iter().map(look).collect()
+    }
+}
+
+impl Curve<'_> {
+    /// What those of its rows show in which it is seen, beside the strongest mode of each row.
+    #[allow(clippy::cast_precision_loss)]
+    fn seen(&self, rows: &[usize], strongest: &[f64], begin: f64, step: f64) -> Seen {
+        let matters = rows.iter().any(|&i| self.values[i].norm() >= FAINT * strongest[i]);
+        let mut seen = Seen { traces: Vec::new(), matters, is_straight: true, lasts: false };
+        for run in rows.chunk_by(|a, b| a + 1 == *b) {
+            let found = self.straight(run[0]..run[0] + run.len(), begin, step);
+            seen.is_straight &= found.iter().all(|(range, _)| range.len() == run.len());
+            for (range, fit) in found {
+                let is_end = range.end == self.values.len();
+                seen.lasts |= is_end;
+                let ends = [range.start, range.end - 1 + if is_end { self.reach } else { 0 }];
+                let span = ends.map(|i| begin + i as f64 * step);
+                let lambda = self.members.eigenvalue;
+                if range.len() < FEWEST_POINTS || (span[1] - span[0]) * lambda.im < TAU {
+                    continue;
                 }
+                seen.traces.push(Trace {
+                    eigenvalue: lambda,
+                    shape: self.shape.clone(),
+                    dof: self.dof,
+                    span,
+                    fit,
+                    frequency: self.frequency(range, begin, step),
+                    matters,
+                    is_woken: false,
+                    lasts: is_end,
+                });
             }
         }
-        traced
+        seen
     }
 }
 
@@ -286,23 +531,34 @@ pub(super) fn most(values: &[f64]) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::parse;
+    use crate::scene::{Method, parse};
 
     const RATE: f64 = 10.0;
     const FREQUENCY: f64 = 11.0;
 
     /// A mass that decays as exp(−10 t) at 11 Hz: tenfold within 2.5 periods.
-    fn follower(drives: Vec<f64>) -> Follower {
+    fn follower(drives: &[f64]) -> Follower {
+        let sine = |frequency: &f64| {
+            format!(
+                "[[signal]]\ninput = \"mass.m.fx\"\nsine = {{ amplitude = 1.0, frequency = {frequency:?} }}\n"
+            )
+        };
+        of(&drives.iter().map(sine).collect::<String>())
+    }
+
+    /// With these signals.
+    fn of(signals: &str) -> Follower {
         let omega_squared = (TAU * FREQUENCY).powi(2) + RATE * RATE;
         let text = format!(
             "[[mass]]\nname = \"m\"\nmass = 1.0\nlocked = [\"y\"]\n[[spring]]\nname = \"k\"\n\
              between = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = {omega_squared:?}\n[[damper]]\n\
              name = \"d\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\ndamping = {:?}\n\
-             [integrator]\nstep = 1e-3\n[experiment]\nstop_time = 1.0\noutput_interval = 1e-3\n",
+             [integrator]\nstep = 1e-3\n[experiment]\nstop_time = 1.0\noutput_interval = 1e-3\n{signals}",
             2.0 * RATE
         );
-        let scene = parse("decaying", &text).unwrap();
-        Follower::of(LumpedModel::from(&scene), 0.0, scene.dof_names(), &[0.0], 1e-3, drives)
+        let mut scene = parse("decaying", &text).unwrap();
+        scene.method = Method::EventDriven;
+        Follower::of(&scene, LumpedModel::from(&scene), 0.0, &[0.0], 1e-3)
     }
 
     /// A exp(−10 t) cos(ω t) beside a straight line, over so many rows of 1 ms.
@@ -322,7 +578,7 @@ mod tests {
     #[test]
     fn a_decay_of_three_periods_is_found_beside_a_line_a_thousand_times_as_large() {
         for line in [[0.0, 0.0], [1e-3, 0.0], [1e-3, -5e-3]] {
-            let mut follower = follower(Vec::new());
+            let mut follower = follower(&[]);
             follow(&mut follower, 280, 1e-6, line);
             let found = follower.found(OBSERVED);
             let [phase] = &found.phases[..] else { panic!("{found:?}") };
@@ -341,7 +597,7 @@ mod tests {
     fn a_decay_is_found_beside_driven_oscillations_a_thousand_times_as_large() {
         // One of the drives is within a tenth of the mode's own frequency.
         let drives = [3.0, 10.5];
-        let mut follower = follower(drives.to_vec());
+        let mut follower = follower(&drives);
         for row in 0..280_u16 {
             let t = 1e-3 * f64::from(row);
             let lambda = Complex::new(-RATE, TAU * FREQUENCY);
@@ -366,7 +622,7 @@ mod tests {
     #[test]
     fn rounding_is_not_followed() {
         // After 2.76 s the decay is at 1e-12 of the line.
-        let mut follower = follower(Vec::new());
+        let mut follower = follower(&[]);
         follow(&mut follower, 6000, 1.0, [1.0, 0.0]);
         let found = follower.found(OBSERVED);
         let [phase] = &found.phases[..] else { panic!("{found:?}") };
@@ -374,14 +630,53 @@ mod tests {
     }
 
     #[test]
+    fn a_decay_of_the_first_rows_is_found_in_a_run_of_any_length() {
+        let mut follower = follower(&[]);
+        follow(&mut follower, 300_000, 1.0, [0.0, 0.0]);
+        let found = follower.found(OBSERVED);
+        let [phase] = &found.phases[..] else { panic!("{found:?}") };
+        assert!((phase.rate + RATE).abs() <= phase.rate_error.min(1e-3), "{phase:?}");
+        assert!(phase.span[0] == 0.0 && phase.amplitude[1] < 1e-10, "{phase:?}");
+    }
+
+    #[test]
+    fn no_line_goes_over_an_edge_at_which_the_mode_jumps_and_one_does_where_nothing_happens() {
+        // Both edges of a pulse, which this motion knows nothing of.
+        let edge =
+            "[[signal]]\ninput = \"mass.m.fx\"\npulse = { value = 1.0, start = 0.1, end = 0.2 }\n";
+        for jump in [1.0, 1.15] {
+            let mut follower = of(edge);
+            for row in 0..600_u16 {
+                let t = 1e-3 * f64::from(row);
+                let lambda = Complex::new(-RATE, TAU * FREQUENCY);
+                let x = (lambda * t).exp() * if t > 0.2 { jump } else { 1.0 };
+                let row = usize::from(row);
+                follower.passes_edge(row);
+                follower.row(row, &[], 0, &[x.re], &[(lambda * x).re]);
+            }
+            let found = follower.found(OBSERVED);
+            let count = if jump == 1.0 { 1 } else { 2 };
+            let all = found.phases.iter().chain(found.slow.iter().map(|slow| &slow.phase));
+            let all: Vec<&Phase> = all.collect();
+            assert_eq!(all.len(), count, "{found:?}");
+            for phase in all {
+                assert!((phase.rate + RATE).abs() <= phase.rate_error.min(1e-4), "{phase:?}");
+            }
+        }
+    }
+
+    #[test]
     fn less_than_tenfold_is_slow_and_another_motion_is_not_explained() {
-        let mut slow = follower(Vec::new());
+        let mut slow = follower(&[]);
         follow(&mut slow, 150, 1.0, [0.0, 0.0]);
         let found = slow.found(OBSERVED);
         assert_eq!(found.phases, []);
-        assert!((found.slow[0].rate + RATE).abs() <= found.slow[0].rate_error, "{found:?}");
+        assert!(
+            (found.slow[0].phase.rate + RATE).abs() <= found.slow[0].phase.rate_error,
+            "{found:?}"
+        );
         // The same mass driven at 3 Hz.
-        let mut driven = follower(Vec::new());
+        let mut driven = follower(&[]);
         for row in 0..500_u16 {
             let (sin, cos) = libm::sincos(TAU * 3.0 * 1e-3 * f64::from(row));
             driven.row(usize::from(row), &[], 0, &[sin], &[TAU * 3.0 * cos]);

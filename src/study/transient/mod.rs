@@ -25,13 +25,14 @@ pub use growth::{Growth, Phase, growth};
 pub use open::Open;
 pub use stretches::{Course, Stretch};
 
+use super::basis::scheme_step;
 use super::look::{ROWS_A_PERIOD, frequencies, output};
 use super::{Watch, unit};
 use crate::Error;
 use crate::contact::ContactState;
 use crate::error::Short;
 use crate::model::LumpedModel;
-use crate::scene::{Experiment, Scene, Signal};
+use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Quantity;
 use crate::simulation::{Simulation, Variable, variables};
 use crate::spectral::Spectrogram;
@@ -137,7 +138,6 @@ pub fn transient(
 ) -> Result<Transient, Error> {
     let outputs = outputs(scene, of)?;
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
-    let linear = Linear::of(&simulation);
     let interval = interval(scene, experiment.output_interval);
     let experiment = Experiment { output_interval: interval, ..experiment };
     let kept = experiment.stop_time / interval * (outputs.len() + scene.contact_count()) as f64;
@@ -149,8 +149,7 @@ pub fn transient(
             Short(interval)
         )));
     }
-    let follower = linear.follower(scene, &simulation, interval);
-    let mut record = Record::of(outputs, scene.contact_count(), follower);
+    let mut record = Record::of(outputs, &simulation, interval);
     let ended = record.run(&mut simulation, experiment, watch);
     let (output, history) = record.most_moving();
     let found = record.follower.found(observed(scene, &output.name));
@@ -159,7 +158,7 @@ pub fn transient(
     let rest = open::unexplained(&found.explained, end, growth::dominant(&history, interval));
     let growth = growth(&history, interval, &rest, found.phases);
     let open = open::questions(found.slow, &rest, &growth, end);
-    let mut shares = Shares::of(&linear, &states, interval);
+    let mut shares = Shares::of(&record.linear, &states, interval);
     let findings = growth.phases.iter().map(|phase| shares.beside(phase)).collect();
     Ok(Transient {
         unit: unit(&output),
@@ -170,7 +169,7 @@ pub fn transient(
         failure: ended.err(),
         findings,
         open,
-        left_out: linear.leaves_out(scene),
+        left_out: record.linear[0].1.leaves_out(scene),
         courses: stretches::courses(&contact_names(scene), &states, interval),
         spectrogram: spectrogram(&history, interval, growth.window, highest(scene)),
         growth,
@@ -190,12 +189,23 @@ fn outputs(scene: &Scene, of: Option<&str>) -> Result<Vec<Variable>, Error> {
 }
 
 /// Time between two values of a run, s: the longest whole part (1/1, 1/2, 1/3, …) of an output interval of which
-/// the period of the scene's fastest mode has 20.
+/// the period of the scene's fastest mode has 20; of the paper's scheme one that holds whole steps, and a step at least.
 #[must_use]
 pub fn interval(scene: &Scene, output_interval: f64) -> f64 {
     let longest = highest(scene).map_or(f64::INFINITY, |highest| 1.0 / (ROWS_A_PERIOD * highest));
     // A whole number but for rounding is that number.
-    output_interval / (output_interval / longest * (1.0 - 1e-9)).ceil().max(1.0)
+    let parts = (output_interval / longest * (1.0 - 1e-9)).ceil().max(1.0);
+    // A row within a step would part it, and the steps of the scheme would not be of one length.
+    let steps = scheme_step(scene).map_or(0.0, |step| output_interval / step);
+    let whole = steps.round();
+    if whole < 1.0 || (steps - whole).abs() > 1e-9 * whole {
+        return output_interval / parts;
+    }
+    let mut of_a_row = (whole / parts).floor().max(1.0);
+    while whole % of_a_row != 0.0 {
+        of_a_row -= 1.0;
+    }
+    output_interval / (whole / of_a_row)
 }
 
 /// The frequency of the fastest mode, Hz.
@@ -225,7 +235,7 @@ fn contact_names(scene: &Scene) -> Vec<String> {
     states.map(|variable| variable.name.trim_end_matches(".state").to_owned()).collect()
 }
 
-/// A scene linearised about its equilibrium, with the values at the start.
+/// A scene linearised about its equilibrium, with the values of one time.
 struct Linear {
     model: LumpedModel,
     friction: f64,
@@ -241,20 +251,12 @@ impl Linear {
         Self { model, friction: acting.friction_coefficient, resting }
     }
 
-    fn follower(&self, scene: &Scene, simulation: &Simulation, interval: f64) -> Follower {
-        let equilibrium = &simulation.reference().displacement;
-        let (model, names) = (self.model.clone(), scene.dof_names());
-        let mut drives: Vec<f64> = scene.signals.iter().filter_map(Signal::frequency).collect();
-        drives.sort_by(f64::total_cmp);
-        drives.dedup();
-        Follower::of(model, self.friction, names, equilibrium, interval, drives)
-    }
-
     fn leaves_out(&self, scene: &Scene) -> Vec<String> {
         let mut found = Vec::new();
         if !scene.signals.is_empty() {
             found.push(
-                "signals act in the run; the eigenvalues beside it are those of the values at its start"
+                "signals act in the run; the eigenvalues beside a growth or decay are those of the values after the last jump \
+                 or corner of a signal before it"
                     .to_owned(),
             );
         }
@@ -276,12 +278,23 @@ struct Record {
     states: Vec<Vec<ContactState>>,
     rows: usize,
     follower: Follower,
+    /// The linearised scene from a row on: the first, and those beyond an edge of a signal.
+    linear: Vec<(usize, Linear)>,
 }
 
 impl Record {
-    fn of(outputs: Vec<Variable>, contacts: usize, follower: Follower) -> Self {
-        let histories = vec![Vec::new(); outputs.len()];
-        Self { outputs, histories, states: vec![Vec::new(); contacts], rows: 0, follower }
+    fn of(outputs: Vec<Variable>, simulation: &Simulation, interval: f64) -> Self {
+        let (scene, linear) = (simulation.scene(), Linear::of(simulation));
+        let (model, friction) = (linear.model.clone(), linear.friction);
+        let equilibrium = &simulation.reference().displacement;
+        Self {
+            histories: vec![Vec::new(); outputs.len()],
+            outputs,
+            states: vec![Vec::new(); scene.contact_count()],
+            rows: 0,
+            follower: Follower::of(scene, model, friction, equilibrium, interval),
+            linear: vec![(0, linear)],
+        }
     }
 
     /// All rows until the end, or a failure, or the watch's word: whether it is the end.
@@ -314,6 +327,11 @@ impl Record {
             simulation.contact_forces()?.iter().map(|force| force.state).collect();
         for (history, output) in self.histories.iter_mut().zip(&self.outputs) {
             history.push(simulation.read(output)?);
+        }
+        if self.follower.passes_edge(self.rows) {
+            let linear = Linear::of(simulation);
+            self.follower.renew(&linear.model, linear.friction);
+            self.linear.push((self.rows, linear));
         }
         let changes = simulation.statistics().state_changes();
         let (displacement, velocity) = (simulation.displacement(), simulation.velocity());

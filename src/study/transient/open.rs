@@ -1,6 +1,7 @@
 //! What a run leaves open, and what would decide it.
 
 use super::growth::{FEWEST_PERIODS, Growth, Phase};
+use super::linear::{Explained, Slow};
 use serde::Serialize;
 use std::f64::consts::LN_10;
 
@@ -17,8 +18,11 @@ pub enum Open {
         phase: Phase,
         /// The end of a run that would show it tenfold, s.
         stop_time: f64,
+        /// Does another mode grow beside it, which may make contacts change their states before that?
+        is_beside_growth: bool,
     },
-    /// A mode that grows from the beginning, but less than tenfold before the motion is no longer that of the modes.
+    /// A mode that grows or decays from the beginning or from an edge of a signal, but less than tenfold before the motion is no
+    /// longer that of the modes.
     EndsBeforeTenfold {
         /// As far as the run shows it.
         phase: Phase,
@@ -43,18 +47,18 @@ pub enum Open {
 }
 
 /// What of a run to `end` (s) the modes do not explain: spans in which contacts change their states, or do not follow
-/// the modes. But for the first, stretches without a change have to last for some periods of the strongest line
-/// to be no part of these.
+/// the modes. Between two changes of state, stretches have to last for some periods of the strongest line to be no part of
+/// these.
 pub(super) fn unexplained(
-    explained: &[[f64; 2]],
+    explained: &[Explained],
     end: f64,
     dominant: Option<f64>,
 ) -> Vec<[f64; 2]> {
     let shortest = dominant.map_or(0.0, |frequency| FEWEST_PERIODS / frequency);
     let mut found = Vec::new();
     let mut from = 0.0;
-    for &[begin, last] in explained {
-        if begin > 0.0 && last - begin < shortest {
+    for &Explained { span: [begin, last], is_woken } in explained {
+        if !is_woken && last - begin < shortest {
             continue;
         }
         if begin > from {
@@ -70,7 +74,7 @@ pub(super) fn unexplained(
 
 /// The questions left open by modes that change by less than ten, and by spans that the modes do not explain.
 pub(super) fn questions(
-    slow: Vec<Phase>,
+    slow: Vec<Slow>,
     unexplained: &[[f64; 2]],
     growth: &Growth,
     end: f64,
@@ -79,16 +83,15 @@ pub(super) fn questions(
     // The last of many short stretches between changes of state ends with the run by chance.
     let is_by_chance =
         |phase: &Phase| unexplained.iter().any(|span| span[0] < phase.span[0] && lasts(*span));
-    let less = slow.into_iter().filter_map(|phase| {
+    let less = slow.into_iter().filter_map(|Slow { phase, is_whole, is_beside_growth }| {
         if lasts(phase.span) {
             if is_by_chance(&phase) {
                 return None;
             }
             let stop_time = phase.span[0] + MARGIN * LN_10 / phase.rate.abs();
-            return Some(Open::LessThanTenfold { phase, stop_time });
+            return Some(Open::LessThanTenfold { phase, stop_time, is_beside_growth });
         }
-        let grows = phase.rate > 0.0 && phase.span[0] == 0.0;
-        grows.then_some(Open::EndsBeforeTenfold { phase })
+        is_whole.then_some(Open::EndsBeforeTenfold { phase })
     });
     let last = unexplained.last().filter(|span| lasts(**span)).zip(growth.dominant);
     let last = last.and_then(|(&span, frequency)| {
@@ -111,9 +114,14 @@ mod tests {
 
     #[test]
     fn short_stretches_between_two_changes_are_part_of_what_is_not_explained() {
-        let explained = [[0.0, 0.1], [0.2, 0.21], [0.4, 0.9]];
+        let of = |span: [f64; 2]| Explained { span, is_woken: span[0] == 0.0 };
+        let explained = [[0.0, 0.1], [0.2, 0.21], [0.4, 0.9]].map(of);
         assert_eq!(unexplained(&explained, 1.0, Some(100.0)), [[0.1, 0.4], [0.9, 1.0]]);
-        assert_eq!(unexplained(&[[0.0, 1.0]], 1.0, Some(100.0)), Vec::<[f64; 2]>::new());
+        assert_eq!(unexplained(&[of([0.0, 1.0])], 1.0, Some(100.0)), Vec::<[f64; 2]>::new());
+        // A knock is no change of state.
+        let after = Explained { span: [0.1, 0.2], is_woken: true };
+        let knocked = unexplained(&[explained[0], after], 0.2, Some(100.0));
+        assert_eq!(knocked, Vec::<[f64; 2]>::new());
         assert_eq!(unexplained(&[], 1.0, None), [[0.0, 1.0]]);
     }
 
@@ -132,11 +140,12 @@ mod tests {
             combination: None,
         };
         // Contacts change their states from 0.5 s on.
-        let asked = |span| questions(vec![phase(span)], &[[0.5, 1.0]], &growth, 1.0);
+        let slow = |span| Slow { phase: phase(span), is_whole: true, is_beside_growth: false };
+        let asked = |span| questions(vec![slow(span)], &[[0.5, 1.0]], &growth, 1.0);
         assert!(
             !asked([0.995, 1.0]).iter().any(|open| matches!(open, Open::LessThanTenfold { .. }))
         );
-        let open = questions(vec![phase([0.0, 1.0])], &[], &growth, 1.0);
+        let open = questions(vec![slow([0.0, 1.0])], &[], &growth, 1.0);
         assert!(matches!(open[..], [Open::LessThanTenfold { .. }]), "{open:?}");
     }
 

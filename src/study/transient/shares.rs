@@ -12,19 +12,25 @@ const MOST_STATES: usize = 6;
 
 /// The eigenvalues of the states that a run has taken, each found once.
 pub(super) struct Shares<'a> {
-    linear: &'a Linear,
+    /// The linearised scene from each of some rows on, the first at the beginning.
+    linear: &'a [(usize, Linear)],
     states: &'a [Vec<ContactState>],
     interval: f64,
-    known: HashMap<Vec<ContactState>, Spectrum>,
+    /// By the place of the linearised scene, and the states.
+    known: HashMap<(usize, Vec<ContactState>), Spectrum>,
 }
 
 impl<'a> Shares<'a> {
-    pub(super) fn of(linear: &'a Linear, states: &'a [Vec<ContactState>], interval: f64) -> Self {
+    pub(super) fn of(
+        linear: &'a [(usize, Linear)],
+        states: &'a [Vec<ContactState>],
+        interval: f64,
+    ) -> Self {
         Self { linear, states, interval, known: HashMap::new() }
     }
 
     pub(super) fn beside(&mut self, phase: &Phase) -> Finding {
-        let resting = self.nearest(&self.linear.resting, phase);
+        let resting = self.nearest(&self.linear[self.place(phase)].1.resting, phase);
         let taken = self.taken(phase.span).into_iter().map(|(states, share)| Taken {
             eigenvalue: self.nearest(&states, phase),
             states: Joined(&states).to_string(),
@@ -54,10 +60,18 @@ impl<'a> Shares<'a> {
         shares.take_while(|(_, share)| *share >= LEAST_SHARE).take(MOST_STATES).collect()
     }
 
+    /// The place of the linearised scene with the values that act where a phase begins.
+    fn place(&self, phase: &Phase) -> usize {
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        let first = (phase.span[0] / self.interval).round() as usize;
+        self.linear.partition_point(|(row, _)| *row <= first).max(1) - 1
+    }
+
     /// The eigenvalue of these states that is nearest to what was found.
     fn nearest(&mut self, states: &[ContactState], phase: &Phase) -> Option<Eigenvalue> {
-        let Linear { model, friction, .. } = self.linear;
-        let spectrum = self.known.entry(states.to_vec()).or_insert_with(|| {
+        let place = self.place(phase);
+        let Linear { model, friction, .. } = &self.linear[place].1;
+        let spectrum = self.known.entry((place, states.to_vec())).or_insert_with(|| {
             // A state that contradicts itself has no eigenvalues.
             Spectrum::of(model, states, *friction).unwrap_or_default()
         });

@@ -283,11 +283,18 @@ fn asked(question: &Open, interval: f64) -> String {
         )
     };
     match question {
-        Open::LessThanTenfold { phase, stop_time } => format!(
-            "{} by the end of the run; --stop-time {} or more would show if it does so tenfold",
-            rate(phase),
-            rounded_up(*stop_time),
-        ),
+        Open::LessThanTenfold { phase, stop_time, is_beside_growth } => {
+            let decides = format!("--stop-time {} or more", rounded_up(*stop_time));
+            let until = if *is_beside_growth {
+                format!(
+                    "{decides} would show if it does so tenfold, unless the mode that grows beside it makes a contact change \
+                     its state before; a smaller initial perturbation then leaves it more time"
+                )
+            } else {
+                format!("{decides} would show if it does so tenfold")
+            };
+            format!("{} by the end of the run; {until}", rate(phase))
+        }
         Open::EndsBeforeTenfold { phase } => format!(
             "{} until {} s, as long as it can be followed mode by mode; a smaller initial perturbation would show if it does \
              so tenfold",
