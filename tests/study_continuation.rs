@@ -342,6 +342,32 @@ fn a_wider_range_is_not_mixed_with_what_another_one_has_left() {
     );
 }
 
+/// With a µ_s of its own friction falls less steeply the larger µ is, and a damper makes sliding stable from 0.389 on. Both ways
+/// and the scene's own start stick and slip at each of these values, and rest beside that was once not looked for.
+#[test]
+fn rest_is_looked_for_where_all_motions_that_were_met_are_cycles() {
+    let text = r#"
+        slider = { velocity = 0.1, angle = 0.0 }
+        friction = { law = "stribeck", coefficient = 0.3, static = 0.5, stribeck_velocity = 0.05 }
+        mass = [{ name = "m", mass = 1.0, force = [0.0, -10.0] }]
+        spring = [{ name = "k", between = ["m", "ground"], direction = "x", stiffness = 100.0 }]
+        damper = [{ name = "d", between = ["m", "ground"], direction = "x", damping = 3.0 }]
+        contact = [{ name = "c", mass = "m" }]
+        integrator = { step = 1e-3 }
+        experiment = { stop_time = 10.0, output_interval = 1e-2 }
+        initial = [{ mass = "m", vx = 0.1 }]
+    "#;
+    let mut scene = parse("belt", text).unwrap();
+    let look = Look::paced(&mut scene, &Wish::default()).unwrap();
+    let found = whole(&(scene, look), &[0.3, 0.36, 0.42], 6e-4);
+    assert!(found.rising.iter().chain(&found.falling).all(|point| amplitude(point) > 1e-2));
+    let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
+    // 10 N (µ_s − µ) exp(−v / v_s) / v_s is the damper's 3 N s/m.
+    let onset = 0.5 - 3.0 * 0.05 / 10.0 * 2.0_f64.exp();
+    assert!(range.rests && (range.range[0] - onset).abs() <= 6e-4, "{range:?} {onset}");
+    assert!(range.range[1] == 0.42 && range.bounded == [true, false], "{range:?}");
+}
+
 /// A block that a sine drives sticks and slips up to µ = 0.3162, by a simulation of its own, and needs longer to settle just
 /// below that than it is given. Where it jumps up to has settled only at the next value, as sliding, and all that lies between
 /// was once left out of the answer.

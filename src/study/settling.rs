@@ -14,8 +14,8 @@ use super::linear::{
 use super::look::{Look, output, unit};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
-    Closure, Parting, Search, closure, has_two_frequencies, is_closing, is_too_coarse,
-    kind_without_period, may_wobble, parting,
+    Closure, Parting, Search, beat, closure, has_two_frequencies, is_closing, is_fading,
+    is_too_coarse, kind_without_period, may_wobble, parting,
 };
 use crate::Error;
 use crate::accuracy::half_range;
@@ -79,6 +79,8 @@ pub(crate) struct Settling {
     seen: Vec<Seen>,
     /// How the state came back at the end of each window since the motion was steady.
     closures: Vec<Closure>,
+    /// Of all windows whose kind was asked for.
+    beats: Vec<f64>,
     /// How many windows had ended when the state was last seen not to come back.
     looked_in_vain: usize,
     /// Of the rows of a window.
@@ -155,6 +157,7 @@ impl Settling {
             windows: 0,
             seen: Vec::new(),
             closures: Vec::new(),
+            beats: Vec::new(),
             looked_in_vain: 0,
             #[allow(clippy::cast_possible_truncation)]
             weights: Window::BlackmanHarris.weights(look.rows() as usize),
@@ -282,6 +285,7 @@ impl Settling {
             None => {
                 if waits {
                     self.seen.clear();
+                    self.beats.clear();
                     self.followed.clear();
                 }
                 self.begin_window(simulation);
@@ -390,6 +394,7 @@ impl Settling {
         let Some(last) = self.seen.last_mut() else { return Ok(None) };
         let found = last.lines.take().unwrap_or_else(|| lines(&last.mixture, interval, FAINT));
         let is_of_two = !varies && has_two_frequencies(&found);
+        self.beats.push(beat(&found));
         let main = found.lines.first().map(|line| line.frequency);
         last.lines = Some(found);
         let Some(main) = main else { return Ok(Some((Kind::Undecided, None))) };
@@ -432,6 +437,9 @@ impl Settling {
         let is_open = last.is_some_and(|last| may_wobble(simulation, main, last.distance));
         let kind = match kind_without_period(parting, is_of_two) {
             Kind::QuasiPeriodic if is_open || was_cut_short => Kind::Undecided,
+            Kind::QuasiPeriodic if is_fading(&self.beats) => {
+                return Ok(is_last.then_some((Kind::Unsettled, None)));
+            }
             kind => kind,
         };
         if !is_last && kind == Kind::Undecided {

@@ -230,6 +230,13 @@ impl<'a> Run<'a> {
         Ok(scene)
     }
 
+    /// The scene in its equilibrium at a value.
+    pub(super) fn at_rest(&self, friction: f64) -> Result<Simulation, Error> {
+        let mut scene = self.scene(friction)?;
+        scene.rest();
+        Simulation::new(scene, 0.0)
+    }
+
     fn run(&self, friction: f64, start: Start<'_>) -> Result<Option<(Ending, Progress)>, Error> {
         let mut simulation = match start {
             Start::Scene(Way::Falling) => Simulation::new(self.scene(friction)?, 0.0)?,
@@ -240,11 +247,7 @@ impl<'a> Run<'a> {
             }
             // An equilibrium moves with µ; a motion that rests follows it, and one that grows without bound has no state to
             // begin with.
-            Start::Scene(Way::Rising) | Start::From(_) => {
-                let mut scene = self.scene(friction)?;
-                scene.rest();
-                Simulation::new(scene, 0.0)?
-            }
+            Start::Scene(Way::Rising) | Start::From(_) => self.at_rest(friction)?,
         };
         self.plan.push.give(&mut simulation);
         let mut ending = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;

@@ -81,8 +81,9 @@ pub fn continuation(
         return Err(Error::scene(failure.clone()));
     }
     let Some(own) = run.own_starts(&step_done)? else { return Ok(None) };
+    let Some(rests) = run.rests(&ways)? else { return Ok(None) };
     let mut found = Found::new(ways, run.rows());
-    let mut starts: Vec<Start> = own.into_iter().map(Start::own).collect();
+    let mut starts: Vec<Start> = rests.into_iter().chain(own).map(Start::own).collect();
     starts.extend(found.ways_jumped_to());
     let Ranges { bistable, unknown, .. } = loop {
         if !run.follow_all(starts, &mut found)? {

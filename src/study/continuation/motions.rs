@@ -8,7 +8,11 @@ use super::findings::{Jump, Point, Way};
 use super::follow::{Run, Start as Begin};
 use super::followed::{Followed, Reached, are_alike};
 use crate::Error;
+use crate::simulation::Simulation;
+use crate::stability::Spectrum;
 use crate::stability::parallel::collect;
+use crate::study::ending::Ending;
+use crate::study::linear::linearised;
 use std::collections::VecDeque;
 
 /// The rows that all other motions together may take, or as many as the ways and the scene's own starts have taken if that is
@@ -192,6 +196,46 @@ impl Run<'_> {
             return Ok(None);
         };
         Ok(Some(reached.into_iter().filter(Reached::is_settled).collect()))
+    }
+
+    /// What a small push out of rest leads to at the first of all neighbouring values at which rest decays and neither way has
+    /// come to rest: ways that begin in a cycle need not meet it.
+    pub(super) fn rests(&self, ways: &[Followed]) -> Result<Option<Vec<Reached>>, Error> {
+        let mut found = Vec::new();
+        let mut is_next = false;
+        for value in self.plan.values {
+            let rests = |way: &Followed| {
+                way.at(*value).and_then(Reached::ending).is_some_and(Ending::rests)
+            };
+            if ways.iter().any(rests) || !self.may_rest(*value) {
+                is_next = false;
+                continue;
+            }
+            if !is_next {
+                let Some(reached) = self.rest(*value)? else { return Ok(None) };
+                found.push(reached);
+            }
+            is_next = true;
+        }
+        Ok(Some(found.into_iter().filter(Reached::is_settled).collect()))
+    }
+
+    /// Do all small motions beside rest decay at a value, as far as eigenvalues tell?
+    pub(super) fn may_rest(&self, friction: f64) -> bool {
+        let decays = |simulation: &Simulation| {
+            let (states, common) =
+                (simulation.contact_states(), simulation.acting().friction_coefficient);
+            Spectrum::of(&linearised(simulation), states, common)
+                .is_ok_and(|spectrum| spectrum.growth_rate() < 0.0)
+        };
+        // What signals drive on does not rest.
+        let may_rest = |simulation: Simulation| !simulation.is_driven_on() && decays(&simulation);
+        self.at_rest(friction).is_ok_and(may_rest)
+    }
+
+    /// What a small push out of rest leads to at a value.
+    pub(super) fn rest(&self, friction: f64) -> Result<Option<Reached>, Error> {
+        self.reach("rest", friction, Begin::Scene(Way::Rising))
     }
 
     /// What the scene's own start leads to at a value.

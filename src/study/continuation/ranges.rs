@@ -22,7 +22,7 @@ pub(super) struct Ranges {
     pub(super) unknown: Vec<[f64; 2]>,
     /// Those in which fewer than two motions are known.
     pub(super) lone: Vec<[f64; 2]>,
-    /// Motions that the scene's own start leads to in the middle of a range in which fewer than two others are known.
+    /// Motions that the scene's own start or a push out of rest leads to in the middle of a range in which fewer than two others are known.
     pub(super) new: Vec<Reached>,
 }
 
@@ -36,7 +36,7 @@ pub(super) struct Motions {
 
 impl Run<'_> {
     /// The ranges of µ in which two motions were met, and those in which that is not known: all motions are run at a value in
-    /// the middle between each two neighbouring jumps, and so is the scene's own start.
+    /// the middle between each two neighbouring jumps, and so are the scene's own start and rest where it is stable.
     pub(super) fn compare(&self, found: &Found) -> Result<Option<Ranges>, Error> {
         let values = self.plan.values;
         let ends = [values[0], values[values.len() - 1]];
@@ -58,6 +58,10 @@ impl Run<'_> {
             if self.has_own_start() && !is_narrow {
                 let Some(own) = self.own_start(middle)? else { return Ok(None) };
                 motions.meet(own, found, &mut ranges.new);
+            }
+            if !is_narrow && !motions.rest() && self.may_rest(middle) {
+                let Some(rest) = self.rest(middle)? else { return Ok(None) };
+                motions.meet(rest, found, &mut ranges.new);
             }
             ranges.add(range, range.map(|end| !ends.contains(&end)), middle, motions);
         }
@@ -120,7 +124,12 @@ impl Motions {
         self.known.iter().any(|(known, _)| are_alike(known, ending))
     }
 
-    /// Takes in what the scene's own start leads to. One that cannot be followed may exist at this value alone.
+    /// `true` if one of them rests.
+    fn rest(&self) -> bool {
+        self.known.iter().any(|(known, _)| known.rests())
+    }
+
+    /// Takes in what the scene's own start, or a push out of rest, leads to. One that cannot be followed may exist at this value alone.
     fn meet(&mut self, own: Reached, found: &Found, new: &mut Vec<Reached>) {
         let (Ok(ending), Some(progress)) = (&own.point.ending, &own.progress) else { return };
         if self.has(ending) || found.has_end_of(&own.point) {
