@@ -314,7 +314,7 @@ impl Follower {
                 match last.into_iter().flatten().find(goes_on) {
                     Some(place) => {
                         begin -= 1;
-                        let whole = found.remove(place).joined(mode);
+                        let whole = found.remove(place).joined(&mode);
                         before.1.end -= 1;
                         found.push(whole);
                     }
@@ -359,12 +359,12 @@ impl Trace {
     }
 
     /// This one and what goes on from it as one.
-    fn joined(self, next: Self) -> Self {
-        let fit = self.joined_fit(&next);
-        let lengths = [&self, &next].map(|trace| trace.span[1] - trace.span[0]);
+    fn joined(self, next: &Self) -> Self {
+        let fit = self.joined_fit(next);
+        let lengths = [&self, next].map(|trace| trace.span[1] - trace.span[0]);
         let mean = (self.frequency[0] * lengths[0] + next.frequency[0] * lengths[1])
             / (lengths[0] + lengths[1]);
-        let error = [&self, &next]
+        let error = [&self, next]
             .map(|trace| (trace.frequency[0] - mean).abs() + trace.frequency[1])
             .into_iter()
             .fold(0.0, f64::max);
