@@ -51,6 +51,14 @@ fn a_mass_on_a_line_stops_where_it_lands_and_slips_by_its_closed_form() {
 }
 
 #[test]
+fn a_stack_that_rests_tells_the_forces_that_hold_it() {
+    // What rounding left of loads that cancel was taken for an acceleration, and the forces of another motion were told.
+    let scene = hard("loads_cancel_along_a_stack");
+    let end = scene.experiment.stop_time;
+    judged(Run::new(scene, Method::EventDriven), end);
+}
+
+#[test]
 fn a_mass_on_a_line_above_a_surface_at_rest_stops_and_sticks() {
     let mut scene = hard("overconstrained_locked_inclined");
     scene = with(scene, &[("initial.mass.a.vy", 0.5)]);

@@ -11,19 +11,17 @@
 //! exponential a multiple.
 
 use super::curve::Curve;
-use super::growth::{Phase, ROUNDING, STRAIGHT};
-use super::straight::Fit;
+use super::growth::{Phase, ROUNDING};
+use super::rows::{Drives, Level, Rows};
+use super::trace::Trace;
 use crate::contact::ContactState;
 use crate::model::LumpedModel;
-use crate::scene::{Scene, Shape, Signal};
+use crate::scene::Scene;
 use crate::study::basis::{Basis, scheme_step};
-use nalgebra::Complex;
 use std::collections::HashMap;
 use std::f64::consts::{LN_10, TAU};
 use std::ops::Range;
 
-/// So many rows are kept of a stretch at most, and of a longer one as many of every other, every fourth one, ….
-const MOST_ROWS: usize = 512;
 /// Fewer rows that show so much of a change are looked at in place of more, which show it coarsely.
 const SHORTER: f64 = 0.9;
 /// A stretch of fewer rows is not looked at, nor a line through fewer points.
@@ -31,8 +29,6 @@ const FEWEST_ROWS: usize = 16;
 const FEWEST_POINTS: usize = 8;
 /// A mode that is nowhere this part of the largest of its time does not matter for what the motion is.
 const FAINT: f64 = 3e-2;
-/// Where the logarithm of an amplitude jumps by more at an edge of a signal, the signal has changed the motion of the mode.
-const CORNER: f64 = 1e-2;
 /// How well rates and frequencies are known that are straight to rounding, in parts of |λ|.
 pub(super) const FINEST: f64 = 1e-9;
 
@@ -92,104 +88,12 @@ pub(super) struct Follower {
     finished: Vec<Traced>,
 }
 
-/// What drives a run.
-struct Drives {
-    /// The frequencies of the sines among the signals, Hz, each once.
-    frequencies: Vec<f64>,
-    shapes: Vec<Shape>,
-    /// The first time (s) that has not been passed at which a signal jumps or has a corner.
-    next_edge: f64,
-}
-
-impl Drives {
-    fn of(signals: &[Signal]) -> Self {
-        let mut frequencies: Vec<f64> = signals.iter().filter_map(Signal::frequency).collect();
-        frequencies.sort_by(f64::total_cmp);
-        frequencies.dedup();
-        let shapes = signals.iter().map(|signal| signal.shape.clone()).collect();
-        let mut drives = Self { frequencies, shapes, next_edge: 0.0 };
-        drives.passes_edge(0.0);
-        drives
-    }
-
-    /// Is a time (s) beyond an edge that no time before it was beyond?
-    fn passes_edge(&mut self, time: f64) -> bool {
-        // A row at an edge is the last one before it.
-        let reached = time * (1.0 - 1e-12);
-        let passes = self.next_edge < reached;
-        if passes || time == 0.0 {
-            let next = self.shapes.iter().map(|shape| shape.next_edge(reached, 0.0));
-            self.next_edge = next.fold(f64::INFINITY, f64::min);
-        }
-        passes
-    }
-}
-
-/// The rows of one stretch.
-struct Rows {
-    states: Vec<ContactState>,
-    /// Changes of state up to here.
-    changes: u64,
-    /// Does it begin with the run or at an edge of a signal?
-    is_woken: bool,
-    first: usize,
-    last: usize,
-    /// The first rows: all, every other one, every fourth one, …
-    levels: Vec<Level>,
-}
-
-/// The first rows of a stretch, of which every so many is kept.
-struct Level {
-    step: usize,
-    /// Displacements, then velocities.
-    kept: Vec<Vec<f64>>,
-}
-
-impl Rows {
-    fn of(states: &[ContactState], changes: u64, is_woken: bool, first: usize) -> Self {
-        let levels = vec![Level { step: 1, kept: Vec::new() }];
-        Self { states: states.to_vec(), changes, is_woken, first, last: first, levels }
-    }
-
-    fn push(&mut self, row: usize, displacement: &[f64], velocity: &[f64]) {
-        self.last = row;
-        let [.., coarsest] = &mut self.levels[..] else { return };
-        if coarsest.kept.len() == MOST_ROWS {
-            let (step, every_other) = (2 * coarsest.step, coarsest.kept.iter().step_by(2));
-            let kept = every_other.cloned().collect();
-            self.levels.push(Level { step, kept });
-        }
-        let [.., coarsest] = &mut self.levels[..] else { return };
-        if (row - self.first).is_multiple_of(coarsest.step) {
-            coarsest.kept.push([displacement, velocity].concat());
-        }
-    }
-}
-
 /// The modes of a stretch over its time.
 struct Traced {
     states: Vec<ContactState>,
     modes: Vec<Trace>,
     /// Where the modes that matter follow their exponentials all the time.
     explained: Option<Explained>,
-}
-
-/// The growth or decay of one mode in a stretch.
-struct Trace {
-    eigenvalue: Complex<f64>,
-    /// The amplitude of each degree of freedom, in parts of the largest.
-    shape: Vec<f64>,
-    dof: usize,
-    span: [f64; 2],
-    fit: Fit,
-    /// And how far it may be off, Hz.
-    frequency: [f64; 2],
-    /// `true` where the mode is a fair part of the motion at some time.
-    matters: bool,
-    /// Does its stretch begin with the run or at an edge of a signal?
-    is_woken: bool,
-    /// Is it followed to the end of its stretch, where a contact changes its state or the run ends?
-    lasts: bool,
 }
 
 impl Follower {
@@ -324,71 +228,6 @@ impl Follower {
             before = (states.clone(), begin..found.len());
         }
         found
-    }
-}
-
-impl Trace {
-    /// Of the logarithm of the amplitude.
-    fn change(&self) -> f64 {
-        self.fit.slope * (self.span[1] - self.span[0])
-    }
-
-    /// Is a mode of the next stretch, which begins no more than `gap` (s) later, this one, and has its line no corner there?
-    fn goes_on_in(&self, next: &Self, gap: f64) -> bool {
-        let joint = 0.5 * (self.span[1] + next.span[0]);
-        self.eigenvalue == next.eigenvalue
-            && self.dof == next.dof
-            && next.span[0] - self.span[1] <= gap
-            && self.joined_fit(next).apart <= STRAIGHT
-            && (self.fit.at(joint) - next.fit.at(joint)).abs() <= CORNER
-    }
-
-    /// The line through both, from the beginning of this one to the end of the next.
-    fn joined_fit(&self, next: &Self) -> Fit {
-        let ends = [(self, self.span[0]), (next, next.span[1])];
-        let [first, last] = ends.map(|(trace, time)| [time, trace.fit.at(time)]);
-        let slope = (last[1] - first[1]) / (last[0] - first[0]);
-        let mut fit = Fit { slope, middle: first, apart: 0.0 };
-        for trace in [self, next] {
-            for time in trace.span {
-                let apart = (trace.fit.at(time) - fit.at(time)).abs() + trace.fit.apart;
-                fit.apart = fit.apart.max(apart);
-            }
-        }
-        fit
-    }
-
-    /// This one and what goes on from it as one.
-    fn joined(self, next: &Self) -> Self {
-        let fit = self.joined_fit(next);
-        let lengths = [&self, next].map(|trace| trace.span[1] - trace.span[0]);
-        let mean = (self.frequency[0] * lengths[0] + next.frequency[0] * lengths[1])
-            / (lengths[0] + lengths[1]);
-        let error = [&self, next]
-            .map(|trace| (trace.frequency[0] - mean).abs() + trace.frequency[1])
-            .into_iter()
-            .fold(0.0, f64::max);
-        let (span, matters) = ([self.span[0], next.span[1]], self.matters || next.matters);
-        Self { span, fit, frequency: [mean, error], matters, lasts: next.lasts, ..self }
-    }
-
-    fn phase(&self, observed: Option<Observed>, names: &[String]) -> Phase {
-        let (factor, displacement) = match observed {
-            Some(Observed { dof, is_velocity }) => {
-                let per_time = if is_velocity {
-                    libm::hypot(self.eigenvalue.re, self.eigenvalue.im)
-                } else {
-                    1.0
-                };
-                (self.shape[dof] * per_time, None)
-            }
-            None => (1.0, Some(names[self.dof].clone())),
-        };
-        let mut phase = Phase::of(None, self.span, &self.fit, self.frequency);
-        phase.amplitude = phase.amplitude.map(|amplitude| factor * amplitude);
-        phase.rate_error += FINEST * libm::hypot(self.eigenvalue.re, self.eigenvalue.im);
-        phase.displacement = displacement;
-        phase
     }
 }
 
@@ -532,6 +371,7 @@ pub(super) fn most(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::scene::{Method, parse};
+    use nalgebra::Complex;
 
     const RATE: f64 = 10.0;
     const FREQUENCY: f64 = 11.0;

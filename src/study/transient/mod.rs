@@ -3,6 +3,8 @@
 //! | file | what it finds |
 //! | --- | --- |
 //! | `linear` | growth and decay mode by mode while no contact changes its state |
+//! | `rows` | the rows of a run by stretches without a change of state or an edge of a signal |
+//! | `trace` | the growth or decay of one mode, on over edges |
 //! | `curve` | one mode over such a stretch of time |
 //! | `growth` | growth and decay in a history, by its bands and its envelope |
 //! | `bands` | the strongest lines, each followed over time by itself |
@@ -16,9 +18,11 @@ mod curve;
 mod growth;
 mod linear;
 mod open;
+mod rows;
 mod shares;
 mod straight;
 mod stretches;
+mod trace;
 
 pub use bands::{Band, Combination};
 pub use growth::{Growth, Phase, growth};

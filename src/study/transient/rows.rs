@@ -1,0 +1,81 @@
+//! The rows of a run by stretches of time in which no contact changes its state and no signal has an edge.
+
+use crate::contact::ContactState;
+use crate::scene::{Shape, Signal};
+
+/// So many rows are kept of a stretch at most, and of a longer one as many of every other, every fourth one, ….
+const MOST_ROWS: usize = 512;
+
+/// What drives a run.
+pub(super) struct Drives {
+    /// The frequencies of the sines among the signals, Hz, each once.
+    pub(super) frequencies: Vec<f64>,
+    shapes: Vec<Shape>,
+    /// The first time (s) that has not been passed at which a signal jumps or has a corner.
+    pub(super) next_edge: f64,
+}
+
+impl Drives {
+    pub(super) fn of(signals: &[Signal]) -> Self {
+        let mut frequencies: Vec<f64> = signals.iter().filter_map(Signal::frequency).collect();
+        frequencies.sort_by(f64::total_cmp);
+        frequencies.dedup();
+        let shapes = signals.iter().map(|signal| signal.shape.clone()).collect();
+        let mut drives = Self { frequencies, shapes, next_edge: 0.0 };
+        drives.passes_edge(0.0);
+        drives
+    }
+
+    /// Is a time (s) beyond an edge that no time before it was beyond?
+    pub(super) fn passes_edge(&mut self, time: f64) -> bool {
+        // A row at an edge is the last one before it.
+        let reached = time * (1.0 - 1e-12);
+        let passes = self.next_edge < reached;
+        if passes || time == 0.0 {
+            let next = self.shapes.iter().map(|shape| shape.next_edge(reached, 0.0));
+            self.next_edge = next.fold(f64::INFINITY, f64::min);
+        }
+        passes
+    }
+}
+
+/// The rows of one stretch.
+pub(super) struct Rows {
+    pub(super) states: Vec<ContactState>,
+    /// Changes of state up to here.
+    pub(super) changes: u64,
+    /// Does it begin with the run or at an edge of a signal?
+    pub(super) is_woken: bool,
+    pub(super) first: usize,
+    pub(super) last: usize,
+    /// The first rows: all, every other one, every fourth one, …
+    pub(super) levels: Vec<Level>,
+}
+
+/// The first rows of a stretch, of which every so many is kept.
+pub(super) struct Level {
+    pub(super) step: usize,
+    /// Displacements, then velocities.
+    pub(super) kept: Vec<Vec<f64>>,
+}
+
+impl Rows {
+    pub(super) fn of(states: &[ContactState], changes: u64, is_woken: bool, first: usize) -> Self {
+        let levels = vec![Level { step: 1, kept: Vec::new() }];
+        Self { states: states.to_vec(), changes, is_woken, first, last: first, levels }
+    }
+
+    pub(super) fn push(&mut self, row: usize, displacement: &[f64], velocity: &[f64]) {
+        self.last = row;
+        let [.., coarsest] = &mut self.levels[..] else { return };
+        if coarsest.kept.len() == MOST_ROWS {
+            let (step, every_other) = (2 * coarsest.step, coarsest.kept.iter().step_by(2));
+            let kept = every_other.cloned().collect();
+            self.levels.push(Level { step, kept });
+        }
+        let [.., coarsest] = &mut self.levels[..] else { return };
+        if (row - self.first).is_multiple_of(coarsest.step) {
+            coarsest.kept.push([displacement, velocity].concat());
+        }
+    }
+}

@@ -1,0 +1,92 @@
+//! The growth or decay of one mode, on over the edges of signals.
+
+use super::growth::{Phase, STRAIGHT};
+use super::linear::{FINEST, Observed};
+use super::straight::Fit;
+use nalgebra::Complex;
+
+/// Where the logarithm of an amplitude jumps by more at an edge of a signal, the signal has changed the motion of the mode.
+const CORNER: f64 = 1e-2;
+
+/// The growth or decay of one mode in a stretch.
+pub(super) struct Trace {
+    pub(super) eigenvalue: Complex<f64>,
+    /// The amplitude of each degree of freedom, in parts of the largest.
+    pub(super) shape: Vec<f64>,
+    pub(super) dof: usize,
+    pub(super) span: [f64; 2],
+    pub(super) fit: Fit,
+    /// And how far it may be off, Hz.
+    pub(super) frequency: [f64; 2],
+    /// `true` where the mode is a fair part of the motion at some time.
+    pub(super) matters: bool,
+    /// Does its stretch begin with the run or at an edge of a signal?
+    pub(super) is_woken: bool,
+    /// Is it followed to the end of its stretch, where a contact changes its state or the run ends?
+    pub(super) lasts: bool,
+}
+
+impl Trace {
+    /// Of the logarithm of the amplitude.
+    pub(super) fn change(&self) -> f64 {
+        self.fit.slope * (self.span[1] - self.span[0])
+    }
+
+    /// Is a mode of the next stretch, which begins no more than `gap` (s) later, this one, and has its line no corner there?
+    pub(super) fn goes_on_in(&self, next: &Self, gap: f64) -> bool {
+        let joint = 0.5 * (self.span[1] + next.span[0]);
+        self.eigenvalue == next.eigenvalue
+            && self.dof == next.dof
+            && next.span[0] - self.span[1] <= gap
+            && self.joined_fit(next).apart <= STRAIGHT
+            && (self.fit.at(joint) - next.fit.at(joint)).abs() <= CORNER
+    }
+
+    /// The line through both, from the beginning of this one to the end of the next.
+    fn joined_fit(&self, next: &Self) -> Fit {
+        let ends = [(self, self.span[0]), (next, next.span[1])];
+        let [first, last] = ends.map(|(trace, time)| [time, trace.fit.at(time)]);
+        let slope = (last[1] - first[1]) / (last[0] - first[0]);
+        let mut fit = Fit { slope, middle: first, apart: 0.0 };
+        for trace in [self, next] {
+            for time in trace.span {
+                let apart = (trace.fit.at(time) - fit.at(time)).abs() + trace.fit.apart;
+                fit.apart = fit.apart.max(apart);
+            }
+        }
+        fit
+    }
+
+    /// This one and what goes on from it as one.
+    pub(super) fn joined(self, next: &Self) -> Self {
+        let fit = self.joined_fit(next);
+        let lengths = [&self, next].map(|trace| trace.span[1] - trace.span[0]);
+        let mean = (self.frequency[0] * lengths[0] + next.frequency[0] * lengths[1])
+            / (lengths[0] + lengths[1]);
+        let error = [&self, next]
+            .map(|trace| (trace.frequency[0] - mean).abs() + trace.frequency[1])
+            .into_iter()
+            .fold(0.0, f64::max);
+        let (span, matters) = ([self.span[0], next.span[1]], self.matters || next.matters);
+        Self { span, fit, frequency: [mean, error], matters, lasts: next.lasts, ..self }
+    }
+
+    pub(super) fn phase(&self, observed: Option<Observed>, names: &[String]) -> Phase {
+        let (factor, displacement) = match observed {
+            Some(Observed { dof, is_velocity }) => {
+                let per_time = if is_velocity {
+                    libm::hypot(self.eigenvalue.re, self.eigenvalue.im)
+                } else {
+                    1.0
+                };
+                (self.shape[dof] * per_time, None)
+            }
+            None => (1.0, Some(names[self.dof].clone())),
+        };
+        let mut phase = Phase::of(None, self.span, &self.fit, self.frequency);
+        phase.amplitude = phase.amplitude.map(|amplitude| factor * amplitude);
+        phase.rate_error += FINEST * libm::hypot(self.eigenvalue.re, self.eigenvalue.im);
+        phase.displacement = displacement;
+        phase
+    }
+}
