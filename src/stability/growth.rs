@@ -106,7 +106,8 @@ impl Follower<'_> {
 impl Growth {
     /// The mode's frequency, Hz, at the start (0) or the end (1) of its range.
     pub(super) fn frequency_hz(&self, end: usize) -> f64 {
-        self.ends[end].lambda.im / TAU
+        // A mode that does not oscillate may have a negative zero.
+        self.ends[end].lambda.im.abs() / TAU
     }
 }
 

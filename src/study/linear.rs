@@ -35,13 +35,15 @@ impl Growth {
 /// The growth rate in the contact states that the motion is in. `None` where motion in these states is not linear, or
 /// cannot be analysed.
 pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
-    let scene = simulation.acting();
-    if !has_linear_friction(scene) {
-        return None;
-    }
-    let states = simulation.contact_states();
-    let spectrum =
-        Spectrum::of(&linearised(simulation), states, scene.friction_coefficient).ok()?;
+    has_linear_friction(simulation.acting()).then(|| growth_of_small(simulation))?
+}
+
+/// The growth rate of motions beside the equilibrium that are small enough for any law of friction, in the contact states that
+/// the motion is in. `None` where these cannot be analysed.
+pub(super) fn growth_of_small(simulation: &Simulation) -> Option<Growth> {
+    let (states, friction) =
+        (simulation.contact_states(), simulation.acting().friction_coefficient);
+    let spectrum = Spectrum::of(&linearised(simulation), states, friction).ok()?;
     let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
     let rate = spectrum.growth_rate();
     Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })

@@ -171,7 +171,7 @@ fn confirm_candidates(
     writeln!(out, "\nConfirmed by pushes along each candidate's mode, out of the equilibrium")?;
     for (candidate, tried) in first.iter().zip(&tried) {
         let (states, hz) = (Joined(&candidate.states), candidate.frequency_hz);
-        write!(out, "  {states} ({:.2} Hz): ", hz.abs())?;
+        write!(out, "  {states} ({hz:.2} Hz): ")?;
         match &tried.met {
             Some(Attempt { friction, push, ending: Ok(ending), .. }) => writeln!(
                 out,

@@ -9,10 +9,9 @@ use super::follow::{Run, Start as Begin};
 use super::followed::{Followed, Reached, are_alike};
 use crate::Error;
 use crate::simulation::Simulation;
-use crate::stability::Spectrum;
 use crate::stability::parallel::collect;
 use crate::study::ending::Ending;
-use crate::study::linear::linearised;
+use crate::study::linear::growth_of_small;
 use std::collections::VecDeque;
 
 /// The rows that all other motions together may take, or as many as the ways and the scene's own starts have taken if that is
@@ -198,8 +197,8 @@ impl Run<'_> {
         Ok(Some(reached.into_iter().filter(Reached::is_settled).collect()))
     }
 
-    /// What a small push out of rest leads to at the first of all neighbouring values at which rest decays and neither way has
-    /// come to rest: ways that begin in a cycle need not meet it.
+    /// Rest where both ways have passed it by, since ways that begin in a cycle need not meet it. It is looked for at values at
+    /// which neither way rests and all small motions decay; of several such values that follow each other, at the first.
     pub(super) fn rests(&self, ways: &[Followed]) -> Result<Option<Vec<Reached>>, Error> {
         let mut found = Vec::new();
         let mut is_next = false;
@@ -223,17 +222,14 @@ impl Run<'_> {
     /// Do all small motions beside rest decay at a value, as far as eigenvalues tell?
     pub(super) fn may_rest(&self, friction: f64) -> bool {
         let decays = |simulation: &Simulation| {
-            let (states, common) =
-                (simulation.contact_states(), simulation.acting().friction_coefficient);
-            Spectrum::of(&linearised(simulation), states, common)
-                .is_ok_and(|spectrum| spectrum.growth_rate() < 0.0)
+            growth_of_small(simulation).is_some_and(|growth| growth.rate < 0.0)
         };
         // What signals drive on does not rest.
         let may_rest = |simulation: Simulation| !simulation.is_driven_on() && decays(&simulation);
         self.at_rest(friction).is_ok_and(may_rest)
     }
 
-    /// What a small push out of rest leads to at a value.
+    /// The motion that a small push out of rest leads to at a value of µ.
     pub(super) fn rest(&self, friction: f64) -> Result<Option<Reached>, Error> {
         self.reach("rest", friction, Begin::Scene(Way::Rising))
     }

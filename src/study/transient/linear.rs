@@ -231,7 +231,7 @@ impl Follower {
     }
 }
 
-/// What some rows of a stretch show of a mode; by default nothing.
+/// One mode as some rows of a stretch show it. The default is a mode that they do not show.
 #[derive(Default)]
 struct Seen {
     traces: Vec<Trace>,
@@ -282,7 +282,7 @@ impl Basis {
         traced
     }
 
-    /// What the rows of a level show of each mode.
+    /// Each mode as the rows of a level show it.
     #[allow(clippy::cast_precision_loss)]
     fn look(
         &self,
@@ -328,7 +328,7 @@ impl Basis {
 }
 
 impl Curve<'_> {
-    /// What those of its rows show in which it is seen, beside the strongest mode of each row.
+    /// The mode as the rows show it in which it is seen; `strongest` is the amplitude of the strongest mode of each row, m.
     #[allow(clippy::cast_precision_loss)]
     fn seen(&self, rows: &[usize], strongest: &[f64], begin: f64, step: f64) -> Seen {
         let matters = rows.iter().any(|&i| self.values[i].norm() >= FAINT * strongest[i]);

@@ -6,7 +6,7 @@ use crate::scene::{Shape, Signal};
 /// So many rows are kept of a stretch at most, and of a longer one as many of every other, every fourth one, ….
 const MOST_ROWS: usize = 512;
 
-/// What drives a run.
+/// The signals that drive a run.
 pub(super) struct Drives {
     /// The frequencies of the sines among the signals, Hz, each once.
     pub(super) frequencies: Vec<f64>,
@@ -20,10 +20,8 @@ impl Drives {
         let mut frequencies: Vec<f64> = signals.iter().filter_map(Signal::frequency).collect();
         frequencies.sort_by(f64::total_cmp);
         frequencies.dedup();
-        let shapes = signals.iter().map(|signal| signal.shape.clone()).collect();
-        let mut drives = Self { frequencies, shapes, next_edge: 0.0 };
-        drives.passes_edge(0.0);
-        drives
+        let shapes: Vec<Shape> = signals.iter().map(|signal| signal.shape.clone()).collect();
+        Self { frequencies, next_edge: next_edge(&shapes, 0.0), shapes }
     }
 
     /// Is a time (s) beyond an edge that no time before it was beyond?
@@ -31,12 +29,16 @@ impl Drives {
         // A row at an edge is the last one before it.
         let reached = time * (1.0 - 1e-12);
         let passes = self.next_edge < reached;
-        if passes || time == 0.0 {
-            let next = self.shapes.iter().map(|shape| shape.next_edge(reached, 0.0));
-            self.next_edge = next.fold(f64::INFINITY, f64::min);
+        if passes {
+            self.next_edge = next_edge(&self.shapes, reached);
         }
         passes
     }
+}
+
+/// The first time (s) after `time` at which one of the shapes jumps or has a corner.
+fn next_edge(shapes: &[Shape], time: f64) -> f64 {
+    shapes.iter().map(|shape| shape.next_edge(time, 0.0)).fold(f64::INFINITY, f64::min)
 }
 
 /// The rows of one stretch.
@@ -52,7 +54,7 @@ pub(super) struct Rows {
     pub(super) levels: Vec<Level>,
 }
 
-/// The first rows of a stretch, of which every so many is kept.
+/// Rows from the beginning of a stretch: every `step`-th is kept, until there are [`MOST_ROWS`].
 pub(super) struct Level {
     pub(super) step: usize,
     /// Displacements, then velocities.

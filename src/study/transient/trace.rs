@@ -22,7 +22,7 @@ pub(super) struct Trace {
     pub(super) matters: bool,
     /// Does its stretch begin with the run or at an edge of a signal?
     pub(super) is_woken: bool,
-    /// Is it followed to the end of its stretch, where a contact changes its state or the run ends?
+    /// `true` if it is followed to where a contact changes its state or the run ends, and not only to an edge of a signal.
     pub(super) lasts: bool,
 }
 

@@ -426,7 +426,7 @@ fn print_eigenvalues(
         };
         let states = Joined(&candidate.states);
         let hz = candidate.frequency_hz;
-        say!("  candidate {states} ({:.2} Hz) from {from:.4} to {to:.4}: {found}", hz.abs());
+        say!("  candidate {states} ({hz:.2} Hz) from {from:.4} to {to:.4}: {found}");
     }
 }
 
