@@ -242,9 +242,14 @@ fn cells(spectrum: &Spectrum) -> Vec<String> {
     let oscillating = spectrum
         .oscillating
         .iter()
-        .map(|v| format!("{}{:.2} ± {:.2}i", mark(v.re), v.re / TAU, v.im / TAU));
-    let real = spectrum.real.iter().map(|v| format!("{}{:.2} (real)", mark(*v), v / TAU));
+        .map(|v| format!("{}{} ± {:.2}i", mark(v.re), rate(v.re / TAU), v.im / TAU));
+    let real = spectrum.real.iter().map(|v| format!("{}{} (real)", mark(*v), rate(v / TAU)));
     oscillating.chain(real).collect()
+}
+
+/// A rate in Hz, with digits of its own where those of the others would show nothing of it.
+fn rate(hz: f64) -> String {
+    if hz == 0.0 || hz.abs() >= 0.005 { format!("{hz:.2}") } else { format!("{hz:.1e}") }
 }
 
 /// Two contacts: module 1 across, module 2 down, as in Tables 2 and 3.
