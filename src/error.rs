@@ -109,6 +109,16 @@ impl fmt::Display for Short {
     }
 }
 
+/// A number in a message that was computed: the ten digits that rounding leaves of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rounded(pub f64);
+
+impl fmt::Display for Rounded {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        Short(format!("{:.9e}", self.0).parse().unwrap_or(self.0)).fmt(f)
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         self.0.fmt(f)

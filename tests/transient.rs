@@ -8,7 +8,7 @@ use amontons::model::LumpedModel;
 use amontons::scene::{Experiment, Method, Scene, builtin, parse};
 use amontons::stability::Spectrum;
 use amontons::study::Watch;
-use amontons::study::transient::{Finding, Open, Transient, transient};
+use amontons::study::transient::{Finding, Open, Transient, interval, transient};
 use program::{assert_refused, folder, run, text};
 use serde_json::Value;
 use std::f64::consts::TAU;
@@ -397,6 +397,39 @@ fn is_no_sum_of_itself(finding: &Finding) -> bool {
     })
 }
 
+/// Set 1 has a mode of 167 Hz that grows and one that decays: 5 ms are too few of their periods to say anything of them.
+#[test]
+fn a_run_of_a_single_period_asks_for_more_of_them() {
+    let scene = scene("set1");
+    let short = found(&scene, 5e-3, None);
+    let is_slow = |open: &&Open| matches!(open, Open::TooSlow { .. });
+    let Some(Open::TooSlow { frequency, stop_time, .. }) = short.open.iter().find(is_slow) else {
+        panic!("{:?}", short.open)
+    };
+    let model = LumpedModel::from(&scene);
+    let modes = Spectrum::of(&model, &[Slide, Slide], scene.friction_coefficient).unwrap();
+    assert!((frequency / (modes.oscillating[0].im / TAU) - 1.0).abs() < 1e-9, "{frequency}");
+    let longer = found(&scene, *stop_time, None);
+    assert!(!longer.open.iter().any(|open| is_slow(&open)) && !longer.open.is_empty());
+}
+
+/// Rows that part a step would show none of the modes of the paper's scheme.
+#[test]
+fn rows_of_the_paper_s_scheme_hold_whole_steps_whatever_the_output_interval() {
+    for step in [2e-5, 3e-5, 7e-6] {
+        let scene = disc_brake(5e-5).with_integrator(Method::ForwardIncrement, step);
+        let steps = interval(&scene, 5e-5) / step;
+        assert!(steps >= 1.0 && (steps - steps.round()).abs() < 1e-9, "{step} {steps}");
+        let experiment = Experiment { stop_time: 0.04, output_interval: 5e-5 };
+        let found = transient(&scene, experiment, None, Watch::IDLE).unwrap();
+        // The step moves the rate by a part of h |λ|.
+        let [rate, frequency] = fastest(&scene);
+        let phase = &growing(&found).phase;
+        assert!((phase.rate / rate - 1.0).abs() < TAU * frequency * step, "{step} {phase:?}");
+        assert!(found.left_out.iter().any(|note| note.contains("paper's scheme")));
+    }
+}
+
 #[test]
 fn a_run_that_is_too_short_says_which_would_do() {
     // 5 ms: the growth of e^(175.78 t) is 2.4-fold.
@@ -439,9 +472,11 @@ fn eigenvalues_say_what_of_the_scene_they_leave_out() {
         transient(&scene, experiment, None, Watch::IDLE).unwrap().left_out
     };
     let driven = said(include_str!("../scenes/den_hartog.toml"));
-    assert!(driven.len() == 1 && driven[0].contains("signals"), "{driven:?}");
+    assert!(driven.len() == 2 && driven[0].contains("signals"), "{driven:?}");
+    assert!(driven[1].contains("steps of"), "{driven:?}");
     let falling = said(include_str!("../scenes/effects/stribeck.toml"));
-    assert!(falling.len() == 1 && falling[0].contains("slip velocity"), "{falling:?}");
+    assert!(falling.len() == 2 && falling[0].contains("steps of"), "{falling:?}");
+    assert!(falling[1].contains("slip velocity"), "{falling:?}");
 }
 
 fn amontons(folder: &Path, arguments: &[&str]) -> Output {

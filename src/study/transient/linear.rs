@@ -18,6 +18,7 @@ use crate::contact::ContactState;
 use crate::model::LumpedModel;
 use crate::scene::Scene;
 use crate::study::basis::{Basis, scheme_step};
+use nalgebra::Complex;
 use std::collections::HashMap;
 use std::f64::consts::{LN_10, TAU};
 use std::ops::Range;
@@ -29,6 +30,10 @@ const FEWEST_ROWS: usize = 16;
 const FEWEST_POINTS: usize = 8;
 /// A mode that is nowhere this part of the largest of its time does not matter for what the motion is.
 const FAINT: f64 = 3e-2;
+/// A mode that is not found over fewer periods may be found over more.
+pub(super) const ENOUGH_PERIODS: f64 = 3.0;
+/// One whose rate is larger in parts of its angular frequency is gone in rounding before a period is over.
+const GONE: f64 = 4.0;
 /// How well rates and frequencies are known that are straight to rounding, in parts of |λ|.
 pub(super) const FINEST: f64 = 1e-9;
 
@@ -41,6 +46,18 @@ pub(super) struct Found {
     pub(super) slow: Vec<Slow>,
     /// Where the modes explain the motion: all that matter follow their exponentials.
     pub(super) explained: Vec<Explained>,
+    /// Modes that oscillate too slowly for the run to show them.
+    pub(super) too_slow: Option<TooSlow>,
+}
+
+/// Modes of whose periods a run holds too few, from its beginning or from the last edge of a signal on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct TooSlow {
+    /// s.
+    pub(super) from: f64,
+    pub(super) count: usize,
+    /// The frequency of the slowest one, Hz.
+    pub(super) slowest: f64,
 }
 
 /// A change of a mode by a factor of less than ten.
@@ -169,27 +186,35 @@ impl Follower {
         if rows.levels[0].kept.len() < FEWEST_ROWS {
             return;
         }
-        let Self { model, friction, step, known, drives, .. } = self;
-        let basis = known
-            .entry(rows.states.clone())
-            .or_insert_with_key(|states| Basis::of(model, states, *friction, *step));
-        let Some(basis) = basis else { return };
-        let mut traced = basis.trace(&rows, &drives.frequencies, self.interval, self.largest);
+        let (interval, largest) = (self.interval, self.largest);
+        let drives = self.drives.frequencies.clone();
+        let Some(basis) = self.basis(&rows.states) else { return };
+        let mut traced = basis.trace(&rows, &drives, interval, largest);
         // Beyond an edge the modes go on.
         traced.modes.iter_mut().for_each(|mode| mode.lasts &= !is_at_edge);
         self.finished.push(traced);
     }
 
+    fn basis(&mut self, states: &[ContactState]) -> Option<&Basis> {
+        let Self { model, friction, step, known, .. } = self;
+        let of = |states: &Vec<ContactState>| Basis::of(model, states, *friction, *step);
+        known.entry(states.to_vec()).or_insert_with_key(of).as_ref()
+    }
+
     /// All that was found once the run is over; amplitudes are those of the output where it is a displacement or
     /// a velocity, and else of the displacement that moves most in the mode.
     pub(super) fn found(mut self, observed: Option<Observed>) -> Found {
+        let last = self.stretch.as_ref().filter(|rows| rows.is_woken);
+        let last = last.map(|rows| (rows.states.clone(), [rows.first, rows.last]));
         self.close(false);
         let mut found = Found::default();
         let modes = self.joined();
+        let mut told: Vec<Complex<f64>> = Vec::new();
         for mode in &modes {
             let phase = mode.phase(observed, &self.names);
             let change = mode.change();
             if change.abs() >= LN_10 {
+                told.push(mode.eigenvalue);
                 found.phases.push(phase);
             } else if change.abs() > 0.0 && phase.rate.abs() > phase.rate_error && mode.matters {
                 let grows_beside = |other: &Trace| {
@@ -198,11 +223,34 @@ impl Follower {
                 };
                 let is_beside_growth = modes.iter().any(grows_beside);
                 let is_whole = mode.is_woken && mode.lasts;
+                told.push(mode.eigenvalue);
                 found.slow.push(Slow { phase, is_whole, is_beside_growth });
             }
         }
         found.explained = self.finished.iter().filter_map(|traced| traced.explained).collect();
+        found.too_slow = last.and_then(|(states, rows)| self.too_slow(&states, rows, &told));
         found
+    }
+
+    /// Of the modes of a stretch from one row to another those that were not told and may be once there are more periods.
+    #[allow(clippy::cast_precision_loss)]
+    fn too_slow(
+        &mut self,
+        states: &[ContactState],
+        rows: [usize; 2],
+        told: &[Complex<f64>],
+    ) -> Option<TooSlow> {
+        let [from, to] = rows.map(|row| row as f64 * self.interval);
+        let is_slow = |lambda: &Complex<f64>| {
+            lambda.im > 0.0
+                && lambda.re.abs() < GONE * lambda.im
+                && lambda.im * (to - from) < TAU * ENOUGH_PERIODS
+                && !told.contains(lambda)
+        };
+        let all = self.basis(states)?.modes.iter().map(|members| members.eigenvalue);
+        let slow: Vec<f64> = all.filter(is_slow).map(|lambda| lambda.im / TAU).collect();
+        let slowest = slow.iter().copied().reduce(f64::min)?;
+        Some(TooSlow { from, count: slow.len(), slowest })
     }
 
     /// The modes of all stretches; one that goes on over an edge as it was is one.
@@ -371,7 +419,6 @@ pub(super) fn most(values: &[f64]) -> f64 {
 mod tests {
     use super::*;
     use crate::scene::{Method, parse};
-    use nalgebra::Complex;
 
     const RATE: f64 = 10.0;
     const FREQUENCY: f64 = 11.0;

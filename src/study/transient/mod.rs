@@ -161,7 +161,12 @@ pub fn transient(
     let end = interval * history.len().saturating_sub(1) as f64;
     let rest = open::unexplained(&found.explained, end, growth::dominant(&history, interval));
     let growth = growth(&history, interval, &rest, found.phases);
-    let open = open::questions(found.slow, &rest, &growth, end);
+    let open = open::questions(
+        (found.slow, found.too_slow),
+        &rest,
+        &growth,
+        (end, !scene.signals.is_empty()),
+    );
     let mut shares = Shares::of(&record.linear, &states, interval);
     let findings = growth.phases.iter().map(|phase| shares.beside(phase)).collect();
     Ok(Transient {
@@ -193,7 +198,8 @@ fn outputs(scene: &Scene, of: Option<&str>) -> Result<Vec<Variable>, Error> {
 }
 
 /// Time between two values of a run, s: the longest whole part (1/1, 1/2, 1/3, …) of an output interval of which
-/// the period of the scene's fastest mode has 20; of the paper's scheme one that holds whole steps, and a step at least.
+/// the period of the scene's fastest mode has 20. Of the paper's scheme one that holds whole steps, a step at least; where
+/// the output interval is no whole number of steps, the most steps that are no longer than that part of it.
 #[must_use]
 pub fn interval(scene: &Scene, output_interval: f64) -> f64 {
     let longest = highest(scene).map_or(f64::INFINITY, |highest| 1.0 / (ROWS_A_PERIOD * highest));
@@ -202,7 +208,10 @@ pub fn interval(scene: &Scene, output_interval: f64) -> f64 {
     // A row within a step would part it, and the steps of the scheme would not be of one length.
     let steps = scheme_step(scene).map_or(0.0, |step| output_interval / step);
     let whole = steps.round();
-    if whole < 1.0 || (steps - whole).abs() > 1e-9 * whole {
+    if let Some(step) = scheme_step(scene).filter(|_| (steps - whole).abs() > 1e-9 * whole) {
+        return (steps / parts).floor().max(1.0) * step;
+    }
+    if whole < 1.0 {
         return output_interval / parts;
     }
     let mut of_a_row = (whole / parts).floor().max(1.0);
@@ -263,6 +272,14 @@ impl Linear {
                  or corner of a signal before it"
                     .to_owned(),
             );
+        }
+        if let Some(step) = scheme_step(scene) {
+            found.push(format!(
+                "rates and frequencies are those of the paper's scheme, whose steps of {} s change them by parts that grow \
+                 with the step: the eigenvalues beside them are the scene's own; a smaller --step or, where the scene allows \
+                 it, --integrator event-driven comes nearer to these",
+                Short(step)
+            ));
         }
         if self.model.contacts.iter().any(|contact| contact.weakening() != 0.0) {
             found.push(

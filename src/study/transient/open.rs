@@ -1,10 +1,14 @@
 //! What a run leaves open, and what would decide it.
 
 use super::growth::{FEWEST_PERIODS, Growth, Phase};
-use super::linear::{Explained, Slow};
+use super::linear::{ENOUGH_PERIODS, Explained, Slow, TooSlow};
 use serde::Serialize;
 use std::f64::consts::LN_10;
 
+/// A growth or decay that was found at another frequency, but for this part of it, is that of another mode.
+const SAME_FREQUENCY: f64 = 3e-2;
+/// So is one at another rate, but for this part of it and what both may be off.
+const SAME_RATE: f64 = 0.2;
 /// A run that is to show a tenfold change is asked to be longer than that by this factor.
 const MARGIN: f64 = 1.1;
 
@@ -26,6 +30,17 @@ pub enum Open {
     EndsBeforeTenfold {
         /// As far as the run shows it.
         phase: Phase,
+        /// May what ends it be something else than this motion: a signal, or another mode that grows beside it?
+        is_ended_by_others: bool,
+    },
+    /// Modes that oscillate too slowly for the run to show whether they grow or decay.
+    TooSlow {
+        /// How many they are.
+        count: usize,
+        /// The frequency of the slowest one, Hz.
+        frequency: f64,
+        /// The end of a run that has enough of its periods, s.
+        stop_time: f64,
     },
     /// Contacts change their states to the end of the run, over too few periods to tell growth from decay.
     TooShort {
@@ -74,16 +89,31 @@ pub(super) fn unexplained(
 
 /// The questions left open by modes that change by less than ten, and by spans that the modes do not explain.
 pub(super) fn questions(
-    slow: Vec<Slow>,
+    (slow, too_slow): (Vec<Slow>, Option<TooSlow>),
     unexplained: &[[f64; 2]],
     growth: &Growth,
-    end: f64,
+    (end, is_driven): (f64, bool),
 ) -> Vec<Open> {
     let lasts = |span: [f64; 2]| span[1] >= end * (1.0 - 1e-2);
     // The last of many short stretches between changes of state ends with the run by chance.
     let is_by_chance =
         |phase: &Phase| unexplained.iter().any(|span| span[0] < phase.span[0] && lasts(*span));
+    // What has been seen to go tenfold is no question any more, though it goes on elsewhere.
+    let is_answered = |phase: &Phase| {
+        let is_same = |found: &Phase| {
+            let apart = (found.frequency - phase.frequency).abs();
+            let off = SAME_RATE * found.rate.abs() + found.rate_error + phase.rate_error;
+            found.combination.is_none()
+                && found.rate * phase.rate > 0.0
+                && (found.rate - phase.rate).abs() <= off
+                && apart <= SAME_FREQUENCY * phase.frequency
+        };
+        growth.phases.iter().any(is_same)
+    };
     let less = slow.into_iter().filter_map(|Slow { phase, is_whole, is_beside_growth }| {
+        if is_answered(&phase) {
+            return None;
+        }
         if lasts(phase.span) {
             if is_by_chance(&phase) {
                 return None;
@@ -91,7 +121,13 @@ pub(super) fn questions(
             let stop_time = phase.span[0] + MARGIN * LN_10 / phase.rate.abs();
             return Some(Open::LessThanTenfold { phase, stop_time, is_beside_growth });
         }
-        is_whole.then_some(Open::EndsBeforeTenfold { phase })
+        let is_ended_by_others = is_driven || is_beside_growth;
+        is_whole.then_some(Open::EndsBeforeTenfold { phase, is_ended_by_others })
+    });
+    let too_slow = too_slow.map(|TooSlow { from, count, slowest }| Open::TooSlow {
+        count,
+        frequency: slowest,
+        stop_time: from + MARGIN * ENOUGH_PERIODS / slowest,
     });
     let last = unexplained.last().filter(|span| lasts(**span)).zip(growth.dominant);
     let last = last.and_then(|(&span, frequency)| {
@@ -105,7 +141,7 @@ pub(super) fn questions(
             growth.phases.iter().any(|phase| phase.span[0] >= span[0] && lasts(phase.span));
         (!is_found).then(|| Open::Slower { span, rate: LN_10 / length })
     });
-    less.chain(last).collect()
+    less.chain(too_slow).chain(last).collect()
 }
 
 #[cfg(test)]
@@ -141,24 +177,33 @@ mod tests {
         };
         // Contacts change their states from 0.5 s on.
         let slow = |span| Slow { phase: phase(span), is_whole: true, is_beside_growth: false };
-        let asked = |span| questions(vec![slow(span)], &[[0.5, 1.0]], &growth, 1.0);
+        let asked =
+            |span| questions((vec![slow(span)], None), &[[0.5, 1.0]], &growth, (1.0, false));
         assert!(
             !asked([0.995, 1.0]).iter().any(|open| matches!(open, Open::LessThanTenfold { .. }))
         );
-        let open = questions(vec![slow([0.0, 1.0])], &[], &growth, 1.0);
+        let open = questions((vec![slow([0.0, 1.0])], None), &[], &growth, (1.0, false));
         assert!(matches!(open[..], [Open::LessThanTenfold { .. }]), "{open:?}");
+        // The same mode has been seen to decay tenfold elsewhere, or one of another frequency has, or it has grown.
+        let with = |rate, frequency| {
+            let phases = vec![Phase { rate, frequency, ..phase([0.0, 0.5]) }];
+            let growth = Growth { phases, ..growth.clone() };
+            questions((vec![slow([0.6, 1.0])], None), &[], &growth, (1.0, false)).len()
+        };
+        let open = [with(-2.1, 150.5), with(-2.0, 160.0), with(2.0, 150.0), with(-9.0, 150.5)];
+        assert_eq!(open, [0, 1, 1, 1]);
     }
 
     #[test]
     fn a_rest_of_few_periods_asks_for_a_longer_run() {
         let growth = Growth { dominant: Some(100.0), ..Growth::default() };
-        let open = questions(Vec::new(), &[[0.9, 1.0]], &growth, 1.0);
+        let open = questions((Vec::new(), None), &[[0.9, 1.0]], &growth, (1.0, false));
         let [Open::TooShort { periods, stop_time, .. }] = open[..] else { panic!("{open:?}") };
         assert!((periods - 10.0).abs() < 1e-9 && (stop_time - 1.164).abs() < 1e-9, "{open:?}");
         // 50 periods: a change tenfold over half a second would have been seen.
-        let open = questions(Vec::new(), &[[0.5, 1.0]], &growth, 1.0);
+        let open = questions((Vec::new(), None), &[[0.5, 1.0]], &growth, (1.0, false));
         let [Open::Slower { rate, .. }] = open[..] else { panic!("{open:?}") };
         assert!((rate - LN_10 / 0.5).abs() < 1e-9, "{open:?}");
-        assert_eq!(questions(Vec::new(), &[[0.1, 0.5]], &growth, 1.0), []);
+        assert_eq!(questions((Vec::new(), None), &[[0.1, 0.5]], &growth, (1.0, false)), []);
     }
 }

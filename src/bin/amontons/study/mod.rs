@@ -11,6 +11,7 @@ pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
 use amontons::documentation::counted;
+use amontons::error::Rounded;
 use amontons::integrator::select;
 use amontons::progress::Progress;
 use amontons::scene::{self, Method, Scene, Selection, Source};
@@ -134,7 +135,8 @@ fn over(values: impl Iterator<Item = f64>) -> String {
     let [least, most] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
         [least.min(value), most.max(value)]
     });
-    if least < most { format!("{least} to {most}") } else { least.to_string() }
+    let [least, most] = [least, most].map(|value| Rounded(value).to_string());
+    if least == most { least } else { format!("{least} to {most}") }
 }
 
 /// Does a study's work under a bar that shows the time left, until it is done or a person ends it.

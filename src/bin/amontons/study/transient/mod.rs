@@ -7,6 +7,7 @@ use super::folder::Folder;
 use super::{found, set_pace, watched};
 use crate::arguments::positive;
 use crate::interrupt::Interrupted;
+use amontons::error::Rounded;
 use amontons::scene::{Experiment, Scene};
 use amontons::study::transient::{
     Eigenvalue, Finding, Open, Phase, Taken, Transient, interval, transient,
@@ -167,13 +168,16 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
     let Transient { output, unit, interval, end, growth, findings, open, left_out, .. } = found;
     // Without the digits of a third.
     let shown: f64 = format!("{interval:.4e}").parse().unwrap_or(*interval);
-    writeln!(out, "{}: {output} over {end} s, each {shown:?} s", scene.name)?;
+    writeln!(out, "{}: {output} over {} s, each {shown:?} s", scene.name, Rounded(*end))?;
     match growth.dominant {
         Some(dominant) => writeln!(out, "strongest line: {dominant:.2} Hz")?,
         None if findings.iter().any(|finding| finding.phase.frequency > 0.0) => {
             writeln!(out, "no strongest line: the output drifts by more than it oscillates")?;
         }
-        None => writeln!(out, "it does not oscillate")?,
+        None => writeln!(
+            out,
+            "no strongest line: the output does not oscillate, or for too few periods to tell"
+        )?,
     }
     match growth.window {
         window if window > 0.0 => writeln!(out, "bands seen through windows of {window:.3} s")?,
@@ -295,11 +299,27 @@ fn asked(question: &Open, interval: f64) -> String {
             };
             format!("{} by the end of the run; {until}", rate(phase))
         }
-        Open::EndsBeforeTenfold { phase } => format!(
-            "{} until {} s, as long as it can be followed mode by mode; a smaller initial perturbation would show if it does \
-             so tenfold",
-            rate(phase),
-            time(phase.span[1], interval),
+        Open::EndsBeforeTenfold { phase, is_ended_by_others } => {
+            let until = time(phase.span[1], interval);
+            let decides = if *is_ended_by_others {
+                ""
+            } else {
+                "; a run with a smaller initial perturbation shows it for longer"
+            };
+            format!(
+                "{} until {until} s, as long as it can be followed mode by mode; amontons-stability states tells the growth \
+                 rate of each mode without a run{decides}",
+                rate(phase),
+            )
+        }
+        Open::TooSlow { count, frequency, stop_time } => format!(
+            "the run holds too few periods of {} to show whether {}; --stop-time {} or more may show it",
+            match count {
+                1 => format!("a mode of {frequency:.4} Hz"),
+                _ => format!("{count} modes, the slowest of {frequency:.4} Hz,"),
+            },
+            if *count == 1 { "it grows or decays" } else { "they grow or decay" },
+            rounded_up(*stop_time),
         ),
         Open::TooShort { span, periods, stop_time } => format!(
             "from {} s on {NO_MODES}, and {periods:.1} periods of the strongest line are too few to see it; \
