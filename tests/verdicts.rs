@@ -310,6 +310,63 @@ fn a_block_that_a_slow_belt_carries_along_does_not_rest() {
     assert!(found.outcomes[0].settled().is_none(), "{:?}", found.outcomes[0]);
 }
 
+/// Two masses on springs that nothing damps have three modes while a contact is closed; one of them moves the first mass by
+/// less than a hundredth of what the others do.
+#[test]
+fn a_sum_of_more_than_two_modes_is_not_told_as_one_of_two_frequencies() {
+    let spring = |name: &str, of: &str, direction: f64, stiffness: f64| {
+        format!(
+            "[[spring]]\nname = \"{name}\"\nbetween = {of}\ndirection = {direction:?}\nstiffness = {stiffness:?}\n"
+        )
+    };
+    let (tie, ground) = ("[\"a\", \"ah\"]", "[\"ah\", \"ground\"]");
+    let text = format!(
+        "[slider]\nvelocity = 0.4\nangle = 0.3\n[friction]\ncoefficient = 0.2\n\
+         [[mass]]\nname = \"a\"\nmass = 0.5\nforce = [10.0, -50.0]\n[[mass]]\nname = \"ah\"\nmass = 1.5\n{}{}{}{}\
+         [[contact]]\nname = \"c\"\nmass = \"a\"\n[initial]\nmass = \"a\"\nvx = 1e-5\nvy = 0.0\n\
+         [integrator]\nstep = 1e-5\n[experiment]\nstop_time = 1.0\noutput_interval = 1e-4\n",
+        spring("a1", tie, 0.5, 2e5),
+        spring("a2", tie, 2.0, 3e5),
+        spring("a3", ground, 0.9, 2.5e5),
+        spring("a4", ground, 2.2, 1.5e5),
+    );
+    let scene = parse("arm", &text.replace("[initial]", "[[initial]]")).unwrap();
+    for window in [None, Some(10.0)] {
+        let found = cycles(&scene, &Wish { window, ..Wish::default() }, &[0.2]);
+        let ending = ending(&found);
+        assert!(ending.kind == Kind::QuasiPeriodic && ending.linear, "{window:?} {ending:?}");
+        assert!(!ending.two_frequencies, "{window:?} {ending:?}");
+    }
+}
+
+/// A tip that sticks and slips, on a holder whose own mode has a frequency of its own: neighbours of this motion stay as near
+/// as they are for as long as one looks, and its lines are combinations of high order.
+#[test]
+fn a_regular_motion_of_many_lines_is_quasi_periodic() {
+    let spring = |name: &str, to: &str, direction: f64, stiffness: f64| {
+        format!(
+            "[[spring]]\nname = \"{name}\"\nbetween = [\"holder\", \"{to}\"]\ndirection = {direction:?}\n\
+             stiffness = {stiffness:?}\n"
+        )
+    };
+    let text = format!(
+        "[slider]\nvelocity = 0.02\nangle = 0.0\n[friction]\ncoefficient = 0.3\nstatic = 0.5\n\
+         [damping]\nalpha = 2.0\nbeta = 1e-5\n[[mass]]\nname = \"tip\"\nmass = 0.08\nforce = [0.0, -40.0]\n\
+         [[mass]]\nname = \"holder\"\nmass = 0.5\n{}{}{}{}[[contact]]\nname = \"c\"\nmass = \"tip\"\n\
+         [[initial]]\nmass = \"tip\"\nvx = 0.002\nvy = 0.0\n\
+         [integrator]\nstep = 1e-6\n[experiment]\nstop_time = 1.0\noutput_interval = 2e-4\n",
+        spring("blade", "tip", 0.25, 3e4),
+        spring("press", "tip", 1.5, 8e4),
+        spring("hx", "ground", 0.0, 5e4),
+        spring("hy", "ground", 1.4, 9e4),
+    );
+    let scene = parse("tip", &text).unwrap();
+    for window in [None, Some(4.0)] {
+        let found = cycles(&scene, &Wish { window, ..Wish::default() }, &[0.3]);
+        assert_eq!(ending(&found).kind, Kind::QuasiPeriodic, "{window:?}");
+    }
+}
+
 /// A damped block that a force drives, with no contact at all.
 fn driven(damping: f64, signal: &str) -> Scene {
     let text = format!(
@@ -350,6 +407,8 @@ fn a_step_that_is_too_long_to_tell_the_kind_of_a_motion_leaves_it_open() {
         let prepare = |scene: &mut Scene| Look::of(scene, &Wish::default());
         let found = cycles_over(&scene, &prepare, "friction.coefficient", &[2.0]);
         assert_eq!(ending(&found).kind, Kind::Undecided);
+        let advice = ending(&found).evidence().unwrap();
+        assert!(advice.contains("--step"), "{advice}");
     }
     assert_eq!(
         ending(&cycles(&scene("set1", &[]), &Wish::default(), &[2.0])).kind,

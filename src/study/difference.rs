@@ -86,6 +86,8 @@ mod tests {
             frequency: Some(line),
             period: None,
             closure: None,
+            two_frequencies: false,
+            longest_step: None,
             parting: None,
             lines: vec![[line, size]],
             shares: [1.0, 0.0, 0.0, 0.0],

@@ -1,6 +1,6 @@
 //! What a motion ends in: rest, a motion of some kind for ever, or growth without bound.
 
-use super::recurrence::Closure;
+use super::recurrence::{Closure, MOST_WINDOWS_APART};
 use crate::spectral::{Line, Lines};
 use serde::{Deserialize, Serialize};
 
@@ -17,8 +17,9 @@ pub enum Kind {
     Equilibrium,
     /// Its whole state comes back after a period.
     Periodic,
-    /// Its state does not come back within 64 periods of its strongest line and of its signals together, neighbouring motions
-    /// do not part exponentially, and all strong lines of its spectrum are combinations of two frequencies.
+    /// Its state does not come back within 64 periods of its strongest line and of its signals together, and neighbouring
+    /// motions do not part exponentially: for long, where not all strong lines of its spectrum are combinations of two
+    /// frequencies.
     QuasiPeriodic,
     /// Its state does not come back, and neighbouring motions part exponentially.
     Irregular,
@@ -71,6 +72,12 @@ pub struct Ending {
     /// parts of the motion's size; 0 is exact.
     #[serde(default)]
     pub closure: Option<f64>,
+    /// `true` of a quasi-periodic motion whose strong lines are all combinations of two frequencies.
+    #[serde(default)]
+    pub two_frequencies: bool,
+    /// Of an undecided motion, the longest step of the paper's scheme, s, that can tell its kind, where the steps were longer.
+    #[serde(default)]
+    pub longest_step: Option<f64>,
     /// The rate at which neighbours of an irregular motion part, 1/s.
     #[serde(default)]
     pub parting: Option<f64>,
@@ -123,9 +130,27 @@ impl Ending {
     /// How the kind is known, in words; `None` where the kind says all.
     #[must_use]
     pub fn evidence(&self) -> Option<String> {
+        if let (Kind::Undecided, Some(step)) = (self.kind, self.longest_step) {
+            return Some(format!(
+                "the paper's scheme sees changes of contact state at the ends of its steps only, too coarsely to tell whether the state comes \
+                 back; --step {:.1e} or less may decide",
+                0.95 * step
+            ));
+        }
         match (self.kind, self.period, self.closure, self.parting) {
             (Kind::Periodic, Some(period), Some(closure), _) => Some(format!(
                 "the state comes back after {period:.6e} s to within {closure:.1e} of its size"
+            )),
+            (Kind::QuasiPeriodic | Kind::Undecided, ..) if self.linear => Some(
+                "contacts stay in one state and modes neither grow nor decay: the motion is the sum of those modes, of any \
+                 size, and of what signals drive; it comes back only if all its frequencies are multiples of one \
+                 frequency, and amontons-stability states prints those of the modes"
+                    .to_owned(),
+            ),
+            (Kind::QuasiPeriodic, ..) if !self.two_frequencies => Some(format!(
+                "the state does not come back within 64 periods, and neighbouring motions do not part over \
+                 {MOST_WINDOWS_APART} windows; not all strong lines combine two frequencies: there are more, or combinations of \
+                 high order"
             )),
             (Kind::QuasiPeriodic, ..) => Some(
                 "the state does not come back within 64 periods, neighbouring motions do not part, and all strong lines \
@@ -140,14 +165,9 @@ impl Ending {
                 "the state comes back after {period:.6e} s to within {closure:.1e} of its size, and no nearer; a longer \
                  --window or --longest or, of the paper's scheme, another --step may decide"
             )),
-            (Kind::Undecided, ..) if self.linear => Some(
-                "contacts stay in one state and modes neither grow nor decay: the motion is a sum of those modes, of any \
-                 size; a --window that holds more of their periods may show whether it comes back"
-                    .to_owned(),
-            ),
             (Kind::Undecided, ..) => Some(
                 "neither is the state known to come back, nor neighbouring motions to part, nor all lines to combine two \
-                 frequencies; a longer --window or, of the paper's scheme, a smaller --step may decide"
+                 frequencies; a longer --window may decide"
                     .to_owned(),
             ),
             _ => None,

@@ -4,7 +4,7 @@
 //! Two linear motions are: one that signals drive while everything else decays, and the largest one of a family. A larger
 //! motion than that makes a contact change its state and loses energy, until it is as small.
 
-use super::basis::{Basis, scheme_step};
+use super::basis::{Basis, Members, scheme_step};
 use super::linear::{Growth, MORE_THAN_ROUNDING, growth, linearised};
 use super::look::Look;
 use super::recurrence::{begin_fast, way_of_a_step};
@@ -15,6 +15,9 @@ use std::f64::consts::TAU;
 /// By this part of the motion's velocity, at least, a mode is made larger and smaller, to see whether the motion is the largest
 /// of its family.
 const LARGER: f64 = 1e-5;
+
+/// A mode of more than this part of the largest one in a sum counts.
+const FAIR: f64 = 1e-3;
 
 /// A mode that neither grows nor decays.
 struct Neutral {
@@ -104,12 +107,16 @@ fn changes_states(
     Ok(false)
 }
 
-/// The modes of the present contact states that oscillate and neither grow nor decay. `None` where they are not known.
-fn neutral_modes(simulation: &Simulation) -> Option<Vec<Neutral>> {
+/// The modes of the present contact states.
+fn basis(simulation: &Simulation) -> Option<Basis> {
     let friction = simulation.acting().friction_coefficient;
     let step = scheme_step(simulation.scene());
-    let states = simulation.contact_states();
-    let basis = Basis::of(&linearised(simulation), states, friction, step)?;
+    Basis::of(&linearised(simulation), simulation.contact_states(), friction, step)
+}
+
+/// The modes of the present contact states that oscillate and neither grow nor decay. `None` where they are not known.
+fn neutral_modes(simulation: &Simulation) -> Option<Vec<Neutral>> {
+    let basis = basis(simulation)?;
     let is_neutral = |rate: f64| rate.abs() <= MORE_THAN_ROUNDING * basis.pace;
     let groups = basis.modes.iter().filter(|group| {
         is_neutral(group.eigenvalue.re) && group.eigenvalue.im > MORE_THAN_ROUNDING * basis.pace
@@ -125,6 +132,24 @@ fn neutral_modes(simulation: &Simulation) -> Option<Vec<Neutral>> {
         parted(shapes.collect()).into_iter().map(move |shape| Neutral { pulsation, shape })
     });
     Some(modes.collect())
+}
+
+/// How many frequencies has a motion that is a sum of modes, if those count that are a fair part of it? `None` where the modes
+/// are not known.
+pub(super) fn frequencies_of_sum(simulation: &Simulation) -> Option<usize> {
+    let basis = basis(simulation)?;
+    let state = [simulation.displacement(), simulation.velocity()].concat();
+    let coefficients = basis.coefficients(&state);
+    let oscillates = |group: &&Members| group.eigenvalue.im > MORE_THAN_ROUNDING * basis.pace;
+    let size = |group: &Members| {
+        group
+            .members
+            .iter()
+            .fold(0.0, |most, (place, _)| f64::max(most, coefficients[*place].norm()))
+    };
+    let sizes: Vec<f64> = basis.modes.iter().filter(oscillates).map(size).collect();
+    let most = sizes.iter().copied().fold(0.0, f64::max);
+    Some(sizes.into_iter().filter(|size| *size > FAIR * most).count())
 }
 
 /// Combinations of the shapes of one eigenvalue, each of which moves as few degrees of freedom as may be: equal parts of a

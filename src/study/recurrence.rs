@@ -3,7 +3,7 @@
 //! A periodic motion is one whose state comes back: displacements and velocities of all masses together, over a whole
 //! period, and not only one output of it. A motion that does not come back is irregular where neighbouring motions
 //! part exponentially, and quasi-periodic where they do not and its spectrum consists of combinations of two
-//! frequencies. Where neither can be shown, the kind stays undecided.
+//! frequencies, or where neighbours stay near over many windows. Where neither can be shown, the kind stays undecided.
 
 use super::drive;
 use super::ending::Kind;
@@ -39,8 +39,9 @@ const ROWS_AT_ONCE: f64 = 256.0;
 const APART: f64 = 1e-9;
 /// Beyond this distance they are no neighbours any more.
 const PARTED: f64 = 1e-3;
-/// Windows over which neighbours are followed.
+/// Windows over which neighbours are followed, and over how many at the most where that does not tell how they part.
 const WINDOWS_APART: u64 = 4;
+pub(super) const MOST_WINDOWS_APART: u64 = 32;
 /// From one half of that time to the next, neighbours that part exponentially move away by at least this factor; those
 /// of a regular motion, whose distance grows in proportion to time at most, by less than [`REGULAR`].
 const EXPONENTIAL: f64 = 30.0;
@@ -420,9 +421,10 @@ pub(super) fn way_of_a_step(simulation: &Simulation, frequency: f64) -> f64 {
     }
 }
 
-/// Are the steps of the paper's scheme too long to tell a motion that comes back from one that nearly does?
-pub(super) fn is_too_coarse(simulation: &Simulation, frequency: f64) -> bool {
-    way_of_a_step(simulation, frequency) > COMES_BACK
+/// The longest step of the paper's scheme, s, that tells a motion that comes back from one that nearly does, where its steps are
+/// longer.
+pub(super) fn longest_step(simulation: &Simulation, frequency: f64) -> Option<f64> {
+    (way_of_a_step(simulation, frequency) > COMES_BACK).then(|| COMES_BACK / (TAU * frequency))
 }
 
 /// May a motion that comes back to such a distance be one that the paper's scheme does not let come back nearer?
@@ -514,52 +516,65 @@ pub(super) enum Parting {
     Unknown,
 }
 
-/// Follows a motion and a neighbour of it over [`WINDOWS_APART`] windows of `rows` rows.
+/// Follows a motion and a neighbour of it over [`WINDOWS_APART`] windows of `rows` rows, then twice as long, and so on, until
+/// it is known how they part or, where it is to be known for long (`is_long`), to the end.
 ///
 /// # Errors
 /// A step fails.
+#[allow(clippy::cast_precision_loss)]
 pub(super) fn parting(
     simulation: &Simulation,
     interval: f64,
     frequency: f64,
-    rows: u64,
+    (rows, is_long): (u64, bool),
     is_over: &dyn Fn() -> bool,
 ) -> Result<Parting, Error> {
     let mut motion = Simulation::resume(simulation.save())?;
     let scale = begin_fast(&mut motion, interval, frequency, rows)?;
     let mut neighbour = Simulation::resume(motion.save())?;
     neighbour.push(Push::of(motion.scene()).dof, APART * scale.velocity);
-    let (start, half) = (motion.time(), WINDOWS_APART * rows / 2);
-    // The largest distance in the last eighth of the first half, and of the whole.
+    let start = motion.time();
+    let mut windows = WINDOWS_APART;
+    // The largest distance over a while at the end of the first half, and of the whole, which is the first half of the next.
     let (mut early, mut late) = (0.0_f64, 0.0_f64);
-    for row in 1..=2 * half {
-        if row.is_multiple_of(256) && is_over() {
-            return Ok(Parting::Unknown);
+    let mut row = 0;
+    loop {
+        let half = windows * rows / 2;
+        while row < 2 * half {
+            row += 1;
+            if row.is_multiple_of(256) && is_over() {
+                return Ok(Parting::Unknown);
+            }
+            let after = row as f64 * interval;
+            motion.advance_to(start + after)?;
+            neighbour.advance_to(start + after)?;
+            let distance = scale.distance(&motion, &State::of(&neighbour));
+            if distance > PARTED {
+                return Ok(Parting::Exponential(libm::log(distance / APART) / after));
+            }
+            if row <= half && row > half - half / 4 {
+                early = early.max(distance);
+            }
+            if row > 2 * half - half / 4 {
+                late = late.max(distance);
+            }
         }
-        #[allow(clippy::cast_precision_loss)]
-        let after = row as f64 * interval;
-        motion.advance_to(start + after)?;
-        neighbour.advance_to(start + after)?;
-        let distance = scale.distance(&motion, &State::of(&neighbour));
-        if distance > PARTED {
-            return Ok(Parting::Exponential(libm::log(distance / APART) / after));
+        match late / early {
+            grown if grown >= EXPONENTIAL && late > 100.0 * APART => {
+                return Ok(Parting::Exponential(libm::log(grown) / (half as f64 * interval)));
+            }
+            grown => {
+                let is_regular = grown <= REGULAR || !is_long && late <= 100.0 * APART;
+                match (is_regular, 2 * windows > MOST_WINDOWS_APART) {
+                    (true, is_end) if is_end || !is_long => return Ok(Parting::Regular),
+                    (false, true) => return Ok(Parting::Unknown),
+                    _ => {}
+                }
+            }
         }
-        if row <= half && row > half - half / 4 {
-            early = early.max(distance);
-        }
-        if row > 2 * half - half / 4 {
-            late = late.max(distance);
-        }
+        windows *= 2;
+        (early, late) = (late, 0.0);
     }
-    #[allow(clippy::cast_precision_loss)]
-    let apart = half as f64 * interval;
-    Ok(match late / early {
-        grown if grown >= EXPONENTIAL && late > 100.0 * APART => {
-            Parting::Exponential(libm::log(grown) / apart)
-        }
-        grown if grown <= REGULAR || late <= 100.0 * APART => Parting::Regular,
-        _ => Parting::Unknown,
-    })
 }
 
 /// Are all telling lines, the strongest first, combinations of two frequencies?
@@ -610,12 +625,12 @@ pub(super) fn is_fading(beats: &[f64]) -> bool {
     part > 0 && last < middle && middle < first && last < (1.0 - FADED) * first
 }
 
-/// The kind of a motion that does not come back, from how neighbours part and whether its lines are combinations of
-/// two frequencies.
-pub(super) const fn kind_without_period(parting: Parting, has_two_frequencies: bool) -> Kind {
+/// The kind of a motion that does not come back, from how neighbours part and whether it is known to be regular if they do not
+/// part exponentially: since its lines are combinations of two frequencies, or as neighbours were followed for long.
+pub(super) const fn kind_without_period(parting: Parting, is_known: bool) -> Kind {
     match parting {
         Parting::Exponential(_) => Kind::Irregular,
-        Parting::Regular if has_two_frequencies => Kind::QuasiPeriodic,
+        Parting::Regular if is_known => Kind::QuasiPeriodic,
         Parting::Regular | Parting::Unknown => Kind::Undecided,
     }
 }

@@ -6,7 +6,7 @@
 
 use super::drive::{is_repeated, last_edge, period};
 use super::ending::{Ending, Kind};
-use super::family::is_one_of_many;
+use super::family::{frequencies_of_sum, is_one_of_many};
 use super::linear::{
     Growth, deflection, growth, has_linear_friction, has_states_of_rest, is_far, may_pull,
     stays_linear,
@@ -15,7 +15,7 @@ use super::look::{Look, output, unit};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
     Closure, Parting, Search, beat, closure, has_two_frequencies, is_closing, is_fading,
-    is_too_coarse, kind_without_period, may_wobble, parting,
+    kind_without_period, longest_step, may_wobble, parting,
 };
 use crate::Error;
 use crate::accuracy::half_range;
@@ -37,8 +37,9 @@ const GROWN: f64 = 0.01;
 const SIDE_LOBES: f64 = 3e-5;
 /// A motion decays to rest if it, going on as it does, ends below this part of what is left of it.
 const REST: f64 = 0.2;
-/// A motion whose lines never stay has settled as irregular when over so many windows its size has no trend.
-const IRREGULAR_WINDOWS: usize = 12;
+/// A motion whose lines never stay has settled as irregular when over so many windows its size has no trend; where no more
+/// windows are to come, over more of them.
+const IRREGULAR_WINDOWS: [usize; 3] = [12, 24, 48];
 /// Lines of more than this part of the strongest one are told.
 const TOLD: f64 = 1e-3;
 /// Lines of a motion without a period are told from so many windows before the last one too, since they may lie near each
@@ -81,6 +82,10 @@ pub(crate) struct Settling {
     closures: Vec<Closure>,
     /// Of all windows whose kind was asked for.
     beats: Vec<f64>,
+    /// Whether all strong lines were combinations of two frequencies when the kind was last asked for, and the step, s, that
+    /// would do where the scheme's is too long.
+    is_of_two: bool,
+    longest_step: Option<f64>,
     /// How many windows had ended when the state was last seen not to come back.
     looked_in_vain: usize,
     /// Of the rows of a window.
@@ -158,6 +163,8 @@ impl Settling {
             seen: Vec::new(),
             closures: Vec::new(),
             beats: Vec::new(),
+            is_of_two: false,
+            longest_step: None,
             looked_in_vain: 0,
             #[allow(clippy::cast_possible_truncation)]
             weights: Window::BlackmanHarris.weights(look.rows() as usize),
@@ -299,6 +306,13 @@ impl Settling {
             let frequency = strongest.map(|line| line.frequency);
             ending.linear = is_one_of_many(simulation, &self.look, frequency, is_over)?;
         }
+        ending.longest_step = self.longest_step.filter(|_| kind == Kind::Undecided);
+        if kind == Kind::QuasiPeriodic {
+            // A mode of a sum may be too faint for the mixture's lines in which two frequencies were seen.
+            let is_sum = ending.linear && !simulation.is_driven_on();
+            let more = is_sum && frequencies_of_sum(simulation).is_none_or(|count| count > 2);
+            ending.two_frequencies = self.is_of_two && !more;
+        }
         if ending.linear && kind == Kind::Unsettled && !simulation.is_driven_on() {
             // Two windows may differ by noise; eigenvalues do not.
             let goes = |growth: &Growth| growth.is_growing() || growth.is_decaying();
@@ -379,7 +393,10 @@ impl Settling {
         if is_steady(&sizes) && self.has_steady_lines() {
             return Course::Steady;
         }
-        if changed && has_no_trend(&sizes) { Course::Varies } else { Course::Open }
+        // A beat that is longer than some windows has a trend over these, and none over more.
+        let lengths = if self.is_last() { &IRREGULAR_WINDOWS[..] } else { &IRREGULAR_WINDOWS[..1] };
+        let varies = |windows: &usize| has_no_trend(&sizes, *windows);
+        if changed && lengths.iter().any(varies) { Course::Varies } else { Course::Open }
     }
 
     /// The kind of a motion that has settled, with the rate at which neighbours part; `None` while its state still comes
@@ -393,12 +410,12 @@ impl Settling {
         let interval = self.look.interval;
         let Some(last) = self.seen.last_mut() else { return Ok(None) };
         let found = last.lines.take().unwrap_or_else(|| lines(&last.mixture, interval, FAINT));
-        let is_of_two = !varies && has_two_frequencies(&found);
         self.beats.push(beat(&found));
         let main = found.lines.first().map(|line| line.frequency);
         last.lines = Some(found);
         let Some(main) = main else { return Ok(Some((Kind::Undecided, None))) };
-        if is_too_coarse(simulation, main) {
+        self.longest_step = longest_step(simulation, main);
+        if self.longest_step.is_some() {
             return Ok(Some((Kind::Undecided, None)));
         }
         // A long search is made now and then.
@@ -432,10 +449,15 @@ impl Settling {
         if !is_due {
             return Ok(None);
         }
-        let parting = parting(simulation, interval, main, self.look.rows(), is_over)?;
+        // What has more frequencies than two is regular if its neighbours stay near for long.
+        let is_of_two = !varies && self.has_two_frequencies();
+        self.is_of_two = is_of_two;
+        let may_be_long = is_last && !is_of_two && !was_cut_short && self.closures.is_empty();
+        let is_long = may_be_long && !varies_less(&self.seen);
+        let parting = parting(simulation, interval, main, (self.look.rows(), is_long), is_over)?;
         let last = self.closures.last();
         let is_open = last.is_some_and(|last| may_wobble(simulation, main, last.distance));
-        let kind = match kind_without_period(parting, is_of_two) {
+        let kind = match kind_without_period(parting, is_of_two || is_long) {
             Kind::QuasiPeriodic if is_open || was_cut_short => Kind::Undecided,
             Kind::QuasiPeriodic if is_fading(&self.beats) => {
                 return Ok(is_last.then_some((Kind::Unsettled, None)));
@@ -455,6 +477,11 @@ impl Settling {
         Ok(Some((kind, rate)))
     }
 
+    /// Are all strong lines of the last window combinations of two frequencies?
+    fn has_two_frequencies(&self) -> bool {
+        self.seen.last().and_then(|seen| seen.lines.as_ref()).is_some_and(has_two_frequencies)
+    }
+
     fn ending(&self, kind: Kind, driven: bool) -> Ending {
         let found = match kind {
             Kind::QuasiPeriodic | Kind::Irregular | Kind::Undecided => {
@@ -469,6 +496,8 @@ impl Settling {
             frequency: None,
             period: None,
             closure: None,
+            two_frequencies: false,
+            longest_step: None,
             parting: None,
             lines: Vec::new(),
             shares: self.states.map(|count| count as f64 / all),
@@ -559,6 +588,17 @@ fn scatter(seen: &[Seen]) -> f64 {
     if least > 0.0 && most > 0.0 { libm::log(most / least) } else { 0.0 }
 }
 
+/// Does the size of a motion vary less and less? Then it may come to stay, and the motion to one with a period.
+#[allow(clippy::cast_precision_loss)]
+fn varies_less(seen: &[Seen]) -> bool {
+    const LESS: f64 = 0.8;
+    let sizes: Vec<f64> = seen.iter().map(|seen| seen.size).collect();
+    let parts: Vec<f64> =
+        sizes.rchunks_exact((sizes.len() / 4).max(1)).take(3).map(deviation).collect();
+    let [last, middle, first] = parts[..] else { return true };
+    last < middle && middle < first && last < LESS * first
+}
+
 /// Has a motion grown by about the same factor over each of the last windows?
 fn grows_evenly(sizes: &[f64]) -> bool {
     const FACTOR: f64 = 1.01;
@@ -603,16 +643,18 @@ fn goes_one_way(amplitudes: &[f64]) -> bool {
     ratios.clone().all(|ratio| ratio > STANDING) || ratios.clone().all(|ratio| ratio < -STANDING)
 }
 
-/// Has the size, though it varies, no trend over many windows?
+/// Has the size, though it varies, no trend over the last `windows`?
 #[allow(clippy::cast_precision_loss)]
-fn has_no_trend(sizes: &[f64]) -> bool {
-    let Some(first) = sizes.len().checked_sub(IRREGULAR_WINDOWS) else { return false };
-    let (a, b) = sizes[first..].split_at(IRREGULAR_WINDOWS / 2);
+fn has_no_trend(sizes: &[f64], windows: usize) -> bool {
+    let Some(first) = sizes.len().checked_sub(windows) else { return false };
+    let (a, b) = sizes[first..].split_at(windows / 2);
     let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
     let spread = deviation(&sizes[first..]);
     let rises = sizes[first..].windows(2).filter(|two| two[1] > two[0]).count();
     // A drift goes one way, what varies goes both.
-    (mean(a) - mean(b)).abs() <= spread && (3..=8).contains(&rises) && spread <= 0.5 * mean(b)
+    (mean(a) - mean(b)).abs() <= spread
+        && (windows / 4..=2 * windows / 3).contains(&rises)
+        && spread <= 0.5 * mean(b)
 }
 
 /// The amplitude of the line of a window that is within this part of the resolution of another line.
@@ -697,6 +739,29 @@ mod tests {
         assert_eq!(ending.kind, Kind::Periodic);
         let period = ending.period.unwrap() * ending.frequency.unwrap();
         assert!((period - period.round()).abs() < 1e-4, "{period}");
+    }
+
+    #[test]
+    fn what_has_a_trend_over_some_windows_may_have_none_over_more() {
+        // A beat of 24 windows beside some scatter, and a decay of the same extent.
+        let scattered = |size: &dyn Fn(f64) -> f64| -> Vec<f64> {
+            let scatter = |i: i32| 0.05 * f64::from(i * i % 11) / 11.0;
+            (0..60).map(|i| size(f64::from(i)) + scatter(i)).collect()
+        };
+        let beats = scattered(&|i| 1.0 + 0.2 * (TAU * i / 24.0).cos());
+        let decays = scattered(&|i| 0.8 + 0.4 * (-i / 20.0).exp());
+        let [few, _, most] = IRREGULAR_WINDOWS;
+        assert_eq!([few, most].map(|windows| has_no_trend(&beats, windows)), [false, true]);
+        assert_eq!([few, most].map(|windows| has_no_trend(&decays, windows)), [false, false]);
+        // A beat that dies has no trend, and varies less and less.
+        let seen = |sizes: Vec<f64>| -> Vec<Seen> {
+            let seen = |size| Seen { size, changed: true, mixture: Vec::new(), lines: None };
+            sizes.into_iter().map(seen).collect()
+        };
+        let beat = |i: f64| (TAU * i / 14.0).cos();
+        let dies = |i: f64| 1.0 + 0.5 * (-i / 100.0).exp() * beat(i);
+        assert!(varies_less(&seen((0..60).map(f64::from).map(dies).collect())));
+        assert!(!varies_less(&seen(beats)));
     }
 
     #[test]

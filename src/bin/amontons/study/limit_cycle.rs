@@ -461,7 +461,9 @@ impl Told<'_> {
             })
             .collect();
         let is_alike = |a: &Ending, b: &Ending| {
-            a.kind == b.kind && matches!(a.kind, Kind::Periodic | Kind::QuasiPeriodic)
+            a.kind == b.kind
+                && matches!(a.kind, Kind::Periodic | Kind::QuasiPeriodic)
+                && (a.linear, a.two_frequencies) == (b.linear, b.two_frequencies)
         };
         for run in endings.chunk_by(|a, b| is_alike(a.1, b.1)) {
             let closure = |ending: &Ending| ending.closure.unwrap_or(0.0);
