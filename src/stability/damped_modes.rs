@@ -84,12 +84,13 @@ impl Problem {
             values[at] = Complex::ZERO;
         }
         let found = values.to_vec();
-        let mut refined = 0;
+        let (mut refined, mut pairs) = (0, Vec::new());
         for &at in &order[zeros..] {
             let value = found[at];
-            // Of a pair one is refined.
-            let partner = found.iter().position(|other| value.im < 0.0 && *other == value.conj());
-            if partner.is_some() {
+            // Of a pair the one below is the other's conjugate.
+            let is_other = |other: &Complex<f64>| value.im < 0.0 && *other == value.conj();
+            if let Some(other) = found.iter().position(is_other) {
+                pairs.push([at, other]);
                 continue;
             }
             let is_small = modulus(value) <= SMALL && refined < MOST_REFINED;
@@ -103,10 +104,8 @@ impl Problem {
             let grows = better.re.abs() > nothing;
             values[at] = if grows { better } else { Complex::new(0.0, better.im) };
         }
-        for (at, value) in found.iter().enumerate().filter(|(_, value)| value.im < 0.0) {
-            if let Some(partner) = found.iter().position(|other| *other == value.conj()) {
-                values[at] = values[partner].conj();
-            }
+        for [below, other] in pairs {
+            values[below] = values[other].conj();
         }
     }
 

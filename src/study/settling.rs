@@ -37,8 +37,8 @@ const GROWN: f64 = 0.01;
 const SIDE_LOBES: f64 = 3e-5;
 /// A motion decays to rest if it, going on as it does, ends below this part of what is left of it.
 const REST: f64 = 0.2;
-/// A motion whose lines never stay has settled as irregular when over so many windows its size has no trend; where no more
-/// windows are to come, over more of them.
+/// A motion whose lines change from window to window has settled if its size has no trend over the first number of windows. In
+/// the last window that is looked at, the other numbers count too.
 const IRREGULAR_WINDOWS: [usize; 3] = [12, 24, 48];
 /// Lines of more than this part of the strongest one are told.
 const TOLD: f64 = 1e-3;
@@ -82,9 +82,9 @@ pub(crate) struct Settling {
     closures: Vec<Closure>,
     /// Of all windows whose kind was asked for.
     beats: Vec<f64>,
-    /// Whether all strong lines were combinations of two frequencies when the kind was last asked for, and the step, s, that
-    /// would do where the scheme's is too long.
+    /// `true` if all strong lines combined two frequencies when the kind was last asked for.
     is_of_two: bool,
+    /// The longest step of the paper's scheme, s, that can tell the kind; `None` where the scene's step can.
     longest_step: Option<f64>,
     /// How many windows had ended when the state was last seen not to come back.
     looked_in_vain: usize,
