@@ -189,7 +189,12 @@ impl Run {
         let is_free = normal_force == 0.0 && gap_acceleration < 0.0;
         let fall = -2.0 * gap_acceleration * (gap.max(0.0) + f64::EPSILON * x.amax());
         let root = (gap_velocity * gap_velocity + fall).sqrt();
-        let in_time = self.lasts * -gap_acceleration <= (1.0 + 1e-3) * (gap_velocity + root);
+        // A report does not know how long that is, and the judge of the next step does.
+        let in_time = if self.lasts.is_finite() {
+            self.lasts * -gap_acceleration <= (1.0 + 1e-3) * (gap_velocity + root)
+        } else {
+            gap > 0.0
+        };
         if is_free && (in_time || self.at.1) {
             return;
         }
