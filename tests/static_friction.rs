@@ -296,7 +296,10 @@ fn static_friction_below_the_kinetic_one_is_refused_whoever_brings_it_there() {
     let mut scene = pad("");
     scene.static_friction = Some(0.3);
     let error = scene.check().unwrap_err().to_string();
-    assert!(error.contains("friction.static = 0.3: must be at least the kinetic friction"), "{error}");
+    assert!(
+        error.contains("friction.static = 0.3: must be at least the kinetic friction"),
+        "{error}"
+    );
 
     let mut simulation = Simulation::new(pad(""), 0.0).unwrap();
     let all = variables(simulation.scene());

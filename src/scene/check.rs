@@ -251,7 +251,8 @@ pub(super) fn weak_static_friction(
     kinetic: f64,
 ) -> Option<Problem> {
     let wish = Rule::FRICTION.broken_by(static_friction);
-    let wish = wish.or((static_friction < kinetic).then_some("must be at least the kinetic friction"))?;
+    let wish =
+        wish.or((static_friction < kinetic).then_some("must be at least the kinetic friction"))?;
     let problem = Problem::new(path(), wish).of(static_friction);
     Some(problem.help(format!(
         "a contact that stands holds at least what it has slipping, {}",

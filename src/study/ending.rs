@@ -18,8 +18,7 @@ pub enum Kind {
     /// Its whole state comes back after a period.
     Periodic,
     /// Its state does not come back within 64 periods of its strongest line and of its signals together, and neighbouring
-    /// motions do not part exponentially: for long, where not all strong lines of its spectrum are combinations of two
-    /// frequencies.
+    /// motions do not part exponentially over 32 windows.
     QuasiPeriodic,
     /// Its state does not come back, and neighbouring motions part exponentially.
     Irregular,
@@ -152,11 +151,10 @@ impl Ending {
                  {MOST_WINDOWS_APART} windows; not all strong lines combine two frequencies: there are more, or combinations of \
                  high order"
             )),
-            (Kind::QuasiPeriodic, ..) => Some(
-                "the state does not come back within 64 periods, neighbouring motions do not part, and all strong lines \
-                 combine two frequencies"
-                    .to_owned(),
-            ),
+            (Kind::QuasiPeriodic, ..) => Some(format!(
+                "the state does not come back within 64 periods, neighbouring motions do not part over \
+                 {MOST_WINDOWS_APART} windows, and all strong lines combine two frequencies"
+            )),
             (Kind::Irregular, .., Some(rate)) => Some(format!(
                 "neighbouring motions part as fast as e^({rate:.0e} t/s), by one stretch of the motion: elsewhere the rate may \
                  be half or twice as large"

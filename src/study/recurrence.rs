@@ -2,11 +2,10 @@
 //!
 //! A periodic motion is one whose state comes back: displacements and velocities of all masses together, over a whole
 //! period, and not only one output of it. A motion that does not come back is irregular where neighbouring motions
-//! part exponentially, and quasi-periodic where they do not and its spectrum consists of combinations of two
-//! frequencies, or where neighbours stay near over many windows. Where neither can be shown, the kind stays undecided.
+//! part exponentially, and quasi-periodic where they stay near over many windows. Where neither can be shown, the kind stays
+//! undecided.
 
 use super::drive;
-use super::ending::Kind;
 use super::linear::deflection;
 use super::push::Push;
 use crate::Error;
@@ -517,7 +516,9 @@ pub(super) enum Parting {
 }
 
 /// Follows a motion and a neighbour of it over [`WINDOWS_APART`] windows of `rows` rows, then twice as long, and so on, until
-/// it is known how they part or, where it is to be known for long (`is_long`), to the end.
+/// it is known that they part exponentially, or they do not over all of them. Slow parting shows over many windows alone, so
+/// fewer never tell that a motion is regular: where only a fast one is looked for (not `is_long`), neighbours that stay near
+/// over the first windows leave it unknown.
 ///
 /// # Errors
 /// A step fails.
@@ -563,14 +564,12 @@ pub(super) fn parting(
             grown if grown >= EXPONENTIAL && late > 100.0 * APART => {
                 return Ok(Parting::Exponential(libm::log(grown) / (half as f64 * interval)));
             }
-            grown => {
-                let is_regular = grown <= REGULAR || !is_long && late <= 100.0 * APART;
-                match (is_regular, 2 * windows > MOST_WINDOWS_APART) {
-                    (true, is_end) if is_end || !is_long => return Ok(Parting::Regular),
-                    (false, true) => return Ok(Parting::Unknown),
-                    _ => {}
-                }
+            grown if grown <= REGULAR && !is_long => return Ok(Parting::Unknown),
+            grown if 2 * windows > MOST_WINDOWS_APART => {
+                let is_regular = grown <= REGULAR;
+                return Ok(if is_regular { Parting::Regular } else { Parting::Unknown });
             }
+            _ => {}
         }
         windows *= 2;
         (early, late) = (late, 0.0);
@@ -623,16 +622,6 @@ pub(super) fn is_fading(beats: &[f64]) -> bool {
         .collect();
     let [last, middle, first] = means[..] else { return false };
     part > 0 && last < middle && middle < first && last < (1.0 - FADED) * first
-}
-
-/// The kind of a motion that does not come back, from how neighbours part and whether it is known to be regular if they do not
-/// part exponentially: since its lines are combinations of two frequencies, or as neighbours were followed for long.
-pub(super) const fn kind_without_period(parting: Parting, is_known: bool) -> Kind {
-    match parting {
-        Parting::Exponential(_) => Kind::Irregular,
-        Parting::Regular if is_known => Kind::QuasiPeriodic,
-        Parting::Regular | Parting::Unknown => Kind::Undecided,
-    }
 }
 
 #[cfg(test)]

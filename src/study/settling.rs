@@ -15,7 +15,7 @@ use super::look::{Look, output, unit};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
     Closure, Parting, Search, beat, closure, has_two_frequencies, is_closing, is_fading,
-    kind_without_period, longest_step, may_wobble, parting,
+    longest_step, may_wobble, parting,
 };
 use crate::Error;
 use crate::accuracy::half_range;
@@ -449,20 +449,22 @@ impl Settling {
         if !is_due {
             return Ok(None);
         }
-        // What has more frequencies than two is regular if its neighbours stay near for long.
         let is_of_two = !varies && self.has_two_frequencies();
         self.is_of_two = is_of_two;
-        let may_be_long = is_last && !is_of_two && !was_cut_short && self.closures.is_empty();
-        let is_long = may_be_long && !varies_less(&self.seen);
+        let is_long = is_of_two || is_last;
         let parting = parting(simulation, interval, main, (self.look.rows(), is_long), is_over)?;
+        // What has more frequencies than two may yet converge, unless its size has stayed as it is for long.
+        let has_come = is_of_two || self.closures.is_empty() && !varies_less(&self.seen);
         let last = self.closures.last();
         let is_open = last.is_some_and(|last| may_wobble(simulation, main, last.distance));
-        let kind = match kind_without_period(parting, is_of_two || is_long) {
-            Kind::QuasiPeriodic if is_open || was_cut_short => Kind::Undecided,
-            Kind::QuasiPeriodic if is_fading(&self.beats) => {
+        let kind = match parting {
+            Parting::Exponential(_) => Kind::Irregular,
+            Parting::Regular if is_open || was_cut_short || !has_come => Kind::Undecided,
+            Parting::Regular if is_fading(&self.beats) => {
                 return Ok(is_last.then_some((Kind::Unsettled, None)));
             }
-            kind => kind,
+            Parting::Regular => Kind::QuasiPeriodic,
+            Parting::Unknown => Kind::Undecided,
         };
         if !is_last && kind == Kind::Undecided {
             return Ok(None);
