@@ -4,10 +4,11 @@
 use amontons::contact::ContactState;
 use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement, Statistics};
 use amontons::model::{self, LumpedModel};
-use amontons::scene::builtin;
+use amontons::scene::{builtin, parse};
 use amontons::stability::candidates::uniform_sliding;
 use amontons::stability::{Departure, departure, modes};
 use nalgebra::Complex;
+use std::f64::consts::TAU;
 
 /// Set 1, undamped unless it grows, so that a mode neither decays nor grows over its cycle.
 #[derive(Clone, Copy)]
@@ -55,6 +56,32 @@ fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
         met.extend(motion.contacts.iter().copied().filter(|state| *state != sliding[0]));
     }
     (found, met)
+}
+
+/// A mass that nothing joins to the one on the belt moves alone in its mode. Rounding of that mode's shape was told as a way
+/// into an open contact, at some 1e12 m.
+#[test]
+fn a_mode_that_does_not_reach_a_contact_makes_it_leave_nothing() {
+    let text = "[slider]\nvelocity = 0.5\nangle = 0.0\n[friction]\ncoefficient = 0.5\n\
+                [[mass]]\nname = \"a\"\nmass = 1.0\nforce = [0.0, -50.0]\n\
+                [[mass]]\nname = \"alone\"\nmass = 0.5\nlocked = [\"y\"]\n\
+                [[spring]]\nname = \"k1\"\nbetween = [\"a\", \"ground\"]\ndirection = 0.5\nstiffness = 1.1e5\n\
+                [[spring]]\nname = \"k2\"\nbetween = [\"a\", \"ground\"]\ndirection = 2.3\nstiffness = 2.2e5\n\
+                [[spring]]\nname = \"k3\"\nbetween = [\"alone\", \"ground\"]\ndirection = \"x\"\nstiffness = 8e4\n\
+                [[damper]]\nname = \"d\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\ndamping = 4.0\n\
+                [[contact]]\nname = \"c\"\nmass = \"a\"\n\
+                [integrator]\nstep = 1e-6\n[experiment]\nstop_time = 1.0\n";
+    let scene = parse("alone", text).unwrap();
+    let model = LumpedModel::from(&scene);
+    let equilibrium = model::equilibrium(&scene, &model).unwrap();
+    let sliding = uniform_sliding(&model, 0.5).unwrap();
+    let found = modes(&model, &sliding, 0.5).unwrap().oscillating;
+    assert_eq!(found.len(), 2);
+    for mode in &found {
+        let alone = (mode.frequency_hz() - (8e4_f64 / 0.5).sqrt() / TAU).abs() < 1e-6;
+        let leaves = departure(&model, &equilibrium, 0.5, 0.5, mode).is_some();
+        assert_eq!(leaves, !alone, "{} Hz", mode.frequency_hz());
+    }
 }
 
 /// The state that a mode's contact enters, at the amplitude found and not below; a growing mode

@@ -306,6 +306,29 @@ fn the_strongest_frequency_of_a_periodic_motion_is_told_though_a_window_holds_fe
     }
 }
 
+/// Two undamped blocks on a belt that turns back: neighbouring motions part by e^(0.014 t/s), as long runs with an
+/// integrator of its own have shown. Over 200 s that is a factor of 16, and this motion was called quasi-periodic.
+#[test]
+fn neighbours_that_part_slowly_part_all_the_same_whatever_the_window() {
+    let text = "[slider]\nvelocity = 0.1\nangle = 0.0\n[friction]\ncoefficient = 0.3\n\
+                [[mass]]\nname = \"a\"\nmass = 1.0\nforce = [0.0, -12.0]\n\
+                [[mass]]\nname = \"b\"\nmass = 2.5\nforce = [0.0, -30.0]\n\
+                [[spring]]\nname = \"ga\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 800.0\n\
+                [[spring]]\nname = \"ab\"\nbetween = [\"a\", \"b\"]\ndirection = \"x\"\nstiffness = 1500.0\n\
+                [[contact]]\nname = \"ca\"\nmass = \"a\"\n\
+                [[contact]]\nname = \"cb\"\nmass = \"b\"\nfriction = 0.2\nstatic_friction = 0.35\n\
+                [[signal]]\ninput = \"slider.velocity\"\n\
+                ramp = { from = 0.0, to = -0.17, start = 1.0, end = 2.0 }\n\
+                [integrator]\nstep = 1e-5\n[experiment]\nstop_time = 8.0\n";
+    let scene = parse("turned", text).unwrap();
+    for window in [Some(20.0), None, Some(100.0)] {
+        let ending = ending(&scene, window);
+        assert_eq!(ending.kind, Kind::Irregular, "{window:?} {ending:?}");
+        let rate = ending.parting.unwrap();
+        assert!((0.007..0.028).contains(&rate), "{window:?} {rate}");
+    }
+}
+
 /// Three masses on a belt that squeal with a beat, which fades by a hundredth in a second: by an event-driven code of another
 /// author the motion has a period of 13.57613 ms and an amplitude of 0.92681 mm once that is gone. It was called
 /// quasi-periodic, with an amplitude that depended on how long it was looked at.

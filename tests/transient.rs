@@ -556,6 +556,57 @@ fn what_is_not_there_or_cannot_be_written_is_said() {
 
 /// A ramp on µ drives the motion all the time. Growth is then looked for in lines, and nothing that is said contradicts
 /// what these show.
+/// One mass with a damper so large that along x it creeps; and a second one that nothing joins to the first.
+fn creeping(velocities: [f64; 2]) -> Scene {
+    let [first, second] = velocities;
+    let text = format!(
+        "[slider]\nvelocity = 0.3\nangle = 0.0\n[friction]\nlaw = \"none\"\n\
+         [[mass]]\nname = \"a\"\nmass = 1.0\nforce = [0.0, -50.0]\n[[mass]]\nname = \"b\"\nmass = 0.5\nlocked = [\"y\"]\n\
+         [[spring]]\nname = \"k\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 2e5\n\
+         [[damper]]\nname = \"d\"\nbetween = [\"a\", \"ground\"]\ndirection = \"x\"\ndamping = 1e4\n\
+         [[spring]]\nname = \"kb\"\nbetween = [\"b\", \"ground\"]\ndirection = \"x\"\nstiffness = 8e4\n\
+         [[contact]]\nname = \"c\"\nmass = \"a\"\n[[initial]]\nmass = \"a\"\nvx = {first:?}\n\
+         [[initial]]\nmass = \"b\"\nvx = {second:?}\n\
+         [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 1.0\noutput_interval = 1e-3\n"
+    );
+    parse("creeping", &text).unwrap().with_integrator(Method::EventDriven, 1e-4)
+}
+
+/// λ² + 10000 λ + 200000 = 0 has the roots −20.04 and −9980 1/s, and the slow one is left.
+#[test]
+fn a_decay_that_does_not_oscillate_is_found() {
+    let slow = -5000.0 + (5000.0_f64 * 5000.0 - 2e5).sqrt();
+    for stop_time in [0.3, 1.0] {
+        let found = found(&creeping([0.01, 0.0]), stop_time, Some("mass.a.x"));
+        let [finding] = &found.findings[..] else { panic!("{:?}", found.findings) };
+        let phase = &finding.phase;
+        assert!((phase.rate - slow).abs() <= phase.rate_error + 1e-6, "{phase:?}");
+        assert_eq!(phase.frequency, 0.0);
+        let beside = finding.resting.unwrap();
+        assert!((beside.rate - slow).abs() < 1e-6 && beside.frequency == 0.0, "{beside:?}");
+    }
+    // Over 0.05 s it falls to a third, which a longer run shows tenfold.
+    let short = found(&creeping([0.01, 0.0]), 0.05, Some("mass.a.x"));
+    let [Open::LessThanTenfold { phase, stop_time, .. }] = &short.open[..] else {
+        panic!("{:?}", short.open)
+    };
+    assert!(*stop_time > 2.3 / -slow && *stop_time < 2.7 / -slow, "{stop_time}");
+    // What it has come to at the end is that of the end, not of the last row that the line goes through.
+    let factor = phase.amplitude[1] / phase.amplitude[0];
+    assert!((factor / (0.05 * slow).exp() - 1.0).abs() < 1e-4, "{phase:?}");
+    assert!((phase.span[1] - 0.05).abs() < 1e-9, "{phase:?}");
+}
+
+/// The amplitudes of a mode at an output that it does not move would be rounding: 1e-25 m of a mass that nothing joins to it.
+#[test]
+fn a_mode_that_the_output_does_not_see_has_its_size_where_it_moves() {
+    let found = found(&creeping([0.01, 1e-4]), 1.0, Some("mass.b.x"));
+    let [finding] = &found.findings[..] else { panic!("{:?}", found.findings) };
+    assert_eq!(finding.phase.displacement.as_deref(), Some("mass.a.x"));
+    let amplitude = finding.phase.amplitude[0];
+    assert!((amplitude / (0.01 / 9960.0) - 1.0).abs() < 0.01, "{amplitude}");
+}
+
 #[test]
 fn a_ramp_on_friction_is_not_told_to_have_no_modes_beside_modes_that_grow() {
     let folder = folder();

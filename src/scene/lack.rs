@@ -80,7 +80,10 @@ impl Scene {
         match self.network().and_then(|network| network.contacts.first()) {
             Some(first) => Lack::new(
                 "every contact has one of its own",
-                format!("take that of a contact, as contact.{}.{key}", first.name),
+                format!(
+                    "take that of a contact, as contact.{}.{key}, which --set and --parameter take",
+                    first.name
+                ),
             ),
             None => Lack::new("the scene has no contact", "write a [[contact]] into it"),
         }

@@ -7,6 +7,9 @@ use crate::contact::ContactState;
 use crate::model::{Contact, Equilibrium, LumpedModel};
 use nalgebra::{Complex, DMatrix, DVector};
 
+/// What a mode does at a contact is rounding of its shape where it is less than this part of what the mode does elsewhere.
+const UNSEEN: f64 = 1e-12;
+
 /// The first contact that a growing mode makes leave sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Departure {
@@ -42,7 +45,9 @@ pub fn departure(
     };
     let dof = largest(&mode.shape)?;
     let first = model.contacts.iter().enumerate().flat_map(|(contact, rows)| {
-        let speed = (mode.eigenvalue * along(&rows.tangent)).norm();
+        let moved = along(&rows.tangent);
+        let is_reached = moved.norm() > UNSEEN * mode.shape[dof].norm();
+        let speed = if is_reached { (mode.eigenvalue * moved).norm() } else { 0.0 };
         let velocity = rows.velocity(slider_velocity);
         let slow = match velocity {
             _ if rows.friction(friction_coefficient) > 0.0 => ContactState::Stick,
@@ -65,6 +70,10 @@ pub fn departure(
 fn normal_force_amplitudes(model: &LumpedModel, slopes: &[f64], mode: &Mode) -> Option<Vec<f64>> {
     let (lambda, dofs) = (mode.eigenvalue, model.dofs());
     let damping = model.damping;
+    let pull = |row: usize| -> f64 {
+        model.stiffness.row(row).map(|(column, value)| (mode.shape[column] * value).norm()).sum()
+    };
+    let strongest = (0..dofs).map(pull).fold(0.0, f64::max);
     let mut rest = DVector::from_fn(dofs, |row, _| {
         let times = |matrix: &crate::model::SparseMatrix| -> Complex<f64> {
             matrix.row(row).map(|(column, value)| mode.shape[column] * value).sum()
@@ -92,5 +101,6 @@ fn normal_force_amplitudes(model: &LumpedModel, slopes: &[f64], mode: &Mode) -> 
     // Least squares, because contacts that carry the same load twice leave their shares open.
     let found = SingularValues::of(forces)?;
     let solved = found.least_squares(&rest, 1e-10 * found.most());
-    Some(solved.iter().map(|force| force.norm()).collect())
+    let size = |force: f64| if force > UNSEEN * strongest { force } else { 0.0 };
+    Some(solved.iter().map(|force| size(force.norm())).collect())
 }

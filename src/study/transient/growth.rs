@@ -221,6 +221,13 @@ impl Phase {
             combination: None,
         }
     }
+
+    /// The same, going on as it does until `end`, s.
+    pub(super) fn to(mut self, end: f64) -> Self {
+        self.amplitude[1] *= libm::exp(self.rate * (end - self.span[1]));
+        self.span[1] = end;
+        self
+    }
 }
 
 #[cfg(test)]

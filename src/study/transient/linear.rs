@@ -390,7 +390,8 @@ impl Curve<'_> {
                 let ends = [range.start, range.end - 1 + if is_end { self.reach } else { 0 }];
                 let span = ends.map(|i| begin + i as f64 * step);
                 let lambda = self.members.eigenvalue;
-                if range.len() < FEWEST_POINTS || (span[1] - span[0]) * lambda.im < TAU {
+                let is_brief = lambda.im > 0.0 && (span[1] - span[0]) * lambda.im < TAU;
+                if range.len() < FEWEST_POINTS || is_brief {
                     continue;
                 }
                 seen.traces.push(Trace {

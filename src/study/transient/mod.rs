@@ -74,7 +74,7 @@ pub struct Taken {
     /// What part of the time, from 0 to 1.
     pub share: f64,
     /// That of the states' eigenvalues which is nearest in the complex plane to what was found; `None` if they have
-    /// none that oscillates.
+    /// none that oscillates, or none that does not, as what was found.
     pub eigenvalue: Option<Eigenvalue>,
 }
 

@@ -119,6 +119,7 @@ pub(super) fn questions(
                 return None;
             }
             let stop_time = phase.span[0] + MARGIN * LN_10 / phase.rate.abs();
+            let phase = phase.to(end);
             return Some(Open::LessThanTenfold { phase, stop_time, is_beside_growth });
         }
         let is_ended_by_others = is_driven || is_beside_growth;

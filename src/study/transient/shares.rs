@@ -67,7 +67,7 @@ impl<'a> Shares<'a> {
         self.linear.partition_point(|(row, _)| *row <= first).max(1) - 1
     }
 
-    /// The eigenvalue of these states that is nearest to what was found.
+    /// The eigenvalue of these states that is nearest to what was found: of those that oscillate, or do not, as it does.
     fn nearest(&mut self, states: &[ContactState], phase: &Phase) -> Option<Eigenvalue> {
         let place = self.place(phase);
         let Linear { model, friction, .. } = &self.linear[place].1;
@@ -76,8 +76,13 @@ impl<'a> Shares<'a> {
             Spectrum::of(model, states, *friction).unwrap_or_default()
         });
         let apart = |rate: f64, im: f64| libm::hypot(rate - phase.rate, im - TAU * phase.frequency);
-        let all = spectrum.oscillating.iter();
-        all.min_by(|a, b| apart(a.re, a.im).total_cmp(&apart(b.re, b.im)))
-            .map(|nearest| Eigenvalue { rate: nearest.re, frequency: nearest.im / TAU })
+        let (oscillating, real) = match phase.frequency {
+            0.0 => (&[][..], &spectrum.real[..]),
+            _ => (&spectrum.oscillating[..], &[][..]),
+        };
+        let all = oscillating.iter().map(|value| [value.re, value.im]);
+        all.chain(real.iter().map(|rate| [*rate, 0.0]))
+            .min_by(|a, b| apart(a[0], a[1]).total_cmp(&apart(b[0], b[1])))
+            .map(|[rate, im]| Eigenvalue { rate, frequency: im / TAU })
     }
 }

@@ -8,6 +8,9 @@ use nalgebra::Complex;
 /// Where the logarithm of an amplitude jumps by more at an edge of a signal, the signal has changed the motion of the mode.
 const CORNER: f64 = 1e-2;
 
+/// A mode has no part in a degree of freedom that moves by less than this part of the largest: rounding of its shape.
+const UNSEEN: f64 = 1e-11;
+
 /// The growth or decay of one mode in a stretch.
 pub(super) struct Trace {
     pub(super) eigenvalue: Complex<f64>,
@@ -73,7 +76,8 @@ impl Trace {
 
     pub(super) fn phase(&self, observed: Option<Observed>, names: &[String]) -> Phase {
         let (factor, displacement) = match observed {
-            Some(Observed { dof, is_velocity }) => {
+            // Of a mode that does not reach the output, rounding is all that is seen there.
+            Some(Observed { dof, is_velocity }) if self.shape[dof] > UNSEEN => {
                 let per_time = if is_velocity {
                     libm::hypot(self.eigenvalue.re, self.eigenvalue.im)
                 } else {
@@ -81,7 +85,7 @@ impl Trace {
                 };
                 (self.shape[dof] * per_time, None)
             }
-            None => (1.0, Some(names[self.dof].clone())),
+            _ => (1.0, Some(names[self.dof].clone())),
         };
         let mut phase = Phase::of(None, self.span, &self.fit, self.frequency);
         phase.amplitude = phase.amplitude.map(|amplitude| factor * amplitude);

@@ -342,9 +342,11 @@ impl Told<'_> {
         let Self { scene, question, found, .. } = self;
         match &question.values[..] {
             [value] => {
+                let is_driven = scene.signals.iter().any(|signal| signal.input == question.name);
+                let added = if is_driven { ", to which a signal adds" } else { "" };
                 writeln!(
                     out,
-                    "{}: what it ends in with {} = {value:?}",
+                    "{}: what it ends in with {} = {value:?}{added}",
                     scene.name, question.name
                 )?;
             }

@@ -212,6 +212,9 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
             writeln!(out, "  a combination of stronger lines: {combination} Hz")?;
         }
         let eigenvalue = |eigenvalue: Option<Eigenvalue>| match eigenvalue {
+            Some(Eigenvalue { rate, frequency: 0.0 }) => {
+                format!("{rate:+10.4} 1/s without oscillation")
+            }
             Some(Eigenvalue { rate, frequency }) => {
                 format!("{rate:+10.4} 1/s at {frequency:8.3} Hz")
             }
