@@ -444,11 +444,14 @@ fn turn(becomes_unstable: bool) -> &'static str {
     }
 }
 
-/// A motion with its amplitude.
+/// A motion with its amplitude, which is no size of its own where it has not settled.
 fn told(ending: &Ending) -> String {
     match ending.kind {
         Kind::Unbounded => "growth without bound".to_owned(),
         Kind::Equilibrium => "rest".to_owned(),
+        Kind::Unsettled => {
+            format!("{} ({} when it was left)", describe(ending), metres(ending.amplitude))
+        }
         _ => format!("{} of {}", describe(ending), metres(ending.amplitude)),
     }
 }
