@@ -4,7 +4,8 @@
 //! | --- | --- |
 //! | `look` | which output is looked at, how often, for how long |
 //! | `ending` | the kinds of motion, and what is known of a motion that has settled |
-//! | `settling` | when a motion has settled |
+//! | `settling` | when a motion has settled, and in what |
+//! | `windows` | how large a motion is from window to window, which lines it has, and whether both stay |
 //! | `basis` | the modes of a contact state as a basis of its motions |
 //! | `family` | whether a linear motion is one of many with every size |
 //! | `drive` | what signals do in the end |
@@ -47,6 +48,7 @@ mod recurrence;
 mod settling;
 pub mod transient;
 mod visit;
+mod windows;
 mod work;
 
 pub use attractor::{attractors, is_same};
