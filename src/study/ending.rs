@@ -1,6 +1,7 @@
 //! What a motion ends in: rest, a motion of some kind for ever, or growth without bound.
 
-use super::recurrence::{Closure, MOST_WINDOWS_APART};
+use super::parting::MOST_WINDOWS_APART;
+use super::recurrence::Closure;
 use crate::spectral::{Line, Lines};
 use serde::{Deserialize, Serialize};
 

@@ -9,7 +9,9 @@
 //! | `basis` | the modes of a contact state as a basis of its motions |
 //! | `family` | whether a linear motion is one of many with every size |
 //! | `drive` | what signals do in the end |
-//! | `recurrence` | the kind of a settled motion, from its whole state |
+//! | `recurrence` | whether the state of a settled motion comes back, and after which period |
+//! | `parting` | how neighbouring motions part: the kind of a motion that does not come back |
+//! | `beat` | the lines beside the strongest one and its multiples |
 //! | `period` | what a periodic motion does over one period |
 //! | `continuation` | what it ends in over µ, upwards and downwards; jumps |
 //! | `confirm` | whether a push leads to the contact state of a candidate |
@@ -29,6 +31,7 @@
 mod attractor;
 pub mod basin;
 mod basis;
+mod beat;
 pub mod confirm;
 mod continuation;
 mod difference;
@@ -40,6 +43,7 @@ mod journal;
 mod limit_cycle;
 mod linear;
 mod look;
+mod parting;
 mod period;
 pub mod perturbation;
 mod portrait;

@@ -1,17 +1,13 @@
-//! The kind of a settled motion, decided in the whole state.
+//! Whether the state of a settled motion comes back, and after which period.
 //!
 //! A periodic motion is one whose state comes back: displacements and velocities of all masses together, over a whole
-//! period, and not only one output of it. A motion that does not come back is irregular where neighbouring motions
-//! part exponentially, and quasi-periodic where they stay near over many windows. Where neither can be shown, the kind stays
-//! undecided.
+//! period, and not only one output of it.
 
 use super::drive;
 use super::linear::deflection;
-use super::push::Push;
 use crate::Error;
 use crate::scene::Method;
 use crate::simulation::{Simulation, Snapshot};
-use crate::spectral::{Line, Lines};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
@@ -34,25 +30,6 @@ const MOST_WOBBLE: f64 = 10.0;
 const FORCE_ROUNDING: f64 = 1e-15;
 /// Rows between two questions whether anyone still waits.
 const ROWS_AT_ONCE: f64 = 256.0;
-/// How far apart neighbouring motions start, in parts of the motion's size.
-const APART: f64 = 1e-9;
-/// Beyond this distance they are no neighbours any more.
-const PARTED: f64 = 1e-3;
-/// Windows over which neighbours are followed, and over how many at the most where that does not tell how they part.
-const WINDOWS_APART: u64 = 4;
-pub(super) const MOST_WINDOWS_APART: u64 = 32;
-/// From one half of that time to the next, neighbours that part exponentially move away by at least this factor; those
-/// of a regular motion, whose distance grows in proportion to time at most, by less than [`REGULAR`].
-const EXPONENTIAL: f64 = 30.0;
-const REGULAR: f64 = 6.0;
-
-/// Lines of more than this part of the strongest one tell the kinds of motion apart. Weaker ones may be high
-/// multiples, as kinks have them, which rows this far apart show at another frequency.
-const TELLING: f64 = 1e-2;
-/// A beat that falls by less than this part stays.
-const FADED: f64 = 0.01;
-/// The highest order of a combination of two frequencies.
-const HIGHEST_ORDER: i32 = 12;
 /// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
 /// factors of the last windows differ by less than this.
 const SAME_FACTOR: f64 = 1.5;
@@ -65,8 +42,6 @@ const SAME_RETURN: f64 = 0.02;
 /// the whole period to this part of that distance or less.
 const MOST_PARTS: u32 = 4;
 const NEARER: f64 = 0.1;
-/// How well a frequency meets a multiple, in parts of the lines' resolution.
-const MEETS: f64 = 0.01;
 
 /// How a motion comes back to where it was.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -92,7 +67,7 @@ pub(super) struct Scale {
 
 impl Scale {
     /// Distance between two states, in parts of the motion's size.
-    fn distance(&self, a: &Simulation, b: &State) -> f64 {
+    pub(super) fn distance(&self, a: &Simulation, b: &State) -> f64 {
         let apart = |a: &[f64], b: &[f64]| {
             a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b)).sqrt()
         };
@@ -103,13 +78,13 @@ impl Scale {
 }
 
 /// A copy of a state.
-struct State {
+pub(super) struct State {
     displacement: Vec<f64>,
     velocity: Vec<f64>,
 }
 
 impl State {
-    fn of(simulation: &Simulation) -> Self {
+    pub(super) fn of(simulation: &Simulation) -> Self {
         Self {
             displacement: simulation.displacement().to_vec(),
             velocity: simulation.velocity().to_vec(),
@@ -502,161 +477,4 @@ fn passage(
         }
     }
     Ok(time)
-}
-
-/// How neighbouring motions part.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Parting {
-    /// Exponentially, at about this rate, 1/s.
-    Exponential(f64),
-    /// In proportion to time, or not at all.
-    Regular,
-    /// It cannot be told.
-    Unknown,
-}
-
-/// Follows a motion and a neighbour of it over [`WINDOWS_APART`] windows of `rows` rows, then twice as long, and so on, until
-/// it is known that they part exponentially, or they do not over all of them. Slow parting shows over many windows alone, so
-/// fewer never tell that a motion is regular: where only a fast one is looked for (not `is_long`), neighbours that stay near
-/// over the first windows leave it unknown.
-///
-/// # Errors
-/// A step fails.
-#[allow(clippy::cast_precision_loss)]
-pub(super) fn parting(
-    simulation: &Simulation,
-    interval: f64,
-    frequency: f64,
-    (rows, is_long): (u64, bool),
-    is_over: &dyn Fn() -> bool,
-) -> Result<Parting, Error> {
-    let mut motion = Simulation::resume(simulation.save())?;
-    let scale = begin_fast(&mut motion, interval, frequency, rows)?;
-    let mut neighbour = Simulation::resume(motion.save())?;
-    neighbour.push(Push::of(motion.scene()).dof, APART * scale.velocity);
-    let start = motion.time();
-    let mut windows = WINDOWS_APART;
-    // The largest distance over a while at the end of the first half, and of the whole, which is the first half of the next.
-    let (mut early, mut late) = (0.0_f64, 0.0_f64);
-    let mut row = 0;
-    loop {
-        let half = windows * rows / 2;
-        while row < 2 * half {
-            row += 1;
-            if row.is_multiple_of(256) && is_over() {
-                return Ok(Parting::Unknown);
-            }
-            let after = row as f64 * interval;
-            motion.advance_to(start + after)?;
-            neighbour.advance_to(start + after)?;
-            let distance = scale.distance(&motion, &State::of(&neighbour));
-            if distance > PARTED {
-                return Ok(Parting::Exponential(libm::log(distance / APART) / after));
-            }
-            if row <= half && row > half - half / 4 {
-                early = early.max(distance);
-            }
-            if row > 2 * half - half / 4 {
-                late = late.max(distance);
-            }
-        }
-        match late / early {
-            grown if grown >= EXPONENTIAL && late > 100.0 * APART => {
-                return Ok(Parting::Exponential(libm::log(grown) / (half as f64 * interval)));
-            }
-            grown if grown <= REGULAR && !is_long => return Ok(Parting::Unknown),
-            grown if 2 * windows > MOST_WINDOWS_APART => {
-                let is_regular = grown <= REGULAR;
-                return Ok(if is_regular { Parting::Regular } else { Parting::Unknown });
-            }
-            _ => {}
-        }
-        windows *= 2;
-        (early, late) = (late, 0.0);
-    }
-}
-
-/// Are all telling lines, the strongest first, combinations of two frequencies?
-pub(super) fn has_two_frequencies(found: &Lines) -> bool {
-    let Some(strongest) = found.lines.first() else { return false };
-    let main = strongest.frequency;
-    let meets = MEETS * found.resolution;
-    let is_multiple =
-        |of: f64| (of - (of / main).round() * main).abs() <= meets * (1.0 + of / main);
-    // A second frequency that has only just set in may be fainter than the lines that must combine.
-    let mut frequencies = found.lines.iter().map(|line| line.frequency);
-    let Some(second) = frequencies.find(|of| !is_multiple(*of)) else { return false };
-    let combines = |of: f64| {
-        (-HIGHEST_ORDER..=HIGHEST_ORDER).any(|n| {
-            let rest = of - f64::from(n) * main;
-            let m = (rest / second).round();
-            let order = f64::from(n.abs()) + m.abs();
-            order <= f64::from(HIGHEST_ORDER) && (rest - m * second).abs() <= meets * (1.0 + order)
-        })
-    };
-    let is_telling = |line: &&Line| line.amplitude >= TELLING * strongest.amplitude;
-    found.lines.iter().filter(is_telling).all(|line| combines(line.frequency))
-}
-
-/// The root mean square of all lines that are no multiples of the strongest one, in parts of it.
-pub(super) fn beat(found: &Lines) -> f64 {
-    let Some(strongest) = found.lines.first() else { return 0.0 };
-    let meets = MEETS * found.resolution;
-    let is_other = |line: &&Line| {
-        let order = line.frequency / strongest.frequency;
-        (order - order.round()).abs() * strongest.frequency > meets * (1.0 + order)
-    };
-    let squares = found.lines.iter().filter(is_other).map(|line| line.amplitude * line.amplitude);
-    squares.sum::<f64>().sqrt() / strongest.amplitude
-}
-
-/// Has the [`beat`] of a motion fallen through the last three of four equal parts of the windows that were looked at? Then it
-/// may end in one with a period, however slowly.
-#[allow(clippy::cast_precision_loss)]
-pub(super) fn is_fading(beats: &[f64]) -> bool {
-    let part = beats.len() / 4;
-    let means: Vec<f64> = beats
-        .rchunks_exact(part.max(1))
-        .take(3)
-        .map(|part| part.iter().sum::<f64>() / part.len() as f64)
-        .collect();
-    let [last, middle, first] = means[..] else { return false };
-    part > 0 && last < middle && middle < first && last < (1.0 - FADED) * first
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_beat_that_goes_on_fading_is_told_from_one_that_stays() {
-        // By 2 % from window to window, or by 0.1 %, with some scatter; and one that has come to stay.
-        let fading = |rate: f64| -> Vec<f64> {
-            let beat = |i: i32| (-rate * f64::from(i)).exp() + 1e-3 * f64::from(i * i % 7);
-            (0..60).map(beat).collect()
-        };
-        assert!(is_fading(&fading(0.02)) && is_fading(&fading(1e-3)));
-        let stays: Vec<f64> = fading(0.3).iter().map(|beat| 0.5 + beat).collect();
-        assert!(!is_fading(&stays) && !is_fading(&fading(0.0)) && !is_fading(&[]));
-        let lines = [(100.0, 2.0), (200.0, 1.0), (130.0, 0.3), (70.0, 0.4)];
-        let line = |(frequency, amplitude)| Line { frequency, amplitude };
-        let found = Lines { lines: lines.map(line).to_vec(), share: 1.0, resolution: 0.5 };
-        assert!((beat(&found) - 0.25).abs() < 1e-12);
-    }
-
-    #[test]
-    fn frequencies_are_combinations_of_two_or_not() {
-        let difference = 219.38 - 167.81;
-        let has_two = |lines: &[(f64, f64)]| {
-            let line = |&(frequency, amplitude)| Line { frequency, amplitude };
-            let lines = lines.iter().map(line).collect();
-            has_two_frequencies(&Lines { lines, share: 1.0, resolution: 1.0 })
-        };
-        assert!(has_two(&[(219.38, 1.0), (167.81, 0.3), (difference, 0.1)]));
-        assert!(!has_two(&[(219.38, 1.0), (167.81, 0.3), (difference, 0.1), (91.237, 0.1)]));
-        // The second one may be faint, and so may be others that are no combinations.
-        assert!(has_two(&[(219.38, 1.0), (438.76, 0.1), (167.81, 3e-3), (91.237, 2e-3)]));
-        // One frequency is no combination of two.
-        assert!(!has_two(&[(219.38, 1.0), (438.76, 0.1)]) && !has_two(&[]));
-    }
 }

@@ -4,6 +4,7 @@
 //! same in windows that follow each other, and no faint line grows. What is compared is a mixture of all
 //! displacements, so that nothing hides where one output does not see it.
 
+use super::beat::{beat, is_fading};
 use super::drive::{is_repeated, last_edge, period};
 use super::ending::{Ending, Kind};
 use super::family::{frequencies_of_sum, is_one_of_many};
@@ -12,11 +13,9 @@ use super::linear::{
     stays_linear,
 };
 use super::look::{Look, output, unit};
+use super::parting::{Parting, parting};
 use super::period::{OverSpan, over_span};
-use super::recurrence::{
-    Closure, Parting, Search, beat, closure, is_closing, is_fading, longest_step, may_wobble,
-    parting,
-};
+use super::recurrence::{Closure, Search, closure, is_closing, longest_step, may_wobble};
 use super::windows::{Course, Surroundings, Windows};
 use crate::Error;
 use crate::accuracy::half_range;

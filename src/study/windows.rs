@@ -1,7 +1,7 @@
 //! The windows of a motion: how large it is in each of them, which lines it has, and what they say one after another.
 
+use super::beat::has_two_frequencies;
 use super::linear::Growth;
-use super::recurrence::has_two_frequencies;
 use crate::spectral::{Line, Lines, Window, lines};
 use crate::sweep::steady::{ROUNDING, STANDING, is_steady, weighted_deviation};
 
