@@ -530,7 +530,7 @@ fn arguments_that_make_no_sense_are_refused_with_what_would_be_right() {
         (
             &["locus", STRIBECK, "--friction", "0.5:1:0.1"],
             3,
-            &["friction.static = 0.4", "below the kinetic"],
+            &["friction.static = 0.4", "at least the kinetic"],
         ),
         (&["bistable", STRIBECK, "--friction", "0.5:1"], 3, &["friction.static = 0.4"]),
         (

@@ -597,6 +597,30 @@ fn a_decay_that_does_not_oscillate_is_found() {
     assert!((phase.span[1] - 0.05).abs() < 1e-9, "{phase:?}");
 }
 
+/// Over 0.02 s the slow mode falls by a third, along what is nearly a straight line. The run that is asked for shows it.
+#[test]
+fn a_run_too_short_for_a_mode_that_does_not_oscillate_asks_for_a_longer_one() {
+    let short = found(&creeping([0.01, 0.0]), 0.02, Some("mass.a.x"));
+    let is_slow = |open: &&Open| matches!(open, Open::TooSlow { .. });
+    let Some(Open::TooSlow { frequency, stop_time, .. }) = short.open.iter().find(is_slow) else {
+        panic!("{:?}", short.open)
+    };
+    assert_eq!(*frequency, 0.0);
+    let longer = found(&creeping([0.01, 0.0]), *stop_time, Some("mass.a.x"));
+    assert_eq!(longer.open, []);
+    assert!(longer.findings.iter().any(|finding| (finding.phase.rate + 20.04).abs() < 0.01));
+}
+
+/// A decay without oscillation has a spectrum with a peak of some two cycles, whatever its length: it was told as a strongest line
+/// of 0.73 Hz of a run of 3 s, and of 0.11 Hz of one of 20 s.
+#[test]
+fn what_only_decays_has_no_strongest_line() {
+    for stop_time in [0.3, 3.0, 20.0] {
+        let found = found(&creeping([0.01, 0.0]), stop_time, Some("mass.a.x"));
+        assert_eq!(found.growth.dominant, None, "{stop_time}");
+    }
+}
+
 /// The amplitudes of a mode at an output that it does not move would be rounding: 1e-25 m of a mass that nothing joins to it.
 #[test]
 fn a_mode_that_the_output_does_not_see_has_its_size_where_it_moves() {

@@ -81,7 +81,8 @@ impl Scene {
             Some(first) => Lack::new(
                 "every contact has one of its own",
                 format!(
-                    "take that of a contact, as contact.{}.{key}, which --set and --parameter take",
+                    "take that of a contact, as contact.{}.{key}, which --set takes, and commands with --parameter, --x or \
+                     --sweep go through",
                     first.name
                 ),
             ),

@@ -24,13 +24,20 @@ pub struct Reach {
 /// The greater of two energies: the least kinetic one with which the contacts that stick or slide the other way have the
 /// velocities of their surfaces and closed ones stay closed, and the least one at which the normal force of each contact
 /// that opens is zero while the others slide. `None` for states that no motion can reach: contacts that would stick on
-/// surfaces of velocities that their masses cannot have together.
+/// surfaces of velocities that their masses cannot have together, or that would slide the other way under a law that gives
+/// friction the direction of the surface.
 ///
 /// # Errors
 /// There is no equilibrium in uniform sliding.
 pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<Reach>, Error> {
     let (model, sliding) = (here.model(), here.uniform_sliding()?);
     let equilibrium = here.equilibrium()?;
+    let turns = |(state, usual): (&ContactState, &ContactState)| {
+        state.sliding_direction().is_some() && state != usual
+    };
+    if model.law.is_frozen() && states.iter().zip(&sliding).any(turns) {
+        return Ok(None);
+    }
     let mass = dense(&model.mass);
     let Some(inverse) = mass.clone().try_inverse() else { return Ok(None) };
     let problem = Problem { here, model, inverse, damping: damping(model) };
@@ -184,6 +191,18 @@ step = 1.0e-5
 stop_time = 1.0
 output_interval = 1.0e-3
 "#;
+
+    /// Friction that cannot stick keeps the direction of the surface, whatever the slip does; a contact may still open.
+    #[test]
+    fn without_sticking_no_contact_turns() {
+        let text = format!("{BLOCK}[effects]\nsticking = false\n");
+        let here = Linearised::of(&parse("block", &text).unwrap());
+        assert_eq!(here.uniform_sliding().unwrap(), [ContactState::ReverseSlide]);
+        let is_reached = |state| reach(&here, &[state]).unwrap().is_some();
+        assert!(is_reached(ContactState::Detached) && !is_reached(ContactState::Slide));
+        let whole = Linearised::of(&parse("block", BLOCK).unwrap());
+        assert!(reach(&whole, &[ContactState::Slide]).unwrap().is_some());
+    }
 
     #[test]
     fn one_block_has_the_energies_that_can_be_written_down() {

@@ -311,11 +311,14 @@ fn print_equilibrium(
     if ranges.is_empty() {
         writeln!(out, "  note: uniform sliding has no equilibrium anywhere in this range")?;
     }
-    for [from, to] in ranges {
-        if *from > first || *to < last {
-            let [from, to] = [from, to].map(|value| significant(*value, LOCATED));
-            writeln!(out, "  note: uniform sliding has an equilibrium from {from} to {to} only")?;
-        }
+    if !ranges.is_empty() && ranges != [[first, last]] {
+        let range = |range: &[f64; 2]| {
+            let [from, to] = range.map(|value| significant(value, LOCATED));
+            format!("from {from} to {to}")
+        };
+        let ranges: Vec<String> = ranges.iter().map(range).collect();
+        let ranges = ranges.join(" and ");
+        writeln!(out, "  note: uniform sliding has an equilibrium {ranges} only")?;
     }
     Ok(())
 }
@@ -358,7 +361,7 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
     }
     if locus.crossings.is_empty() {
         let grows = locus.branches.iter().any(|branch| branch[0].lambda.re > 0.0);
-        writeln!(out, "    none found: {}", if grows { "unstable" } else { "stable" })?;
+        writeln!(out, "    none found: {}", if grows { "unstable" } else { "no mode grows" })?;
     }
     for value in &locus.undecided {
         let value = significant(*value, LOCATED);

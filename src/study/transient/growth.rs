@@ -70,10 +70,15 @@ pub struct Growth {
     pub phases: Vec<Phase>,
 }
 
-/// The strongest line of a history, Hz; `None` if nothing oscillates.
+/// A history with fewer cycles has no strongest line: one that only grows or decays has a peak of some two cycles, whatever its
+/// length.
+const FEWEST_CYCLES: f64 = 4.0;
+
+/// The strongest line of a history, Hz; `None` if nothing oscillates often enough.
 #[allow(clippy::cast_precision_loss)]
 pub(super) fn dominant(history: &[f64], interval: f64) -> Option<f64> {
-    cycles(history).map(|cycles| cycles / (history.len() as f64 * interval))
+    let cycles = cycles(history).filter(|cycles| *cycles >= FEWEST_CYCLES);
+    cycles.map(|cycles| cycles / (history.len() as f64 * interval))
 }
 
 /// Finds growth and decay within some `spans` (s) of a history in steps of `interval` (s), besides what is `known`:

@@ -34,6 +34,9 @@ const FAINT: f64 = 3e-2;
 pub(super) const ENOUGH_PERIODS: f64 = 3.0;
 /// One whose rate is larger in parts of its angular frequency is gone in rounding before a period is over.
 const GONE: f64 = 4.0;
+/// Of a mode that does not oscillate, the logarithm of its change below which it is nearly a straight line: a difference of rows
+/// that leaves no such line then leaves next to nothing of it.
+const FLAT: f64 = 0.85;
 /// How well rates and frequencies are known that are straight to rounding, in parts of |λ|.
 pub(super) const FINEST: f64 = 1e-9;
 
@@ -50,14 +53,17 @@ pub(super) struct Found {
     pub(super) too_slow: Option<TooSlow>,
 }
 
-/// Modes of whose periods a run holds too few, from its beginning or from the last edge of a signal on.
+/// Modes that a run is too short for, from its beginning or from the last edge of a signal on: it holds too few of their periods,
+/// or, of one that does not oscillate, cannot tell it from a straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TooSlow {
     /// s.
     pub(super) from: f64,
     pub(super) count: usize,
-    /// The frequency of the slowest one, Hz.
+    /// The frequency, Hz, of the one that takes longest; 0 where it does not oscillate.
     pub(super) slowest: f64,
+    /// How long that one takes to show itself, s.
+    pub(super) length: f64,
 }
 
 /// A change of a mode by a factor of less than ten.
@@ -241,16 +247,24 @@ impl Follower {
         told: &[Complex<f64>],
     ) -> Option<TooSlow> {
         let [from, to] = rows.map(|row| row as f64 * self.interval);
+        let all = &self.basis(states)?.modes;
+        let fastest = all.iter().map(|members| members.eigenvalue.norm()).fold(0.0, f64::max);
         let is_slow = |lambda: &Complex<f64>| {
-            lambda.im > 0.0
-                && lambda.re.abs() < GONE * lambda.im
-                && lambda.im * (to - from) < TAU * ENOUGH_PERIODS
-                && !told.contains(lambda)
+            let is_short = if lambda.im > 0.0 {
+                lambda.re.abs() < GONE * lambda.im && lambda.im * (to - from) < TAU * ENOUGH_PERIODS
+            } else {
+                lambda.re.abs() > FINEST * fastest && lambda.re.abs() * (to - from) < FLAT
+            };
+            is_short && !told.contains(lambda)
         };
-        let all = self.basis(states)?.modes.iter().map(|members| members.eigenvalue);
-        let slow: Vec<f64> = all.filter(is_slow).map(|lambda| lambda.im / TAU).collect();
-        let slowest = slow.iter().copied().reduce(f64::min)?;
-        Some(TooSlow { from, count: slow.len(), slowest })
+        let slow = all.iter().map(|members| members.eigenvalue).filter(is_slow);
+        let needs = |lambda: Complex<f64>| match lambda.im / TAU {
+            0.0 => [0.0, LN_10 / lambda.re.abs()],
+            frequency => [frequency, ENOUGH_PERIODS / frequency],
+        };
+        let needs: Vec<[f64; 2]> = slow.map(needs).collect();
+        let [slowest, length] = needs.iter().copied().max_by(|a, b| a[1].total_cmp(&b[1]))?;
+        Some(TooSlow { from, count: needs.len(), slowest, length })
     }
 
     /// The modes of all stretches; one that goes on over an edge as it was is one.

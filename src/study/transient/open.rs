@@ -1,7 +1,7 @@
 //! What a run leaves open, and what would decide it.
 
 use super::growth::{FEWEST_PERIODS, Growth, Phase};
-use super::linear::{ENOUGH_PERIODS, Explained, Slow, TooSlow};
+use super::linear::{Explained, Slow, TooSlow};
 use serde::Serialize;
 use std::f64::consts::LN_10;
 
@@ -33,13 +33,13 @@ pub enum Open {
         /// May what ends it be something else than this motion: a signal, or another mode that grows beside it?
         is_ended_by_others: bool,
     },
-    /// Modes that oscillate too slowly for the run to show whether they grow or decay.
+    /// Modes that are too slow for the run to show whether they grow or decay.
     TooSlow {
         /// How many they are.
         count: usize,
-        /// The frequency of the slowest one, Hz.
+        /// The frequency, Hz, of the one that takes longest; 0 where it does not oscillate.
         frequency: f64,
-        /// The end of a run that has enough of its periods, s.
+        /// The end of a run that may show it, s.
         stop_time: f64,
     },
     /// Contacts change their states to the end of the run, over too few periods to tell growth from decay.
@@ -125,10 +125,10 @@ pub(super) fn questions(
         let is_ended_by_others = is_driven || is_beside_growth;
         is_whole.then_some(Open::EndsBeforeTenfold { phase, is_ended_by_others })
     });
-    let too_slow = too_slow.map(|TooSlow { from, count, slowest }| Open::TooSlow {
+    let too_slow = too_slow.map(|TooSlow { from, count, slowest, length }| Open::TooSlow {
         count,
         frequency: slowest,
-        stop_time: from + MARGIN * ENOUGH_PERIODS / slowest,
+        stop_time: from + MARGIN * length,
     });
     let last = unexplained.last().filter(|span| lasts(**span)).zip(growth.dominant);
     let last = last.and_then(|(&span, frequency)| {

@@ -294,8 +294,8 @@ fn asked(question: &Open, interval: f64) -> String {
             let decides = format!("--stop-time {} or more", rounded_up(*stop_time));
             let until = if *is_beside_growth {
                 format!(
-                    "{decides} would show if it does so tenfold, unless the mode that grows beside it makes a contact change \
-                     its state before; a smaller initial perturbation then leaves it more time"
+                    "{decides} would show if it does so tenfold, unless the mode that grows beside it hides it or makes a \
+                     contact change its state before; amontons-stability states tells the growth rate of each mode without a run"
                 )
             } else {
                 format!("{decides} would show if it does so tenfold")
@@ -316,24 +316,28 @@ fn asked(question: &Open, interval: f64) -> String {
             )
         }
         Open::TooSlow { count, frequency, stop_time } => format!(
-            "the run holds too few periods of {} to show whether {}; --stop-time {} or more may show it",
-            match count {
-                1 => format!("a mode of {frequency:.4} Hz"),
-                _ => format!("{count} modes, the slowest of {frequency:.4} Hz,"),
+            "the run is too short to show whether {}; --stop-time {} or more may show it",
+            match (count, *frequency) {
+                (1, 0.0) => "a mode that does not oscillate grows or decays".to_owned(),
+                (1, _) => format!("a mode of {frequency:.4} Hz grows or decays"),
+                (_, 0.0) =>
+                    format!("{count} modes grow or decay, of which the slowest does not oscillate"),
+                _ =>
+                    format!("{count} modes grow or decay, the slowest of them at {frequency:.4} Hz"),
             },
-            if *count == 1 { "it grows or decays" } else { "they grow or decay" },
             rounded_up(*stop_time),
         ),
         Open::TooShort { span, periods, stop_time } => format!(
             "from {} s on {NO_MODES}, and {periods:.1} periods of the strongest line are too few to see it; \
-             --stop-time {} or more may decide",
+             --stop-time {} or more may decide, or a smaller initial perturbation, with which contacts keep their states \
+             for longer",
             time(span[0], interval),
             rounded_up(*stop_time),
         ),
         Open::Slower { span, rate } => format!(
             "from {} s on {NO_MODES}; a tenfold change that is slower than {rate:.2} 1/s, or of a line beside \
-             stronger ones, may not be seen: a longer run (--stop-time), another output (--of) or the scene without its \
-             signals may show it",
+             stronger ones, may not be seen: a longer run (--stop-time), another output (--of), a smaller initial \
+             perturbation or the scene without its signals may show it; amontons study limit-cycle tells what it ends in",
             time(span[0], interval),
         ),
     }
