@@ -597,6 +597,23 @@ fn a_decay_that_does_not_oscillate_is_found() {
     assert!((phase.span[1] - 0.05).abs() < 1e-9, "{phase:?}");
 }
 
+/// A mass that comes to rest within half a swing, and sticks to the end: nothing is left open, whatever the length of the run. It
+/// was told that there were too few periods of a line of 1.9 Hz, which is that of the step to its rest.
+#[test]
+fn a_mass_that_sticks_to_the_end_leaves_no_question() {
+    let text = "[slider]\nvelocity = 0.0\nangle = -0.25\n[friction]\ncoefficient = 0.2\nstatic = 0.3\n\
+                [[mass]]\nname = \"m\"\nmass = 2.0\nforce = [0.0, -40.0]\n\
+                [[spring]]\nname = \"kx\"\nbetween = [\"m\", \"ground\"]\ndirection = \"x\"\nstiffness = 900.0\n\
+                [[spring]]\nname = \"ky\"\nbetween = [\"m\", \"ground\"]\ndirection = \"y\"\nstiffness = 500.0\n\
+                [[contact]]\nname = \"rail\"\nmass = \"m\"\n\
+                [[initial]]\nmass = \"m\"\nvx = 0.9689124217\nvy = -0.2474039593\n\
+                [integrator]\nstep = 1e-4\n[experiment]\nstop_time = 5.0\noutput_interval = 1e-3\n";
+    for stop_time in [1.0, 5.0, 14.0] {
+        let found = found(&parse("rail", text).unwrap(), stop_time, None);
+        assert_eq!(found.open, [], "{stop_time}");
+    }
+}
+
 /// Over 0.02 s the slow mode falls by a third, along what is nearly a straight line. The run that is asked for shows it.
 #[test]
 fn a_run_too_short_for_a_mode_that_does_not_oscillate_asks_for_a_longer_one() {

@@ -84,6 +84,8 @@ pub(super) struct Explained {
     pub(super) span: [f64; 2],
     /// Does it begin with the run or at an edge of a signal, and not where a contact has changed its state?
     pub(super) is_woken: bool,
+    /// Do contacts hold all masses, so that nothing can grow or decay?
+    pub(super) is_held: bool,
 }
 
 /// A degree of freedom's displacement or velocity.
@@ -193,12 +195,24 @@ impl Follower {
             return;
         }
         let (interval, largest) = (self.interval, self.largest);
+        if self.holds_all(&rows.states) {
+            let explained = Explained { is_held: true, ..rows.explained(interval) };
+            let explained = Some(explained);
+            self.finished.push(Traced { states: rows.states, modes: Vec::new(), explained });
+            return;
+        }
         let drives = self.drives.frequencies.clone();
         let Some(basis) = self.basis(&rows.states) else { return };
         let mut traced = basis.trace(&rows, &drives, interval, largest);
         // Beyond an edge the modes go on.
         traced.modes.iter_mut().for_each(|mode| mode.lasts &= !is_at_edge);
         self.finished.push(traced);
+    }
+
+    /// Do contacts in these states leave the masses no motion of their own? Then nothing grows or decays.
+    fn holds_all(&self, states: &[ContactState]) -> bool {
+        let reduced = self.model.reduced(states, self.friction);
+        reduced.is_some_and(|reduced| reduced.motions.ncols() == 0)
     }
 
     fn basis(&mut self, states: &[ContactState]) -> Option<&Basis> {
@@ -322,9 +336,7 @@ impl Basis {
         let mut levels: Vec<Vec<Seen>> = rows.levels.iter().map(look).collect();
         let whole = levels.iter().last().into_iter().flatten();
         let is_explained = whole.into_iter().all(|seen| seen.is_straight || !seen.matters);
-        // What is between two stretches belongs to the second.
-        let span = [rows.first.saturating_sub(1), rows.last].map(|row| row as f64 * interval);
-        let explained = Explained { span, is_woken: rows.is_woken };
+        let explained = rows.explained(interval);
         let mut traced = Traced {
             states: rows.states.clone(),
             modes: Vec::new(),

@@ -1,5 +1,6 @@
 //! The rows of a run by stretches of time in which no contact changes its state and no signal has an edge.
 
+use super::linear::Explained;
 use crate::contact::ContactState;
 use crate::scene::{Shape, Signal};
 
@@ -65,6 +66,13 @@ impl Rows {
     pub(super) fn of(states: &[ContactState], changes: u64, is_woken: bool, first: usize) -> Self {
         let levels = vec![Level { step: 1, kept: Vec::new() }];
         Self { states: states.to_vec(), changes, is_woken, first, last: first, levels }
+    }
+
+    /// As a span that the modes explain, with rows each `interval`, s. What is between two stretches belongs to the second.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn explained(&self, interval: f64) -> Explained {
+        let span = [self.first.saturating_sub(1), self.last].map(|row| row as f64 * interval);
+        Explained { span, is_woken: self.is_woken, is_held: false }
     }
 
     pub(super) fn push(&mut self, row: usize, displacement: &[f64], velocity: &[f64]) {

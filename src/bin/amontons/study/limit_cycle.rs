@@ -10,8 +10,8 @@ use amontons::picture::{Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::simulation::assign;
 use amontons::study::{
-    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold, limit_cycles,
-    output, unit,
+    Change, Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold,
+    limit_cycles, output, unit,
 };
 use amontons::sweep::range::{self, number};
 use amontons::sweep::{Possible, axis};
@@ -19,6 +19,9 @@ use clap::Args;
 use serde_json::json;
 use std::error::Error;
 use std::io::{Write, stdout};
+
+/// A periodic motion whose state comes back to within this part of its size is as near to it as it comes.
+const CONVERGED: f64 = 1e-9;
 
 #[derive(Args)]
 pub struct LimitCycle {
@@ -418,6 +421,19 @@ impl Told<'_> {
                 "changes that come and go between two neighbouring values are not seen; a smaller step of --parameter shows \
                  them"
             )?;
+            let converges = |(_, outcome): (_, &Outcome)| matches!(outcome, Outcome::Ending(ending) if ending.closure.is_some_and(|left| left > CONVERGED));
+            let is_of_state =
+                |change: &Change| matches!(change, Change::Appears(_) | Change::Vanishes(_));
+            let has_states =
+                found.thresholds.iter().flat_map(|threshold| &threshold.changes).any(is_of_state);
+            if has_states && self.outcomes().any(converges) {
+                writeln!(
+                    out,
+                    "some motions still come nearer to their period, and a state that one takes ever more briefly, as where \
+                     slips die out, counts as long as it is taken: where it comes or goes may then lie elsewhere; a longer \
+                     --window shows whether it moves"
+                )?;
+            }
         }
         let is_left = |outcome: &Outcome| matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled);
         let left: Vec<(f64, &Look)> = self

@@ -298,7 +298,10 @@ fn asked(question: &Open, interval: f64) -> String {
                      contact change its state before; amontons-stability states tells the growth rate of each mode without a run"
                 )
             } else {
-                format!("{decides} would show if it does so tenfold")
+                format!(
+                    "{decides} would show if it does so tenfold; amontons-stability states tells the growth rate of each mode \
+                     without a run"
+                )
             };
             format!("{} by the end of the run; {until}", rate(phase))
         }
