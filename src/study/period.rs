@@ -7,9 +7,11 @@ use crate::sweep::passage::Passage;
 
 /// The fewest rows of such a span.
 const FEWEST_ROWS: f64 = 1000.0;
-/// Periods in which the lines of a periodic motion are looked for, and the most rows of all of them.
+/// Periods in which the lines of a periodic motion are looked for, of one with many rows fewer of them, and the most rows of all
+/// of them. Through the window of [`lines`] as many as the fewest still tell neighbouring multiples of the base frequency apart.
 const PERIODS: usize = 16;
-const MOST_REPEATED: usize = 400_000;
+const FEWEST_PERIODS: usize = 8;
+const MOST_REPEATED: usize = 2_000_000;
 
 /// What a motion does over a span of time.
 #[derive(Clone, Debug, PartialEq)]
@@ -30,8 +32,9 @@ impl OverSpan {
     /// The lines of a motion that repeats itself after the span: those of many periods, since one holds none that could be
     /// told from a drift. `None` of a span of very many rows.
     pub(super) fn lines_of_period(&self, floor: f64) -> Option<Lines> {
-        let is_short = self.history.len() <= MOST_REPEATED / PERIODS;
-        is_short.then(|| lines(&self.history.repeat(PERIODS), self.interval, floor))
+        let periods = (MOST_REPEATED / self.history.len().max(1)).min(PERIODS);
+        let is_short = periods >= FEWEST_PERIODS;
+        is_short.then(|| lines(&self.history.repeat(periods), self.interval, floor))
     }
 }
 

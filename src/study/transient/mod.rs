@@ -148,7 +148,7 @@ pub fn transient(
     if kept > MOST_KEPT {
         return Err(Error::argument(format!(
             "{} s with a row each {} s are {kept:.1e} values, more than {MOST_KEPT:e}; choose a shorter \
-             --stop-time, or a single output with --of",
+             --stop-time, a longer --output-interval, or a single output with --of",
             Short(experiment.stop_time),
             Short(interval)
         )));
