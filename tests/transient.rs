@@ -612,6 +612,17 @@ fn a_mass_that_sticks_to_the_end_leaves_no_question() {
         let found = found(&parse("rail", text).unwrap(), stop_time, None);
         assert_eq!(found.open, [], "{stop_time}");
     }
+    // On a rail that moves it sticks and slips for ever, and a run may end while it sticks: that is no rest.
+    let moving = text.replace("velocity = 0.0", "velocity = 0.05");
+    let ends = (0..12).map(|i| 20.0 + 0.05 * f64::from(i));
+    for stop_time in ends {
+        let found = found(&parse("rail", &moving).unwrap(), stop_time, None);
+        assert!(
+            matches!(found.open[..], [.., Open::Slower { .. }]),
+            "{stop_time} {:?}",
+            found.open
+        );
+    }
 }
 
 /// Over 0.02 s the slow mode falls by a third, along what is nearly a straight line. The run that is asked for shows it.

@@ -23,6 +23,8 @@ use std::collections::HashMap;
 use std::f64::consts::{LN_10, TAU};
 use std::ops::Range;
 
+/// Masses that move by less than this part of the largest displacement from row to row stand still.
+const STANDS: f64 = 1e-12;
 /// Fewer rows that show so much of a change are looked at in place of more, which show it coarsely.
 const SHORTER: f64 = 0.9;
 /// A stretch of fewer rows is not looked at, nor a line through fewer points.
@@ -84,8 +86,8 @@ pub(super) struct Explained {
     pub(super) span: [f64; 2],
     /// Does it begin with the run or at an edge of a signal, and not where a contact has changed its state?
     pub(super) is_woken: bool,
-    /// Do contacts hold all masses, so that nothing can grow or decay?
-    pub(super) is_held: bool,
+    /// Do contacts hold all masses on surfaces that stand still, so that nothing can grow or decay?
+    pub(super) rests: bool,
 }
 
 /// A degree of freedom's displacement or velocity.
@@ -195,13 +197,14 @@ impl Follower {
             return;
         }
         let (interval, largest) = (self.interval, self.largest);
-        if self.holds_all(&rows.states) {
-            let explained = Explained { is_held: true, ..rows.explained(interval) };
-            let explained = Some(explained);
+        let drives = self.drives.frequencies.clone();
+        if drives.is_empty() && self.holds_all(&rows.states) {
+            // What a surface carries along slips again.
+            let rests = rows.fastest() * interval <= STANDS * largest;
+            let explained = rests.then(|| Explained { rests, ..rows.explained(interval) });
             self.finished.push(Traced { states: rows.states, modes: Vec::new(), explained });
             return;
         }
-        let drives = self.drives.frequencies.clone();
         let Some(basis) = self.basis(&rows.states) else { return };
         let mut traced = basis.trace(&rows, &drives, interval, largest);
         // Beyond an edge the modes go on.
@@ -209,7 +212,7 @@ impl Follower {
         self.finished.push(traced);
     }
 
-    /// Do contacts in these states leave the masses no motion of their own? Then nothing grows or decays.
+    /// Do contacts in these states leave the masses no motion of their own?
     fn holds_all(&self, states: &[ContactState]) -> bool {
         let reduced = self.model.reduced(states, self.friction);
         reduced.is_some_and(|reduced| reduced.motions.ncols() == 0)

@@ -72,9 +72,8 @@ pub(super) fn unexplained(
     let shortest = dominant.map_or(0.0, |frequency| FEWEST_PERIODS / frequency);
     let mut found = Vec::new();
     let mut from = 0.0;
-    for &Explained { span: [begin, last], is_woken, is_held } in explained {
-        // A mass that sticks for a part of each swing is no rest, but one that sticks to the end is.
-        let rests = is_held && last >= end * (1.0 - 1e-9);
+    for &Explained { span: [begin, last], is_woken, rests } in explained {
+        let rests = rests && last >= end * (1.0 - 1e-9);
         if !is_woken && !rests && last - begin < shortest {
             continue;
         }
@@ -153,7 +152,7 @@ mod tests {
 
     #[test]
     fn short_stretches_between_two_changes_are_part_of_what_is_not_explained() {
-        let of = |span: [f64; 2]| Explained { span, is_woken: span[0] == 0.0, is_held: false };
+        let of = |span: [f64; 2]| Explained { span, is_woken: span[0] == 0.0, rests: false };
         let explained = [[0.0, 0.1], [0.2, 0.21], [0.4, 0.9]].map(of);
         assert_eq!(unexplained(&explained, 1.0, Some(100.0)), [[0.1, 0.4], [0.9, 1.0]]);
         assert_eq!(unexplained(&[of([0.0, 1.0])], 1.0, Some(100.0)), Vec::<[f64; 2]>::new());
@@ -161,8 +160,8 @@ mod tests {
         let after = Explained { is_woken: true, ..of([0.1, 0.2]) };
         let knocked = unexplained(&[explained[0], after], 0.2, Some(100.0));
         assert_eq!(knocked, Vec::<[f64; 2]>::new());
-        // Nor is anything left open by masses that stick to the end.
-        let held = |span| Explained { is_held: true, ..of(span) };
+        // Nor is anything left open by masses that rest to the end.
+        let held = |span| Explained { rests: true, ..of(span) };
         let spans = unexplained(&[held([0.2, 0.21]), held([0.95, 1.0])], 1.0, Some(100.0));
         assert_eq!(spans, [[0.0, 0.95]]);
         assert_eq!(unexplained(&[], 1.0, None), [[0.0, 1.0]]);

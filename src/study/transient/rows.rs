@@ -1,6 +1,6 @@
 //! The rows of a run by stretches of time in which no contact changes its state and no signal has an edge.
 
-use super::linear::Explained;
+use super::linear::{Explained, most};
 use crate::contact::ContactState;
 use crate::scene::{Shape, Signal};
 
@@ -72,7 +72,13 @@ impl Rows {
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn explained(&self, interval: f64) -> Explained {
         let span = [self.first.saturating_sub(1), self.last].map(|row| row as f64 * interval);
-        Explained { span, is_woken: self.is_woken, is_held: false }
+        Explained { span, is_woken: self.is_woken, rests: false }
+    }
+
+    /// The largest velocity of a degree of freedom in the last row that is kept, m/s.
+    pub(super) fn fastest(&self) -> f64 {
+        let last = self.levels.last().and_then(|level| level.kept.last());
+        last.map_or(0.0, |kept| most(&kept[kept.len() / 2..]))
     }
 
     pub(super) fn push(&mut self, row: usize, displacement: &[f64], velocity: &[f64]) {
