@@ -7,7 +7,8 @@ use crate::contact::ContactState;
 use crate::model::{Contact, Equilibrium, LumpedModel};
 use nalgebra::{Complex, DMatrix, DVector};
 
-/// What a mode does at a contact is rounding of its shape where it is less than this part of what the mode does elsewhere.
+/// A mode that moves or loads a contact by less than this part of the most that it does anywhere does not reach the contact:
+/// rounding of its shape does.
 const UNSEEN: f64 = 1e-12;
 
 /// The first contact that a growing mode makes leave sliding.

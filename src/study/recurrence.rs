@@ -1,4 +1,4 @@
-//! Whether the state of a settled motion comes back, and after which period.
+//! A search for the period after which the state of a settled motion comes back, if it does.
 //!
 //! A periodic motion is one whose state comes back: displacements and velocities of all masses together, over a whole
 //! period, and not only one output of it.

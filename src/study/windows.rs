@@ -33,7 +33,7 @@ struct Seen {
     lines: Option<Lines>,
 }
 
-/// What a window says of a motion, together with those before it.
+/// What the last window and those before it show of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Course {
     /// It rests, or decays to rest.
@@ -48,7 +48,7 @@ pub(super) enum Course {
     Open,
 }
 
-/// What a motion is held against.
+/// What one must know of a motion and its scene to judge a window.
 #[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
     /// The largest displacement, m, of the motion, and of the equilibrium or what loads would bend ([`deflection`](super::linear::deflection)).
@@ -78,7 +78,7 @@ pub(super) struct Windows {
 }
 
 impl Windows {
-    /// Of so many rows, each `interval` (s).
+    /// No windows yet; each will have `rows` rows, `interval` (s) apart.
     pub(super) fn new(rows: usize, interval: f64) -> Self {
         Self { interval, weights: Window::BlackmanHarris.weights(rows), seen: Vec::new() }
     }
@@ -105,7 +105,7 @@ impl Windows {
         self.seen.last_mut().map(|last| last.lines(interval))
     }
 
-    /// The same, where they were needed before.
+    /// The lines of the last window, if they have been found already.
     pub(super) fn known_lines(&self) -> Option<&Lines> {
         self.seen.last().and_then(|last| last.lines.as_ref())
     }

@@ -1,7 +1,8 @@
 //! One mode over the rows of a stretch in which no contact changes its state.
 
 use super::growth::STRAIGHT;
-use super::linear::{FINEST, most};
+use super::linear::FINEST;
+use super::rows::most;
 use super::straight::{Fit, pieces};
 use crate::study::basis::Members;
 use nalgebra::{Complex, DVector};

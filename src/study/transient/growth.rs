@@ -227,7 +227,7 @@ impl Phase {
         }
     }
 
-    /// The same, going on as it does until `end`, s.
+    /// This phase, continued at its rate until `end`, s.
     pub(super) fn to(mut self, end: f64) -> Self {
         self.amplitude[1] *= libm::exp(self.rate * (end - self.span[1]));
         self.span[1] = end;

@@ -12,7 +12,7 @@
 
 use super::curve::Curve;
 use super::growth::{Phase, ROUNDING};
-use super::rows::{Drives, Level, Rows};
+use super::rows::{Drives, Explained, Level, Rows, most};
 use super::trace::Trace;
 use crate::contact::ContactState;
 use crate::model::LumpedModel;
@@ -77,17 +77,6 @@ pub(super) struct Slow {
     pub(super) is_whole: bool,
     /// Does another mode grow beside it?
     pub(super) is_beside_growth: bool,
-}
-
-/// A stretch of time that the modes explain.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Explained {
-    /// s.
-    pub(super) span: [f64; 2],
-    /// Does it begin with the run or at an edge of a signal, and not where a contact has changed its state?
-    pub(super) is_woken: bool,
-    /// Do contacts hold all masses on surfaces that stand still, so that nothing can grow or decay?
-    pub(super) rests: bool,
 }
 
 /// A degree of freedom's displacement or velocity.
@@ -198,14 +187,15 @@ impl Follower {
         }
         let (interval, largest) = (self.interval, self.largest);
         let drives = self.drives.frequencies.clone();
-        if drives.is_empty() && self.holds_all(&rows.states) {
+        let Some(basis) = self.basis(&rows.states) else {
             // What a surface carries along slips again.
-            let rests = rows.fastest() * interval <= STANDS * largest;
-            let explained = rests.then(|| Explained { rests, ..rows.explained(interval) });
-            self.finished.push(Traced { states: rows.states, modes: Vec::new(), explained });
+            let stands = drives.is_empty() && rows.fastest() * interval <= STANDS * largest;
+            if stands && self.holds_all(&rows.states) {
+                let explained = Some(Explained { rests: true, ..rows.explained(interval) });
+                self.finished.push(Traced { states: rows.states, modes: Vec::new(), explained });
+            }
             return;
-        }
-        let Some(basis) = self.basis(&rows.states) else { return };
+        };
         let mut traced = basis.trace(&rows, &drives, interval, largest);
         // Beyond an edge the modes go on.
         traced.modes.iter_mut().for_each(|mode| mode.lasts &= !is_at_edge);
@@ -438,11 +428,6 @@ impl Curve<'_> {
         }
         seen
     }
-}
-
-/// The largest modulus.
-pub(super) fn most(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }
 
 #[cfg(test)]

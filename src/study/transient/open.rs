@@ -1,7 +1,8 @@
 //! What a run leaves open, and what would decide it.
 
 use super::growth::{FEWEST_PERIODS, Growth, Phase};
-use super::linear::{Explained, Slow, TooSlow};
+use super::linear::{Slow, TooSlow};
+use super::rows::Explained;
 use serde::Serialize;
 use std::f64::consts::LN_10;
 

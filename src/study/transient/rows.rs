@@ -1,11 +1,21 @@
 //! The rows of a run by stretches of time in which no contact changes its state and no signal has an edge.
 
-use super::linear::{Explained, most};
 use crate::contact::ContactState;
 use crate::scene::{Shape, Signal};
 
 /// So many rows are kept of a stretch at most, and of a longer one as many of every other, every fourth one, ….
 const MOST_ROWS: usize = 512;
+
+/// A stretch of time that the modes explain.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Explained {
+    /// s.
+    pub(super) span: [f64; 2],
+    /// Does it begin with the run or at an edge of a signal, and not where a contact has changed its state?
+    pub(super) is_woken: bool,
+    /// Do contacts hold all masses on surfaces that stand still, so that nothing can grow or decay?
+    pub(super) rests: bool,
+}
 
 /// The signals that drive a run.
 pub(super) struct Drives {
@@ -94,4 +104,9 @@ impl Rows {
             coarsest.kept.push([displacement, velocity].concat());
         }
     }
+}
+
+/// The largest modulus.
+pub(super) fn most(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }

@@ -23,6 +23,12 @@ use std::io::{Write, stdout};
 /// A periodic motion whose state comes back to within this part of its size is as near to it as it comes.
 const CONVERGED: f64 = 1e-9;
 
+/// Does a periodic motion still come nearer to its period?
+fn converges(outcome: &Outcome) -> bool {
+    let Outcome::Ending(ending) = outcome else { return false };
+    ending.closure.is_some_and(|left| left > CONVERGED)
+}
+
 #[derive(Args)]
 pub struct LimitCycle {
     #[command(flatten)]
@@ -421,12 +427,11 @@ impl Told<'_> {
                 "changes that come and go between two neighbouring values are not seen; a smaller step of --parameter shows \
                  them"
             )?;
-            let converges = |(_, outcome): (_, &Outcome)| matches!(outcome, Outcome::Ending(ending) if ending.closure.is_some_and(|left| left > CONVERGED));
             let is_of_state =
                 |change: &Change| matches!(change, Change::Appears(_) | Change::Vanishes(_));
             let has_states =
                 found.thresholds.iter().flat_map(|threshold| &threshold.changes).any(is_of_state);
-            if has_states && self.outcomes().any(converges) {
+            if has_states && self.outcomes().any(|(_, outcome)| converges(outcome)) {
                 writeln!(
                     out,
                     "some motions still come nearer to their period, and a state that one takes ever more briefly, as where \

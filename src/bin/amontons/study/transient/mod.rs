@@ -279,6 +279,10 @@ fn time(time: f64, interval: f64) -> String {
 const NO_MODES: &str = "growth is looked for in the lines of the output, not mode by mode (contacts change their states, signals drive \
                         the scene, or friction is not linear)";
 
+/// What needs no run.
+const STATES_TELL: &str =
+    "amontons-stability states tells the growth rate of each mode without a run";
+
 fn asked(question: &Open, interval: f64) -> String {
     let rate = |phase: &Phase| {
         format!(
@@ -292,18 +296,15 @@ fn asked(question: &Open, interval: f64) -> String {
     match question {
         Open::LessThanTenfold { phase, stop_time, is_beside_growth } => {
             let decides = format!("--stop-time {} or more", rounded_up(*stop_time));
-            let until = if *is_beside_growth {
-                format!(
-                    "{decides} would show if it does so tenfold, unless the mode that grows beside it hides it or makes a \
-                     contact change its state before; amontons-stability states tells the growth rate of each mode without a run"
-                )
+            let unless = if *is_beside_growth {
+                ", unless the mode that grows beside it hides it or makes a contact change its state before"
             } else {
-                format!(
-                    "{decides} would show if it does so tenfold; amontons-stability states tells the growth rate of each mode \
-                     without a run"
-                )
+                ""
             };
-            format!("{} by the end of the run; {until}", rate(phase))
+            format!(
+                "{} by the end of the run; {decides} would show if it does so tenfold{unless}; {STATES_TELL}",
+                rate(phase)
+            )
         }
         Open::EndsBeforeTenfold { phase, is_ended_by_others } => {
             let until = time(phase.span[1], interval);
@@ -313,8 +314,7 @@ fn asked(question: &Open, interval: f64) -> String {
                 "; a run with a smaller initial perturbation shows it for longer"
             };
             format!(
-                "{} until {until} s, as long as it can be followed mode by mode; amontons-stability states tells the growth \
-                 rate of each mode without a run{decides}",
+                "{} until {until} s, as long as it can be followed mode by mode; {STATES_TELL}{decides}",
                 rate(phase),
             )
         }
