@@ -8,6 +8,7 @@ use amontons::study::perturbation::{Direction, perturbation};
 use amontons::study::{
     Ending, Journal, Kind, LimitCycles, Look, Outcome, Question, Watch, Wish, limit_cycles,
 };
+use std::f64::consts::TAU;
 
 /// A block on a belt that a spring and a damper hold along it.
 struct Block {
@@ -387,5 +388,71 @@ fn a_beat_that_fades_slowly_does_not_make_a_motion_quasi_periodic() {
             Kind::Periodic => assert_near(found.amplitude, 9.2681e-4, 1e-4),
             _ => panic!("{found:?}"),
         }
+    }
+}
+
+/// A block on a belt that swings, between a spring and a damper.
+const SWINGING_BELT: &str = r#"
+    slider = { velocity = 0.0, angle = 0.0 }
+    friction = { coefficient = 0.35 }
+    mass = [{ name = "block", mass = 2.0, force = [0.0, -20.0] }]
+    spring = [{ name = "k", between = ["block", "ground"], direction = "x", stiffness = 400.0 }]
+    damper = [{ name = "d", between = ["block", "ground"], direction = "x", damping = 4.0 }]
+    contact = [{ name = "belt", mass = "block" }]
+    integrator = { step = 1e-4 }
+    experiment = { stop_time = 30.0, output_interval = 2e-3 }
+"#;
+
+/// Where friction holds a block on a swinging belt, short slips first move it to the middle: they get shorter like 1/√t. They were
+/// taken for a state that stays, so that slip vanished and came again as friction grew.
+#[test]
+fn slips_that_get_ever_shorter_are_none_in_the_end() {
+    let signal =
+        "[[signal]]\ninput = \"slider.velocity\"\nsine = { amplitude = 0.3, frequency = 1.3 }\n";
+    let scene = parse("belt", &format!("{SWINGING_BELT}\n{signal}")).unwrap();
+    // In the middle of its way the held block needs this part of its load: of the spring less the inertia, and of the damper.
+    let omega = TAU * 1.3;
+    let needed = 0.3 * f64::hypot((400.0 - 2.0 * omega * omega) / omega, 4.0) / 20.0;
+    for (part, slips) in [(0.98, true), (0.998, true), (1.003, false), (1.02, false), (1.1, false)]
+    {
+        let mut scene = scene.clone();
+        assign(&mut scene, "friction.coefficient", part * needed).unwrap();
+        let ending = ending(&scene, None);
+        assert_eq!(ending.kind, Kind::Periodic, "{part} {ending:?}");
+        assert_eq!(ending.taken, [slips, slips, true, false], "{part} {ending:?}");
+    }
+}
+
+/// Likewise on a rail at rest, where the block shall come to rest: creep of 1e-9 m kept it unsettled for ever.
+#[test]
+fn a_block_that_creeps_ever_less_comes_to_rest() {
+    let text = r#"
+        slider = { velocity = 0.0, angle = 0.3 }
+        friction = { coefficient = 0.25 }
+        mass = [{ name = "m", mass = 1.5, force = [0.0, -90.0] }]
+        spring = [
+            { name = "kx", between = ["m", "ground"], direction = "x", stiffness = 2500.0 },
+            { name = "ky", between = ["m", "ground"], direction = "y", stiffness = 1000.0 },
+        ]
+        damper = [{ name = "dx", between = ["m", "ground"], direction = "x", damping = 5.0 }]
+        contact = [{ name = "rail", mass = "m" }]
+        signal = [{ input = "mass.m.fx", sine = { amplitude = 22.0, frequency = 3.1 } }]
+        integrator = { step = 1e-4 }
+        experiment = { stop_time = 20.0, output_interval = 1e-3 }
+    "#;
+    let ending = ending(&parse("rail", text).unwrap(), None);
+    assert_eq!((ending.kind, ending.taken), (Kind::Equilibrium, [false, false, true, false]));
+}
+
+/// Two sines without a common period drive a block that forgets where it began. It was undecided, with a longer window as advice,
+/// which decided nothing.
+#[test]
+fn what_follows_two_signals_without_a_common_period_is_quasi_periodic() {
+    let signals = "[[signal]]\ninput = \"slider.velocity\"\nsine = { amplitude = 0.2, frequency = 1.3 }\n\
+                   [[signal]]\ninput = \"mass.block.fx\"\nsine = { amplitude = 6.0, frequency = 0.9192388155 }\n";
+    let scene = parse("belt", &format!("{SWINGING_BELT}\n{signals}")).unwrap();
+    for window in [Some(20.0), None] {
+        let ending = ending(&scene, window);
+        assert_eq!((ending.kind, ending.follows), (Kind::QuasiPeriodic, true), "{ending:?}");
     }
 }

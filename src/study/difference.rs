@@ -87,6 +87,8 @@ mod tests {
             period: None,
             closure: None,
             two_frequencies: false,
+            follows: false,
+            fading: [false; 4],
             longest_step: None,
             parting: None,
             lines: vec![[line, size]],

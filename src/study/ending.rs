@@ -2,6 +2,7 @@
 
 use super::parting::MOST_WINDOWS_APART;
 use super::recurrence::Closure;
+use crate::contact::ContactState;
 use crate::spectral::{Line, Lines};
 use serde::{Deserialize, Serialize};
 
@@ -19,7 +20,8 @@ pub enum Kind {
     /// Its whole state comes back after a period.
     Periodic,
     /// Its state does not come back within 64 periods of its strongest line and of its signals together, and neighbouring
-    /// motions do not part exponentially over 32 windows.
+    /// motions do not part exponentially over 32 windows. Signals that have no common period below 100 windows count as having
+    /// none.
     QuasiPeriodic,
     /// Its state does not come back, and neighbouring motions part exponentially.
     Irregular,
@@ -75,6 +77,9 @@ pub struct Ending {
     /// `true` of a quasi-periodic motion whose strong lines are all combinations of two frequencies.
     #[serde(default)]
     pub two_frequencies: bool,
+    /// `true` of a quasi-periodic motion that follows signals without a common period: neighbouring motions come together.
+    #[serde(default)]
+    pub follows: bool,
     /// Of an undecided motion, the longest step of the paper's scheme, s, that can tell its kind, where the steps were longer.
     #[serde(default)]
     pub longest_step: Option<f64>,
@@ -88,6 +93,10 @@ pub struct Ending {
     pub shares: [f64; 4],
     /// `true` for each state that a contact took, also between the rows.
     pub taken: [bool; 4],
+    /// `true` for each state that contacts of a periodic motion take ever more briefly, so that in the end they take it no more: as
+    /// where slips get shorter for ever.
+    #[serde(default)]
+    pub fading: [bool; 4],
     /// s from where the motion was first looked at.
     pub time: f64,
     /// How fast the motion still grew or, below zero, decayed at the end, 1/s: of a linear motion the growth rate of its
@@ -147,6 +156,11 @@ impl Ending {
                  frequency, and amontons-stability states prints those of the modes"
                     .to_owned(),
             ),
+            (Kind::QuasiPeriodic, ..) if self.follows => Some(
+                "neighbouring motions come together: the motion follows its signals, which have no common period, or one of \
+                 more than 100 windows"
+                    .to_owned(),
+            ),
             (Kind::QuasiPeriodic, ..) if !self.two_frequencies => Some(format!(
                 "the state does not come back within 64 periods, and neighbouring motions do not part over \
                  {MOST_WINDOWS_APART} windows; not all strong lines combine two frequencies: there are more, or combinations of \
@@ -173,11 +187,18 @@ impl Ending {
         }
     }
 
-    /// Forgets what was left of the motion: at its end it rests.
-    pub(super) fn come_to_rest(&mut self) {
+    /// Forgets what was left of the motion: at its end it rests in these contact states.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn come_to_rest(&mut self, states: &[ContactState]) {
         (self.amplitude, self.frequency) = (0.0, None);
         self.lines.clear();
         self.extents.fill(0.0);
+        self.taken = [false; 4];
+        self.shares = [0.0; 4];
+        for state in states {
+            self.taken[*state as usize - 1] = true;
+            self.shares[*state as usize - 1] += 1.0 / states.len() as f64;
+        }
     }
 
     /// Takes over the strongest of these lines.

@@ -37,6 +37,7 @@ mod continuation;
 mod difference;
 mod drive;
 mod ending;
+mod fading;
 mod family;
 mod initial;
 mod journal;

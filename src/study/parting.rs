@@ -10,6 +10,8 @@ use crate::simulation::Simulation;
 const APART: f64 = 1e-9;
 /// Beyond this distance they are no neighbours any more.
 const PARTED: f64 = 1e-3;
+/// At this distance they have come together.
+const TOGETHER: f64 = 1e-2 * APART;
 /// Windows over which neighbours are followed, and over how many at the most where that does not tell how they part.
 const WINDOWS_APART: u64 = 4;
 pub(super) const MOST_WINDOWS_APART: u64 = 32;
@@ -25,6 +27,8 @@ pub(super) enum Parting {
     Exponential(f64),
     /// In proportion to time, or not at all.
     Regular,
+    /// They come together: the motion has no say in where it is, and follows what drives it.
+    Together,
     /// It cannot be told.
     Unknown,
 }
@@ -73,6 +77,9 @@ pub(super) fn parting(
             if row > 2 * half - half / 4 {
                 late = late.max(distance);
             }
+        }
+        if late <= TOGETHER {
+            return Ok(Parting::Together);
         }
         match late / early {
             grown if grown >= EXPONENTIAL && late > 100.0 * APART => {

@@ -151,8 +151,9 @@ pub(super) fn closure(
     let mut is_whole = own <= most;
     let mut found = None;
     if simulation.is_driven_on() {
+        // Signals without a common period that is so short drive a motion that does not come back for longer still.
         let period = drive::period(simulation).filter(|period| *period <= most);
-        is_whole &= period.is_some_and(|period| MOST_PERIODS * period <= most);
+        is_whole &= period.is_none_or(|period| MOST_PERIODS * period <= most);
         if let Some(period) = period {
             let longest = own.max(MOST_PERIODS * period).min(most);
             // A drive much faster than the motion does not carry it far in one of its periods.
@@ -171,12 +172,18 @@ pub(super) fn closure(
     })
 }
 
+/// Do signals drive a motion for ever, without a common period that is as short as a search for it may last?
+pub(super) fn has_no_period(simulation: &Simulation, window: f64) -> bool {
+    let is_short = |period: f64| period <= MOST_WINDOWS * window;
+    simulation.is_driven_on() && !drive::period(simulation).is_some_and(is_short)
+}
+
 /// The result of a search for a period.
 pub(super) enum Search {
     Found(Closure),
     /// The motion does not come back within [`MOST_PERIODS`] periods of the drive and of its strongest line.
     NoReturn,
-    /// It does not come back within [`MOST_WINDOWS`] windows, or the drive has no common period that is so short.
+    /// It does not come back within [`MOST_WINDOWS`] windows, which are too few to hold all these periods.
     CutShort,
 }
 

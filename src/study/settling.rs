@@ -7,6 +7,7 @@
 use super::beat::{beat, is_fading};
 use super::drive::{is_repeated, last_edge, period};
 use super::ending::{Ending, Kind};
+use super::fading::{Shown, lasting};
 use super::family::{frequencies_of_sum, is_one_of_many};
 use super::linear::{
     Growth, deflection, growth, has_linear_friction, has_states_of_rest, is_far, may_pull,
@@ -15,7 +16,9 @@ use super::linear::{
 use super::look::{Look, output, unit};
 use super::parting::{Parting, parting};
 use super::period::{OverSpan, over_span};
-use super::recurrence::{Closure, Search, closure, is_closing, longest_step, may_wobble};
+use super::recurrence::{
+    Closure, Search, closure, has_no_period, is_closing, longest_step, may_wobble,
+};
 use super::windows::{Course, Surroundings, Windows};
 use crate::Error;
 use crate::accuracy::half_range;
@@ -208,7 +211,9 @@ impl Settling {
         let waits = began < self.last_edge;
         let is_open = goes_on || waits && course != Course::Unbounded;
         let course = if is_open { Course::Open } else { course };
+        let follows = course != Course::Rests && !is_open && self.follows(simulation, is_over)?;
         let kind = match course {
+            _ if follows => Some((Kind::QuasiPeriodic, None)),
             Course::Rests => Some((Kind::Equilibrium, None)),
             Course::Unbounded => Some((Kind::Unbounded, None)),
             Course::Steady | Course::Varies => {
@@ -242,6 +247,7 @@ impl Settling {
             let is_sum = ending.linear && !simulation.is_driven_on();
             let more = is_sum && frequencies_of_sum(simulation).is_none_or(|count| count > 2);
             ending.two_frequencies = self.is_of_two && !more;
+            ending.follows = follows;
         }
         if ending.linear && kind == Kind::Unsettled && !simulation.is_driven_on() {
             // Two windows may differ by noise; eigenvalues do not.
@@ -250,7 +256,7 @@ impl Settling {
         }
         ending.parting = parting;
         match kind {
-            Kind::Equilibrium => ending.come_to_rest(),
+            Kind::Equilibrium => ending.come_to_rest(simulation.contact_states()),
             // Lines of one window need not be those of the next.
             Kind::Unsettled if !ending.is_known() => ending.frequency = None,
             _ => {}
@@ -273,12 +279,45 @@ impl Settling {
         }
         if let Some(OverSpan { amplitude, extents, shares, .. }) = over {
             (ending.amplitude, ending.extents, ending.shares) = (amplitude, extents, shares);
+            if let (Kind::Periodic, Some(period)) = (kind, ending.period) {
+                let shown = Shown {
+                    interval: self.look.interval,
+                    window: self.look.window,
+                    longest: self.look.longest,
+                    elapsed: ending.time.min(simulation.time() - self.last_edge),
+                    period,
+                    output: &self.output,
+                    shares,
+                };
+                if let Some(lasting) = lasting(simulation, &shown, is_over)? {
+                    ending.shares = lasting.shares;
+                    ending.taken = lasting.shares.map(|share| share > 0.0);
+                    ending.fading = lasting.fading;
+                }
+            }
             let largest = ending.extents.iter().copied().fold(0.0, f64::max);
             if unit(&self.output) == "m" && ending.amplitude <= ROUNDING * largest {
                 ending.amplitude = 0.0;
             }
         }
         Ok(Some(ending))
+    }
+
+    /// Does the motion follow signals that have no common period, as neighbours that come together show? That is asked now and then.
+    fn follows(
+        &mut self,
+        simulation: &Simulation,
+        is_over: &dyn Fn() -> bool,
+    ) -> Result<bool, Error> {
+        let is_due = self.is_last() || self.seen.count().is_multiple_of(WINDOWS_BETWEEN);
+        if !is_due || !has_no_period(simulation, self.look.window) {
+            return Ok(false);
+        }
+        let main = self.seen.last_lines().and_then(|found| found.lines.first());
+        let Some(main) = main.map(|line| line.frequency) else { return Ok(false) };
+        let (interval, rows) = (self.look.interval, self.look.rows());
+        let parting = parting(simulation, interval, main, (rows, false), is_over)?;
+        Ok(parting == Parting::Together)
     }
 
     /// The kind of a motion that has settled, with the rate at which neighbours part; `None` while its state still comes
@@ -339,11 +378,13 @@ impl Settling {
         let is_open = last.is_some_and(|last| may_wobble(simulation, main, last.distance));
         let kind = match parting {
             Parting::Exponential(_) => Kind::Irregular,
-            Parting::Regular if is_open || was_cut_short || !has_come => Kind::Undecided,
-            Parting::Regular if is_fading(&self.beats) => {
+            Parting::Regular | Parting::Together if is_open || was_cut_short || !has_come => {
+                Kind::Undecided
+            }
+            Parting::Regular | Parting::Together if is_fading(&self.beats) => {
                 return Ok(is_last.then_some((Kind::Unsettled, None)));
             }
-            Parting::Regular => Kind::QuasiPeriodic,
+            Parting::Regular | Parting::Together => Kind::QuasiPeriodic,
             Parting::Unknown => Kind::Undecided,
         };
         if !is_last && kind == Kind::Undecided {
@@ -354,7 +395,7 @@ impl Settling {
         }
         let rate = match parting {
             Parting::Exponential(rate) => Some(rate),
-            Parting::Regular | Parting::Unknown => None,
+            _ => None,
         };
         Ok(Some((kind, rate)))
     }
@@ -374,11 +415,13 @@ impl Settling {
             period: None,
             closure: None,
             two_frequencies: false,
+            follows: false,
             longest_step: None,
             parting: None,
             lines: Vec::new(),
             shares: self.states.map(|count| count as f64 / all),
             taken: self.taken,
+            fading: [false; 4],
             time: (self.row - self.began) as f64 * self.look.interval,
             rate: match self.seen.last_sizes() {
                 [Some(last), Some(before)] if !driven && before > 0.0 && last > 0.0 => {

@@ -3,7 +3,7 @@
 use super::beat::has_two_frequencies;
 use super::linear::Growth;
 use crate::spectral::{Line, Lines, Window, lines};
-use crate::sweep::steady::{ROUNDING, STANDING, is_steady, weighted_deviation};
+use crate::sweep::steady::{ROUNDING, STANDING, is_steady, tends_to_zero, weighted_deviation};
 
 /// Lines of more than this part of the strongest one must be the same.
 const STRONG: f64 = 1e-2;
@@ -16,8 +16,9 @@ const FAINT: f64 = 1e-4;
 /// lobes, in parts of it, can feign.
 const GROWN: f64 = 0.01;
 const SIDE_LOBES: f64 = 3e-5;
-/// A motion decays to rest if it, going on as it does, ends below this part of what is left of it.
-const REST: f64 = 0.2;
+/// Creep is seen to fade over so many windows or more, in which it falls to this part.
+const FADING_WINDOWS: usize = 16;
+const CREEP: f64 = 0.5;
 /// A motion whose lines change from window to window has settled if its size has no trend over the first number of windows. In
 /// the last window that is looked at, the other numbers count too.
 const IRREGULAR_WINDOWS: [usize; 3] = [12, 24, 48];
@@ -168,6 +169,9 @@ impl Windows {
             }
         }
         let sizes = self.sizes();
+        if around.is_driven && around.is_repeated && around.may_rest && fades(&sizes) {
+            return Course::Rests;
+        }
         if is_free && (is_unbounded(around) || around.is_far && grows_evenly(&sizes)) {
             return Course::Unbounded;
         }
@@ -280,13 +284,20 @@ fn deviation(values: &[f64]) -> f64 {
 fn rests(seen: &[Seen]) -> bool {
     let Some(first) = seen.len().checked_sub(4) else { return false };
     let last = &seen[first..];
-    let tends_to_zero = |three: &[Seen]| {
-        let [a, b, c] = [three[0].size, three[1].size, three[2].size];
-        let (before, after) = (b - a, c - b);
-        let limit = c - after * after / (after - before);
-        after < 0.0 && before < after && limit.abs() <= REST * c
-    };
-    last[1..].iter().all(|seen| !seen.changed) && last.windows(3).all(tends_to_zero)
+    let tends = |three: &[Seen]| tends_to_zero([three[0].size, three[1].size, three[2].size]);
+    last[1..].iter().all(|seen| !seen.changed) && last.windows(3).all(tends)
+}
+
+/// Do sizes tend to zero like a power of time, as over times that double? So does the creep of a mass from slip to slip, which get
+/// ever shorter.
+fn fades(sizes: &[f64]) -> bool {
+    let windows = sizes.len();
+    let after = |part: usize| sizes[windows / part - 1];
+    windows >= FADING_WINDOWS
+        && windows.is_multiple_of(8)
+        && tends_to_zero([after(8), after(4), after(2)])
+        && tends_to_zero([after(4), after(2), after(1)])
+        && after(1) <= CREEP * after(8)
 }
 
 /// Do amplitudes only grow, or only decay, by more than rounding?

@@ -6,6 +6,8 @@ const SAME_SIZE: f64 = 1e-3;
 const LEFT_TO_GO: f64 = 2e-3;
 /// A drift that does not slow down must be below this, relative: rounding.
 pub(crate) const STANDING: f64 = 1e-7;
+/// What would end below this part of what is left of it ends at zero.
+const REST: f64 = 0.2;
 /// What moves by less than this part of the largest displacement, or of the equilibrium's, rests.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
@@ -27,6 +29,18 @@ pub(crate) fn weighted_deviation(values: &[f64], weights: &[f64]) -> f64 {
     let sum = over(&|_| 1.0);
     let mean = over(&|x| x) / sum;
     (over(&|x| (x - mean) * (x - mean)) / sum).sqrt()
+}
+
+/// The limit of sizes that fall by ever less, by Aitken's extrapolation; `None` of others. It is exact for the sizes of windows that
+/// follow each other of what decays exponentially, and for those at times that double of what decays like a power of time.
+pub(crate) fn limit([a, b, c]: [f64; 3]) -> Option<f64> {
+    let (before, after) = (b - a, c - b);
+    (after < 0.0 && before < after).then(|| c - after * after / (after - before))
+}
+
+/// `true` if sizes fall to zero as they go on.
+pub(crate) fn tends_to_zero(sizes: [f64; 3]) -> bool {
+    limit(sizes).is_some_and(|limit| limit.abs() <= REST * sizes[2])
 }
 
 /// `true` if the size goes one way from each window to the next, by more than a settled motion's may differ.

@@ -10,8 +10,8 @@ use amontons::picture::{Chart, Mark, Panel, Series, Style};
 use amontons::scene::Scene;
 use amontons::simulation::assign;
 use amontons::study::{
-    Change, Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold,
-    limit_cycles, output, unit,
+    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold, limit_cycles,
+    output, unit,
 };
 use amontons::sweep::range::{self, number};
 use amontons::sweep::{Possible, axis};
@@ -19,15 +19,6 @@ use clap::Args;
 use serde_json::json;
 use std::error::Error;
 use std::io::{Write, stdout};
-
-/// A periodic motion whose state comes back to within this part of its size is as near to it as it comes.
-const CONVERGED: f64 = 1e-9;
-
-/// Does a periodic motion still come nearer to its period?
-fn converges(outcome: &Outcome) -> bool {
-    let Outcome::Ending(ending) = outcome else { return false };
-    ending.closure.is_some_and(|left| left > CONVERGED)
-}
 
 #[derive(Args)]
 pub struct LimitCycle {
@@ -427,18 +418,6 @@ impl Told<'_> {
                 "changes that come and go between two neighbouring values are not seen; a smaller step of --parameter shows \
                  them"
             )?;
-            let is_of_state =
-                |change: &Change| matches!(change, Change::Appears(_) | Change::Vanishes(_));
-            let has_states =
-                found.thresholds.iter().flat_map(|threshold| &threshold.changes).any(is_of_state);
-            if has_states && self.outcomes().any(|(_, outcome)| converges(outcome)) {
-                writeln!(
-                    out,
-                    "some motions still come nearer to their period, and a state that one takes ever more briefly, as where \
-                     slips die out, counts as long as it is taken: where it comes or goes may then lie elsewhere; a longer \
-                     --window shows whether it moves"
-                )?;
-            }
         }
         let is_left = |outcome: &Outcome| matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled);
         let left: Vec<(f64, &Look)> = self
@@ -486,7 +465,8 @@ impl Told<'_> {
         let is_alike = |a: &Ending, b: &Ending| {
             a.kind == b.kind
                 && matches!(a.kind, Kind::Periodic | Kind::QuasiPeriodic)
-                && (a.linear, a.two_frequencies) == (b.linear, b.two_frequencies)
+                && (a.linear, a.follows, a.two_frequencies)
+                    == (b.linear, b.follows, b.two_frequencies)
         };
         for run in endings.chunk_by(|a, b| is_alike(a.1, b.1)) {
             let closure = |ending: &Ending| ending.closure.unwrap_or(0.0);
@@ -494,6 +474,19 @@ impl Told<'_> {
             let Some((value, ending)) = least else { continue };
             let Some(evidence) = ending.evidence() else { continue };
             writeln!(out, "{} at {value:?}: {evidence}", ending.kind.name())?;
+        }
+        for run in endings.chunk_by(|a, b| a.1.fading == b.1.fading) {
+            let (states, values) = (taken(&run[0].1.fading), [run[0].0, run[run.len() - 1].0]);
+            let values = match values {
+                [first, last] if first == last => format!("at {first:?}"),
+                [first, last] => format!("from {first:?} to {last:?}"),
+            };
+            if !states.is_empty() {
+                writeln!(
+                    out,
+                    "{values} contacts take {states} ever more briefly, and in the end not at all: it is left out"
+                )?;
+            }
         }
         Ok(())
     }
