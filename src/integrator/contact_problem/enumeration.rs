@@ -1,17 +1,21 @@
-//! Proofs that the law of contact has no solution.
+//! All states of contacts, one after the other: a search that finds a solution of the law, or proves that there is none.
 //!
-//! Of few contacts all states are tried, one after the other. Where a state's equations determine its forces, those obey
-//! the law or do not. Where they do not (contacts that hold one mass twice), the first phase of the simplex method tells
-//! whether any forces do. So where no state has forces, the law has no solution.
+//! Where a state's equations determine its forces, those obey the law or do not. Where they do not (contacts that hold one
+//! mass twice), the first phase of the simplex method tells whether any forces do. So where no state has forces, the law has no
+//! solution.
 //!
-//! Of any number of contacts the law asks at least that nothing pulls, that friction stays within its limits, and that no
-//! contact is pressed into its surface. Where no forces do even that, the law has no solution. That some do proves nothing.
+//! The states of contacts are chosen one contact after the other. Of those whose state is still open the law asks at least that
+//! nothing pulls, that friction stays within its limits, and that no contact is pressed into its surface. Where no forces do even
+//! that, none of the states that follow has any, and they are left out (branch and bound).
 
 use super::{ContactProblem, Freedom, Strictness};
 use crate::contact::ContactState;
 
-/// All states of a group are tried if they are no more than this: those of eight contacts that may do anything.
-const MOST_STATES: usize = 4_usize.pow(8);
+/// All states of so many contacts are gone through, whatever that takes.
+const FEW_CONTACTS: usize = 8;
+/// With more of them the search is given up after so many choices, times the third power of the number of contacts, which the
+/// work for one grows with.
+const MOST_WORK: usize = 200_000_000;
 /// A state is taken to have forces if the artificial unknowns sum up to no more than this part of the right-hand sides.
 const FEASIBLE: f64 = 1e-11;
 /// No forces are proven to exist if the artificial unknowns sum up to no less than this part.
@@ -54,7 +58,18 @@ enum Phase {
     Open,
 }
 
-/// A linear program: that of one contact state, or of what the law asks at least.
+/// The result of a search through all states.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Search {
+    /// A state whose forces obey the law.
+    Found,
+    /// No state has such forces.
+    Nothing,
+    /// The search was given up, or it is none for these contacts.
+    Unfinished,
+}
+
+/// A linear program: that of contact states, or of what the law asks at least.
 pub(super) struct Enumeration {
     unknowns: Vec<Unknown>,
     rows: Vec<Row>,
@@ -64,13 +79,15 @@ pub(super) struct Enumeration {
     /// The unknown of each row; from the number of unknowns on, an artificial one.
     basis: Vec<usize>,
     pivot_row: Vec<f64>,
+    /// The states that the search begins with, one a contact of the group, the likely ones.
+    first: Vec<ContactState>,
 }
 
 impl Enumeration {
     /// Takes the memory that groups of up to `contacts` contacts need.
     pub(super) fn with_room(contacts: usize) -> Self {
         let contacts = if contacts > 1 { contacts } else { 0 };
-        let (rows, unknowns) = (3 * contacts, 4 * contacts);
+        let (rows, unknowns) = (3 * contacts, 5 * contacts);
         Self {
             unknowns: Vec::with_capacity(unknowns),
             rows: Vec::with_capacity(rows),
@@ -78,6 +95,31 @@ impl Enumeration {
             costs: Vec::with_capacity(unknowns + 1),
             basis: Vec::with_capacity(rows),
             pivot_row: Vec::with_capacity(unknowns + 1),
+            first: Vec::with_capacity(contacts),
+        }
+    }
+
+    /// Writes what the law asks at least of a contact, in whatever state it is.
+    fn ask_least(&mut self, contact: usize, freedom: &Freedom) {
+        let Self { unknowns, rows, .. } = self;
+        let (slope, width) = match freedom {
+            Freedom::Slipping { direction, friction }
+            | Freedom::HeldSlipping { direction, friction } => (direction * friction, None),
+            Freedom::Law(range) | Freedom::Held(range) => {
+                (-range.backward, Some(range.forward + range.backward))
+            }
+            Freedom::Open | Freedom::Fixed | Freedom::Guided { .. } => return,
+        };
+        unknowns.push(Unknown::Normal { contact, sign: 1.0, slope });
+        unknowns.push(match freedom.is_held() {
+            true => Unknown::Normal { contact, sign: -1.0, slope },
+            false => Unknown::Rest { row: rows.len() },
+        });
+        rows.push(Row::Normal { contact });
+        if let Some(width) = width {
+            unknowns.push(Unknown::Tangential { contact });
+            unknowns.push(Unknown::Rest { row: rows.len() });
+            rows.push(Row::Cone { contact, width });
         }
     }
 
@@ -146,48 +188,64 @@ fn subtract(row: &mut [f64], pivot_row: &[f64], entering: usize) {
 }
 
 impl ContactProblem {
-    /// Can all states of a group be gone through?
+    /// Is each contact of a group in one of its states? Those that are held along both directions, or guided, are in none.
     pub(super) fn is_enumerable(&self, group: usize) -> bool {
-        let count = |contact: &usize| match self.freedom[*contact] {
-            Freedom::Fixed | Freedom::Guided { .. } => None,
-            // Each may press or pull.
-            _ if self.is_held(*contact) => Some(2 * self.possible(*contact).len()),
-            _ => Some(self.possible(*contact).len()),
-        };
-        let counts = self.delassus.groups()[group].iter().map(count);
-        let all = counts.into_iter().try_fold(1_usize, |all, count| all.checked_mul(count?));
-        all.is_some_and(|all| all <= MOST_STATES)
+        let has_none =
+            |i: &usize| matches!(self.freedom[*i], Freedom::Fixed | Freedom::Guided { .. });
+        !self.delassus.groups()[group].iter().any(has_none)
     }
 
-    /// Looks for a state of a group whose forces obey the law; is there one?
-    pub(super) fn enumerate(&mut self, group: usize, strictness: Strictness) -> bool {
-        for place in 0..self.delassus.groups()[group].len() {
-            let contact = self.delassus.groups()[group][place];
-            self.states[contact] = self.possible(contact)[0];
-            self.pulls[contact] = false;
+    /// Looks for a state of a group whose forces obey the law, first near the one at hand.
+    pub(super) fn enumerate(&mut self, group: usize, strictness: Strictness) -> Search {
+        let contacts = self.delassus.groups()[group].len();
+        let contact = |of: &Self, place: usize| of.delassus.groups()[group][place];
+        if !self.is_enumerable(group) {
+            return Search::Unfinished;
         }
+        self.enumeration.first.clear();
+        for place in 0..contacts {
+            let contact = contact(self, place);
+            let possible = self.possible(contact);
+            let is_at_hand = |state: &&ContactState| **state == self.states[contact];
+            let first = possible.iter().find(is_at_hand).unwrap_or(&possible[0]);
+            self.enumeration.first.push(*first);
+        }
+        // So many contacts have a state.
+        let mut chosen = 0;
+        let mut work = 0;
         loop {
-            let obeys = self.solve_states(group, strictness)
-                || !self.given.is_regular(group) && self.program(group, strictness);
-            if obeys {
-                return true;
+            work += contacts.pow(3);
+            if contacts > FEW_CONTACTS && work > MOST_WORK {
+                return Search::Unfinished;
             }
-            // As an odometer: the last contact changes fastest.
-            let mut place = self.delassus.groups()[group].len();
-            loop {
-                if place == 0 {
-                    return false;
+            if chosen == contacts {
+                let obeys = self.solve_states(group, strictness)
+                    || !self.given.is_regular(group) && self.program(group, strictness);
+                if obeys {
+                    return Search::Found;
                 }
-                place -= 1;
-                if self.take_next(self.delassus.groups()[group][place]) {
+            } else if chosen + 1 == contacts || !self.is_impossible(group, chosen) {
+                let next = contact(self, chosen);
+                self.states[next] = self.enumeration.first[chosen];
+                self.pulls[next] = false;
+                chosen += 1;
+                continue;
+            }
+            loop {
+                if chosen == 0 {
+                    return Search::Nothing;
+                }
+                let first = self.enumeration.first[chosen - 1];
+                if self.take_next(contact(self, chosen - 1), first) {
                     break;
                 }
+                chosen -= 1;
             }
         }
     }
 
-    /// Gives a contact the next of all that it may do; `false` where it begins again.
-    fn take_next(&mut self, contact: usize) -> bool {
+    /// Gives a contact the next of all that it may do; `false` where it begins again with the first one.
+    fn take_next(&mut self, contact: usize, first: ContactState) -> bool {
         if self.is_held(contact) {
             self.pulls[contact] = !self.pulls[contact];
             if self.pulls[contact] {
@@ -196,9 +254,8 @@ impl ContactProblem {
         }
         let possible = self.possible(contact);
         let now = possible.iter().position(|state| *state == self.states[contact]);
-        let next = possible.get(now.map_or(0, |now| now + 1));
-        self.states[contact] = *next.unwrap_or(&possible[0]);
-        next.is_some()
+        self.states[contact] = possible[now.map_or(0, |now| (now + 1) % possible.len())];
+        self.states[contact] != first
     }
 
     /// The states that a contact may be in.
@@ -217,7 +274,7 @@ impl ContactProblem {
 
     /// Forces of the states at hand, whose equations do not determine them; do any obey the law?
     fn program(&mut self, group: usize, strictness: Strictness) -> bool {
-        self.write_program(group);
+        self.write_program(group, usize::MAX);
         if self.enumeration.run() != Phase::Solved {
             return false;
         }
@@ -241,40 +298,24 @@ impl ContactProblem {
         self.are_lawful(group, strictness)
     }
 
-    /// Is there proof that a group has no forces under its law, whatever its states?
-    pub(super) fn is_impossible(&mut self, group: usize) -> bool {
-        let Self { enumeration, delassus, freedom, .. } = self;
-        let Enumeration { unknowns, rows, .. } = enumeration;
-        unknowns.clear();
-        rows.clear();
-        for &contact in &delassus.groups()[group] {
-            let (slope, width) = match &freedom[contact] {
-                Freedom::Open => continue,
-                Freedom::Slipping { direction, friction } => (direction * friction, None),
-                Freedom::Law(range) => (-range.backward, Some(range.forward + range.backward)),
-                // Those that are held may pull.
-                _ => return false,
-            };
-            unknowns.push(Unknown::Normal { contact, sign: 1.0, slope });
-            unknowns.push(Unknown::Rest { row: rows.len() });
-            rows.push(Row::Normal { contact });
-            if let Some(width) = width {
-                unknowns.push(Unknown::Tangential { contact });
-                unknowns.push(Unknown::Rest { row: rows.len() });
-                rows.push(Row::Cone { contact, width });
-            }
-        }
-        self.write_table();
+    /// Is there proof that a group has no forces under its law where the first contacts are in the states at hand, whatever those of
+    /// the others are?
+    fn is_impossible(&mut self, group: usize, chosen: usize) -> bool {
+        self.write_program(group, chosen);
         matches!(self.enumeration.run(), Phase::Impossible(by) if by >= INFEASIBLE)
     }
 
-    /// Writes what the states at hand ask of the forces.
-    fn write_program(&mut self, group: usize) {
+    /// Writes what the states at hand of the first contacts ask of the forces, and what the law asks at least of the others.
+    fn write_program(&mut self, group: usize, chosen: usize) {
         let Self { enumeration, delassus, freedom, states, pulls, .. } = self;
-        let Enumeration { unknowns, rows, .. } = enumeration;
-        unknowns.clear();
-        rows.clear();
-        for &contact in &delassus.groups()[group] {
+        enumeration.unknowns.clear();
+        enumeration.rows.clear();
+        for (place, &contact) in delassus.groups()[group].iter().enumerate() {
+            if place >= chosen {
+                enumeration.ask_least(contact, &freedom[contact]);
+                continue;
+            }
+            let Enumeration { unknowns, rows, .. } = &mut *enumeration;
             let state = states[contact];
             let sign = freedom[contact].sign(pulls[contact]);
             match (&freedom[contact], state) {

@@ -9,8 +9,8 @@
 //! 2. Gauss–Seidel over the contacts (paper, eqs. 19–24), from zero, while it converges fast;
 //! 3. the states that it has come to, as linear equations;
 //! 4. Lemke's pivots on the linear complementarity problem ([`lemke`]);
-//! 5. all states, of up to eight contacts ([`enumeration`]): where none has forces, there are none; of more, whether forces
-//!    can do so much as press and keep contacts closed;
+//! 5. all states ([`enumeration`]): where none has forces, there are none. With more than eight contacts that may take too long,
+//!    and is given up;
 //! 6. Gauss–Seidel, for as long as one may wait.
 //!
 //! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact that
@@ -30,7 +30,7 @@ mod tests;
 use crate::contact::{ContactState, LocalSolution};
 use crate::integrator::StepFailure;
 pub(super) use delassus::Delassus;
-use enumeration::Enumeration;
+use enumeration::{Enumeration, Search};
 pub(super) use freedom::{Freedom, FreedomOf, freedom_of};
 pub(super) use given_states::{Demand, GivenStates};
 use lemke::Lemke;
@@ -229,17 +229,15 @@ impl ContactProblem {
                 return Ok(FEW_SWEEPS);
             }
         }
-        if self.is_enumerable(group) {
-            let found =
-                MISSES.into_iter().any(|missed| self.enumerate(group, Strictness::UpTo(missed)));
-            return if found {
-                Ok(FEW_SWEEPS)
-            } else {
-                Err(StepFailure::Wedged { contact: self.most_pressed(group) })
-            };
-        }
-        if self.is_impossible(group) {
-            return Err(StepFailure::Wedged { contact: self.most_pressed(group) });
+        for missed in MISSES {
+            match self.enumerate(group, Strictness::UpTo(missed)) {
+                Search::Found => return Ok(FEW_SWEEPS),
+                Search::Nothing if missed == MISSES[1] => {
+                    return Err(StepFailure::Wedged { contact: self.most_pressed(group) });
+                }
+                Search::Nothing => {}
+                Search::Unfinished => break,
+            }
         }
         match self.sweep(group, MAX_SWEEPS) {
             Swept::Converged(sweeps) => Ok(sweeps),
