@@ -7,13 +7,12 @@ use super::period::{OverSpan, over_span};
 use crate::Error;
 use crate::simulation::{Simulation, Variable};
 use crate::sweep::steady::{limit, tends_to_zero};
+use std::ops::ControlFlow::{Break, Continue};
 
-/// A share of time that falls by less than this part stays.
+/// A share of the time stays if it falls by less than this part.
 const STAYS: f64 = 3e-3;
-/// What would end above this part of what is left of it stays, too.
+/// A share that still falls stays, too, if its limit is at least this part of it.
 const LASTS: f64 = 0.5;
-/// Rows between two questions whether anyone still waits.
-const ROWS_AT_ONCE: f64 = 256.0;
 
 /// A periodic motion of a simulation as its windows have shown it.
 pub(super) struct Shown<'a> {
@@ -39,11 +38,12 @@ pub(super) struct Lasting {
     pub fading: [bool; 4],
 }
 
-/// What becomes of a share of the time.
+/// How a share of the time goes on.
 #[derive(Clone, Copy, PartialEq)]
 enum Fate {
     Stays,
     Fades,
+    /// Later times must show it.
     Open,
 }
 
@@ -84,7 +84,7 @@ pub(super) fn lasting(
     }
 }
 
-/// What becomes of a share that is so large at three times, each of which is twice as long after the beginning as the one before.
+/// How a share goes on that had these values at three times. Each time is twice as long after the beginning as the one before.
 fn fate(three: [f64; 3]) -> Fate {
     let [_, before, last] = three;
     if last == 0.0 || tends_to_zero(three) {
@@ -107,16 +107,10 @@ impl Shown<'_> {
         later: f64,
         is_over: &dyn Fn() -> bool,
     ) -> Result<Option<[f64; 4]>, Error> {
-        let start = motion.time();
         let span = (later / self.period).ceil().max(0.0) * self.period;
-        let pieces = (span / (ROWS_AT_ONCE * self.interval)).ceil().max(1.0);
-        let mut piece = 0.0;
-        while piece < pieces {
-            if is_over() {
-                return Ok(None);
-            }
-            piece += 1.0;
-            motion.advance_to(start + piece / pieces * span)?;
+        let go_on = || if is_over() { Break(()) } else { Continue(()) };
+        if motion.advance_while(motion.time() + span, go_on)?.is_break() {
+            return Ok(None);
         }
         let OverSpan { shares, .. } = over_span(motion, self.output, self.period, self.interval)?;
         Ok(Some(shares))

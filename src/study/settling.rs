@@ -378,14 +378,12 @@ impl Settling {
         let is_open = last.is_some_and(|last| may_wobble(simulation, main, last.distance));
         let kind = match parting {
             Parting::Exponential(_) => Kind::Irregular,
-            Parting::Regular | Parting::Together if is_open || was_cut_short || !has_come => {
-                Kind::Undecided
-            }
-            Parting::Regular | Parting::Together if is_fading(&self.beats) => {
+            Parting::Unknown => Kind::Undecided,
+            _ if is_open || was_cut_short || !has_come => Kind::Undecided,
+            _ if is_fading(&self.beats) => {
                 return Ok(is_last.then_some((Kind::Unsettled, None)));
             }
             Parting::Regular | Parting::Together => Kind::QuasiPeriodic,
-            Parting::Unknown => Kind::Undecided,
         };
         if !is_last && kind == Kind::Undecided {
             return Ok(None);

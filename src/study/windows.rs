@@ -16,7 +16,7 @@ const FAINT: f64 = 1e-4;
 /// lobes, in parts of it, can feign.
 const GROWN: f64 = 0.01;
 const SIDE_LOBES: f64 = 3e-5;
-/// Creep is seen to fade over so many windows or more, in which it falls to this part.
+/// Creep fades if its size tends to zero over at least this number of windows, and has fallen to this part of it in them.
 const FADING_WINDOWS: usize = 16;
 const CREEP: f64 = 0.5;
 /// A motion whose lines change from window to window has settled if its size has no trend over the first number of windows. In

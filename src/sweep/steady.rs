@@ -6,7 +6,7 @@ const SAME_SIZE: f64 = 1e-3;
 const LEFT_TO_GO: f64 = 2e-3;
 /// A drift that does not slow down must be below this, relative: rounding.
 pub(crate) const STANDING: f64 = 1e-7;
-/// What would end below this part of what is left of it ends at zero.
+/// A size tends to zero if its limit is at most this part of the last size.
 const REST: f64 = 0.2;
 /// What moves by less than this part of the largest displacement, or of the equilibrium's, rests.
 pub(crate) const ROUNDING: f64 = 1e-12;

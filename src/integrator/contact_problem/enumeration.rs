@@ -11,10 +11,10 @@
 use super::{ContactProblem, Freedom, Strictness};
 use crate::contact::ContactState;
 
-/// All states of so many contacts are gone through, whatever that takes.
-const FEW_CONTACTS: usize = 8;
-/// With more of them the search is given up after so many choices, times the third power of the number of contacts, which the
-/// work for one grows with.
+/// The search goes on to its end if there are no more states than this: those of eight contacts that may do anything.
+const FEW_STATES: usize = 4_usize.pow(8);
+/// Among more states the search ends after this amount of work. The work for a choice grows with the third power of the number of
+/// contacts, and counts as that.
 const MOST_WORK: usize = 200_000_000;
 /// A state is taken to have forces if the artificial unknowns sum up to no more than this part of the right-hand sides.
 const FEASIBLE: f64 = 1e-11;
@@ -203,9 +203,13 @@ impl ContactProblem {
             return Search::Unfinished;
         }
         self.enumeration.first.clear();
+        let mut states = 1_usize;
         for place in 0..contacts {
             let contact = contact(self, place);
             let possible = self.possible(contact);
+            // One that is held may press or pull.
+            let signs = if self.is_held(contact) { 2 } else { 1 };
+            states = states.saturating_mul(signs * possible.len());
             let is_at_hand = |state: &&ContactState| **state == self.states[contact];
             let first = possible.iter().find(is_at_hand).unwrap_or(&possible[0]);
             self.enumeration.first.push(*first);
@@ -215,7 +219,7 @@ impl ContactProblem {
         let mut work = 0;
         loop {
             work += contacts.pow(3);
-            if contacts > FEW_CONTACTS && work > MOST_WORK {
+            if states > FEW_STATES && work > MOST_WORK {
                 return Search::Unfinished;
             }
             if chosen == contacts {

@@ -9,8 +9,8 @@
 //! 2. Gauss–Seidel over the contacts (paper, eqs. 19–24), from zero, while it converges fast;
 //! 3. the states that it has come to, as linear equations;
 //! 4. Lemke's pivots on the linear complementarity problem ([`lemke`]);
-//! 5. all states ([`enumeration`]): where none has forces, there are none. With more than eight contacts that may take too long,
-//!    and is given up;
+//! 5. all states ([`enumeration`]): where none has forces, there are none. With more states than those of eight contacts the search
+//!    may take too long, and is given up;
 //! 6. Gauss–Seidel, for as long as one may wait.
 //!
 //! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact that

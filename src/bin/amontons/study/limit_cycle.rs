@@ -476,17 +476,18 @@ impl Told<'_> {
             writeln!(out, "{} at {value:?}: {evidence}", ending.kind.name())?;
         }
         for run in endings.chunk_by(|a, b| a.1.fading == b.1.fading) {
-            let (states, values) = (taken(&run[0].1.fading), [run[0].0, run[run.len() - 1].0]);
-            let values = match values {
+            let states = taken(&run[0].1.fading);
+            if states.is_empty() {
+                continue;
+            }
+            let values = match [run[0].0, run[run.len() - 1].0] {
                 [first, last] if first == last => format!("at {first:?}"),
                 [first, last] => format!("from {first:?} to {last:?}"),
             };
-            if !states.is_empty() {
-                writeln!(
-                    out,
-                    "{values} contacts take {states} ever more briefly, and in the end not at all: it is left out"
-                )?;
-            }
+            writeln!(
+                out,
+                "{values} contacts take {states} ever more briefly, and in the end not at all: the table leaves this out"
+            )?;
         }
         Ok(())
     }
