@@ -456,3 +456,44 @@ fn what_follows_two_signals_without_a_common_period_is_quasi_periodic() {
         assert_eq!((ending.kind, ending.follows), (Kind::QuasiPeriodic, true), "{ending:?}");
     }
 }
+
+/// A block on a belt that sticks and slips under a sine of 2.6 Hz and 12 N.
+fn shaken(velocity: f64) -> Scene {
+    Block {
+        velocity,
+        friction: [0.31, 0.47],
+        mass: 2.3,
+        load: 85.0,
+        stiffness: 1450.0,
+        damping: 3.1,
+        start: [0.0, 0.12],
+        signals: &["sine = { amplitude = 12.0, frequency = 2.6 }"],
+    }
+    .scene()
+}
+
+/// By an exact solution of another author, piece by piece, neighbours of these motions part by e^(0.217 t/s) and e^(0.167 t/s), with
+/// an uncertainty of 0.006. Both were called quasi-periodic: the push that makes a neighbour came while the block stuck, which
+/// undid it, and what is no neighbour does not part.
+#[test]
+fn neighbours_are_made_where_the_motion_does_not_stick() {
+    for (velocity, exponent) in [(0.209, 0.217), (0.21, 0.167)] {
+        let ending = ending(&shaken(velocity), None);
+        assert_eq!(ending.kind, Kind::Irregular, "{velocity} {ending:?}");
+        let rate = ending.parting.unwrap();
+        assert!((0.5 * exponent..2.0 * exponent).contains(&rate), "{velocity} {rate}");
+    }
+}
+
+/// By the same solution these come back after so many periods of the sine, and neighbours come to them. They were called
+/// quasi-periodic, since no more than 64 periods were tried.
+#[test]
+fn what_neighbours_come_to_is_periodic_however_many_periods_of_its_drive_that_takes() {
+    for (velocity, periods) in [(0.24, 82.0), (0.229, 79.0), (0.244, 65.0)] {
+        for window in [None, Some(40.0)] {
+            let ending = ending(&shaken(velocity), window);
+            assert_eq!(ending.kind, Kind::Periodic, "{velocity} {window:?} {ending:?}");
+            assert_near(ending.period.unwrap(), periods / 2.6, 1e-9);
+        }
+    }
+}

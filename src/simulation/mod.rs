@@ -281,6 +281,18 @@ impl Simulation {
         self.stale.contact_forces = true;
     }
 
+    /// Moves to where the difference to the displacements and velocities of another motion of the same scene is so many times as
+    /// large. Contact states stay as they are.
+    #[cfg(feature = "tools")]
+    pub(crate) fn set_apart_from(&mut self, other: &Self, factor: f64) {
+        let Motion { displacement, velocity, .. } = &mut self.motion;
+        let others = other.motion.displacement.iter().chain(&other.motion.velocity);
+        for (value, other) in displacement.iter_mut().chain(velocity).zip(others) {
+            *value = other + factor * (*value - other);
+        }
+        self.stale.contact_forces = true;
+    }
+
     /// What has been counted since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {

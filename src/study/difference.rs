@@ -5,6 +5,11 @@ use super::ending::{Ending, Kind};
 /// Extents that differ by more than this part, from one value to the next or between the ways, may be of different
 /// motions.
 pub(super) const OTHER_EXTENT: f64 = 0.05;
+/// Extents of two periodic motions that differ by more than this part are of different ones, where both states come back to
+/// within [`EXACT`].
+const SAME_EXTENT: f64 = 5e-3;
+/// Such a state has come back to within this part of its motion's size.
+const EXACT: f64 = 1e-5;
 /// Sizes of irregular motions that differ by more than this part may.
 const OTHER_IRREGULAR: f64 = 0.25;
 /// Sizes of undecided motions that differ by more than so many times their own scatter may.
@@ -21,6 +26,20 @@ const SEEN: f64 = 1e-2;
 pub(super) fn have_other_kinds(a: &Ending, b: &Ending) -> bool {
     let is_open = |ending: &Ending| matches!(ending.kind, Kind::Undecided | Kind::Unsettled);
     a.kind != b.kind && !is_open(a) && !is_open(b)
+}
+
+/// Are both motions known so exactly that a small difference tells them apart?
+pub(super) fn are_exact(a: &Ending, b: &Ending) -> bool {
+    let is_exact = |ending: &Ending| {
+        ending.kind == Kind::Periodic && ending.closure.is_some_and(|closure| closure <= EXACT)
+    };
+    is_exact(a) && is_exact(b)
+}
+
+/// Are these two motions, looked at as closely as they are known? Both are at the same value of a parameter, or at values that
+/// hardly differ.
+pub(super) fn are_two(a: &Ending, b: &Ending) -> bool {
+    distance(a, b) > if are_exact(a, b) { SAME_EXTENT } else { OTHER_EXTENT }
 }
 
 /// How different two motions are: 0 for the same; where one rests or grows without bound and the other does not, as far
@@ -101,6 +120,20 @@ mod tests {
             scatter,
             extents: vec![size],
         }
+    }
+
+    #[test]
+    fn periodic_motions_are_told_apart_as_closely_as_they_are_known() {
+        let periodic = |extent, closure| Ending {
+            kind: Kind::Periodic,
+            closure: Some(closure),
+            ..undecided(extent, 0.0, 168.0)
+        };
+        let one = periodic(1e-4, 1e-9);
+        assert!(!are_two(&one, &periodic(1.004e-4, 1e-9)));
+        assert!(are_two(&one, &periodic(1.014e-4, 1e-9)));
+        assert!(!are_two(&one, &periodic(1.014e-4, 1e-4)));
+        assert!(are_two(&one, &periodic(1.06e-4, 1e-4)));
     }
 
     #[test]

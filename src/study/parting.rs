@@ -2,16 +2,16 @@
 //! quasi-periodic where they stay near over many windows; where neither can be shown, its kind stays undecided.
 
 use super::push::Push;
-use super::recurrence::{State, begin_fast};
+use super::recurrence::{Scale, State, begin_fast};
 use crate::Error;
 use crate::simulation::Simulation;
 
 /// How far apart neighbouring motions start, in parts of the motion's size.
 const APART: f64 = 1e-9;
-/// Beyond this distance they are no neighbours any more.
+/// At these distances they are brought back to the first one, along the line through both: farther away they are no neighbours,
+/// and much nearer the difference is lost in rounding.
 const PARTED: f64 = 1e-3;
-/// At this distance they have come together.
-const TOGETHER: f64 = 1e-2 * APART;
+const NEAR: f64 = 1e-2 * APART;
 /// Windows over which neighbours are followed, and over how many at the most where that does not tell how they part.
 const WINDOWS_APART: u64 = 4;
 pub(super) const MOST_WINDOWS_APART: u64 = 32;
@@ -19,6 +19,13 @@ pub(super) const MOST_WINDOWS_APART: u64 = 32;
 /// of a regular motion, whose distance grows in proportion to time at most, by less than [`REGULAR`].
 const EXPONENTIAL: f64 = 30.0;
 const REGULAR: f64 = 6.0;
+/// Neighbours whose distance has shrunk to this part come together, if it still shrinks by [`SHRINKING`] from one half to the
+/// next; irregular ones may come nearer for a while, but not over so many windows.
+const TOGETHER: f64 = 1e-2;
+const SHRINKING: f64 = 0.1;
+const LEAST_WINDOWS_TOGETHER: u64 = 8;
+/// Slower ones have shrunk to this part from the first half of the longest time to the second.
+const SLOWLY: f64 = 0.5;
 
 /// How neighbouring motions part.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,12 +57,15 @@ pub(super) fn parting(
 ) -> Result<Parting, Error> {
     let mut motion = Simulation::resume(simulation.save())?;
     let scale = begin_fast(&mut motion, interval, frequency, rows)?;
-    let mut neighbour = Simulation::resume(motion.save())?;
-    neighbour.push(Push::of(motion.scene()).dof, APART * scale.velocity);
+    let Some(mut neighbour) = neighbour(&mut motion, interval, &scale, rows)? else {
+        return Ok(Parting::Unknown);
+    };
     let start = motion.time();
     let mut windows = WINDOWS_APART;
-    // The largest distance over a while at the end of the first half, and of the whole, which is the first half of the next.
-    let (mut early, mut late) = (0.0_f64, 0.0_f64);
+    // By how much the distance had grown when it was last brought back, and its largest growth over a while at the end of the
+    // first half, and of the whole, which is the first half of the next; logarithms.
+    let mut before = 0.0;
+    let (mut early, mut late) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
     let mut row = 0;
     loop {
         let half = windows * rows / 2;
@@ -68,31 +78,70 @@ pub(super) fn parting(
             motion.advance_to(start + after)?;
             neighbour.advance_to(start + after)?;
             let distance = scale.distance(&motion, &State::of(&neighbour));
-            if distance > PARTED {
-                return Ok(Parting::Exponential(libm::log(distance / APART) / after));
+            // What is left of the difference is lost in rounding.
+            if distance == 0.0 {
+                return Ok(Parting::Together);
+            }
+            let grown = before + libm::log(distance / APART);
+            if grown >= libm::log(PARTED / APART) {
+                return Ok(Parting::Exponential(grown / after));
+            }
+            // In other contact states they lie on no line along which one could move.
+            let is_beside = neighbour.contact_states() == motion.contact_states();
+            if !(NEAR..=PARTED).contains(&distance) && is_beside {
+                neighbour.set_apart_from(&motion, APART / distance);
+                before = grown;
             }
             if row <= half && row > half - half / 4 {
-                early = early.max(distance);
+                early = early.max(grown);
             }
             if row > 2 * half - half / 4 {
-                late = late.max(distance);
+                late = late.max(grown);
             }
         }
-        if late <= TOGETHER {
+        let grown = libm::exp(late - early);
+        if windows >= LEAST_WINDOWS_TOGETHER && late <= libm::log(TOGETHER) && grown <= SHRINKING {
             return Ok(Parting::Together);
         }
-        match late / early {
-            grown if grown >= EXPONENTIAL && late > 100.0 * APART => {
-                return Ok(Parting::Exponential(libm::log(grown) / (half as f64 * interval)));
-            }
-            grown if grown <= REGULAR && !is_long => return Ok(Parting::Unknown),
-            grown if 2 * windows > MOST_WINDOWS_APART => {
-                let is_regular = grown <= REGULAR;
-                return Ok(if is_regular { Parting::Regular } else { Parting::Unknown });
-            }
-            _ => {}
+        if grown >= EXPONENTIAL && late > libm::log(100.0) {
+            return Ok(Parting::Exponential((late - early) / (half as f64 * interval)));
+        }
+        if grown <= REGULAR && !is_long && late > libm::log(TOGETHER) {
+            return Ok(Parting::Unknown);
+        }
+        if 2 * windows > MOST_WINDOWS_APART {
+            return Ok(match grown {
+                ..=SLOWLY => Parting::Together,
+                ..=REGULAR => Parting::Regular,
+                _ => Parting::Unknown,
+            });
         }
         windows *= 2;
-        (early, late) = (late, 0.0);
+        (early, late) = (late, f64::NEG_INFINITY);
     }
+}
+
+/// Advances a motion to where a neighbour of it, made by a small push, lives longer than a row: what a sticking contact holds is
+/// back at once. `None` if there is none within a window.
+fn neighbour(
+    motion: &mut Simulation,
+    interval: f64,
+    scale: &Scale,
+    rows: u64,
+) -> Result<Option<Simulation>, Error> {
+    let start = motion.time();
+    let (first, count) = (Push::of(motion.scene()).dof, motion.velocity().len());
+    for row in 1..=rows {
+        let mut neighbour = Simulation::resume(motion.save())?;
+        // Each time another degree of freedom, since one may be held for as long as the motion goes on.
+        let place = usize::try_from(row - 1).unwrap_or(0);
+        neighbour.push((first + place) % count, APART * scale.velocity);
+        let time = start + row as f64 * interval;
+        motion.advance_to(time)?;
+        neighbour.advance_to(time)?;
+        if scale.distance(motion, &State::of(&neighbour)) > NEAR {
+            return Ok(Some(neighbour));
+        }
+    }
+    Ok(None)
 }

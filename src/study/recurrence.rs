@@ -134,10 +134,68 @@ pub(super) fn closure(
     rows: u64,
     is_over: &dyn Fn() -> bool,
 ) -> Result<Search, Error> {
+    let window = rows as f64 * interval;
+    let most = MOST_WINDOWS * window;
+    let own = MOST_PERIODS / frequency;
+    let mut is_whole = own <= most;
+    let near = 4.0 * COMES_BACK;
+    let found = seek(simulation, interval, frequency, (rows, near), is_over, |seeker| {
+        let mut found = None;
+        if simulation.is_driven_on() {
+            // Signals without a common period that is so short drive a motion that does not come back for longer still.
+            let period = drive::period(simulation).filter(|period| *period <= most);
+            is_whole &= period.is_none_or(|period| MOST_PERIODS * period <= most);
+            if let Some(period) = period {
+                let longest = own.max(MOST_PERIODS * period).min(most);
+                // A drive much faster than the motion does not carry it far in one of its periods.
+                found = seeker.among_multiples(period, [0.9 / frequency, longest])?;
+            }
+        }
+        // What does not feel the drive may come back sooner, and nearer.
+        if found.is_none_or(|found| !found.is_closed) {
+            let elsewhere = seeker.anywhere(own.min(most))?;
+            found = elsewhere.filter(|there| there.is_closed || found.is_none()).or(found);
+        }
+        Ok(found)
+    })?;
+    Ok(match found {
+        Some(found) => Search::Found(found),
+        None if is_whole => Search::NoReturn,
+        None => Search::CutShort,
+    })
+}
+
+/// Finds the period of a motion that neighbouring motions come to: since it has no say in where it is, it comes back after some
+/// multiple of the period of what drives it. The search goes on for [`MOST_WINDOWS`] windows, and so has time for few returns: only
+/// for those that may be exact. For the arguments and errors see [`closure`].
+pub(super) fn long_closure(
+    simulation: &Simulation,
+    interval: f64,
+    frequency: f64,
+    rows: u64,
+    is_over: &dyn Fn() -> bool,
+) -> Result<Option<Closure>, Error> {
+    let Some(period) = drive::period(simulation) else { return Ok(None) };
+    let longest = MOST_WINDOWS * rows as f64 * interval;
+    seek(simulation, interval, frequency, (rows, 4.0 * CLOSED), is_over, |seeker| {
+        seeker.among_multiples(period, [0.9 / frequency, longest])
+    })
+}
+
+/// Begins a search for a period where the motion is fast, among returns that are so `near`; `None` without a search if it does not
+/// move.
+fn seek(
+    simulation: &Simulation,
+    interval: f64,
+    frequency: f64,
+    (rows, near): (u64, f64),
+    is_over: &dyn Fn() -> bool,
+    search: impl FnOnce(&Seeker<'_>) -> Result<Option<Closure>, Error>,
+) -> Result<Option<Closure>, Error> {
     let mut start = Simulation::resume(simulation.save())?;
     let scale = begin_fast(&mut start, interval, frequency, rows)?;
     if scale.displacement <= 0.0 || scale.velocity <= 0.0 {
-        return Ok(Search::NoReturn);
+        return Ok(None);
     }
     let (begin, origin) = (Return { after: 0.0, state: start.save() }, State::of(&start));
     let course = Course { from: &begin.state, start: start.time() };
@@ -145,31 +203,9 @@ pub(super) fn closure(
     // Rounding of forces moves the state, too.
     let rounding = FORCE_ROUNDING * deflection(simulation) / scale.displacement;
     let closed = CLOSED.max(WOBBLE * way_of_a_step(simulation, frequency)).max(rounding);
-    let seeker = Seeker { course, begin: &begin, origin, scale, interval, window, closed, is_over };
-    let most = MOST_WINDOWS * window;
-    let own = MOST_PERIODS / frequency;
-    let mut is_whole = own <= most;
-    let mut found = None;
-    if simulation.is_driven_on() {
-        // Signals without a common period that is so short drive a motion that does not come back for longer still.
-        let period = drive::period(simulation).filter(|period| *period <= most);
-        is_whole &= period.is_none_or(|period| MOST_PERIODS * period <= most);
-        if let Some(period) = period {
-            let longest = own.max(MOST_PERIODS * period).min(most);
-            // A drive much faster than the motion does not carry it far in one of its periods.
-            found = seeker.among_multiples(period, [0.9 / frequency, longest])?;
-        }
-    }
-    // What does not feel the drive may come back sooner, and nearer.
-    if found.is_none_or(|found| !found.is_closed) {
-        let elsewhere = seeker.anywhere(own.min(most))?;
-        found = elsewhere.filter(|there| there.is_closed || found.is_none()).or(found);
-    }
-    Ok(match found {
-        Some(found) => Search::Found(found),
-        None if is_whole => Search::NoReturn,
-        None => Search::CutShort,
-    })
+    let near = near.max(4.0 * closed);
+    let begin = &begin;
+    search(&Seeker { course, begin, origin, scale, interval, window, near, closed, is_over })
 }
 
 /// Do signals drive a motion for ever, without a common period that is as short as a search for it may last?
@@ -197,7 +233,9 @@ struct Seeker<'a> {
     /// s, between two rows, and of a window.
     interval: f64,
     window: f64,
-    /// A return that is so near is one of a periodic motion.
+    /// A return that is so near may be one of a periodic motion, and is looked at over the whole period.
+    near: f64,
+    /// A return that is so near over the whole period is one.
     closed: f64,
     is_over: &'a dyn Fn() -> bool,
 }
@@ -277,7 +315,7 @@ impl Seeker<'_> {
         away: f64,
         nearest: Option<&(f64, Return)>,
     ) -> Result<Option<Closure>, Error> {
-        if away > 4.0 * COMES_BACK {
+        if away > self.near {
             return Ok(None);
         }
         let part = there.after;

@@ -17,7 +17,7 @@ use super::look::{Look, output, unit};
 use super::parting::{Parting, parting};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
-    Closure, Search, closure, has_no_period, is_closing, longest_step, may_wobble,
+    Closure, Search, closure, has_no_period, is_closing, long_closure, longest_step, may_wobble,
 };
 use super::windows::{Course, Surroundings, Windows};
 use crate::Error;
@@ -372,6 +372,15 @@ impl Settling {
         self.is_of_two = is_of_two;
         let is_long = is_of_two || is_last;
         let parting = parting(simulation, interval, main, (self.look.rows(), is_long), is_over)?;
+        if parting == Parting::Together && !has_no_period(simulation, self.look.window) {
+            let rows = self.look.rows();
+            let found = long_closure(simulation, interval, main, rows, is_over)?;
+            self.closures.extend(found);
+            if found.is_some_and(|found| found.is_closed && found.is_shortest) {
+                return Ok(Some((Kind::Periodic, None)));
+            }
+            return Ok(is_last.then_some((Kind::Undecided, None)));
+        }
         // What has more frequencies than two may yet converge, unless its size has stayed as it is for long.
         let has_come = is_of_two || self.closures.is_empty() && !self.seen.varies_less();
         let last = self.closures.last();

@@ -7,7 +7,7 @@ use crate::Error;
 use crate::scene::Scene;
 use crate::simulation::{Progress, Simulation, Snapshot, assign};
 use crate::study::Watch;
-use crate::study::difference::{OTHER_EXTENT, distance, have_other_kinds};
+use crate::study::difference::{are_two, have_other_kinds};
 use crate::study::ending::{Ending, Kind};
 use crate::study::journal::Journal;
 use crate::study::push::Push;
@@ -22,6 +22,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 const MORE_TIMES: usize = 2;
 /// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution.
 const STEEP: f64 = 1.0 / 16.0;
+
+/// A way that is looked at closely takes no step larger than this part of that between two values that were asked for.
+const CLOSELY: f64 = 1.0 / 8.0;
 
 /// How many rows a motion may take from a value that it has passed to another one at which it is compared.
 const ROWS_BETWEEN: u64 = 10_000_000;
@@ -130,7 +133,9 @@ impl<'a> Run<'a> {
         let resolution = self.plan.resolution * (1.0 + 1e-9);
         let way = followed.way;
         let Some(mut here) = followed.passed.last().cloned() else { return Ok(true) };
-        let mut step = to - here.point.friction;
+        let whole = to - here.point.friction;
+        let most = if followed.looks_closely { CLOSELY * whole.abs() } else { whole.abs() };
+        let mut step = most.copysign(whole);
         loop {
             let from = here.point.friction;
             let is_whole = step.abs() >= (to - from).abs() * (1.0 - 1e-9);
@@ -144,12 +149,7 @@ impl<'a> Run<'a> {
             };
             followed.rows_left =
                 followed.rows_left.saturating_sub(self.rows_of(&next.point.ending));
-            let stays = match (here.ending(), next.ending()) {
-                (Some(before), Some(after)) => {
-                    followed.is_leaving || distance(before, after) <= OTHER_EXTENT
-                }
-                _ => false,
-            };
+            let stays = matches!((here.ending(), next.ending()), (Some(a), Some(b)) if followed.stays(a, b));
             let half = 0.5 * (target - from);
             // A cycle of another kind may be another cycle that looks alike: a small change tells.
             let has_other_kind = !followed.is_leaving
@@ -180,7 +180,8 @@ impl<'a> Run<'a> {
                 // A motion that has left another one and not yet settled may become any motion.
                 followed.is_leaving = (followed.is_leaving || !stays) && is_open(after);
             }
-            step = if stays { 2.0 * step } else { to - target };
+            let next_step = if stays { 2.0 * step } else { to - target };
+            step = next_step.abs().min(most).copysign(next_step);
             let is_over = target == to || next.progress.is_none();
             followed.passed.push(next.clone());
             if is_over {
@@ -281,7 +282,7 @@ impl<'a> Run<'a> {
         let (Some(before), Some(progress)) = (from.ending(), &from.progress) else {
             return Ok(None);
         };
-        if !before.kind.is_cycle() || distance(before, ending) <= OTHER_EXTENT {
+        if !before.kind.is_cycle() || !are_two(before, ending) {
             return Ok(None);
         }
         let mut simulation = self.resume(friction, progress.clone())?;
@@ -294,7 +295,7 @@ impl<'a> Run<'a> {
             return Ok(None);
         }
         let after = settle(&mut simulation, self.plan.look, &|| self.watch.is_over())?;
-        let stays = |after: &Ending| distance(before, after) <= OTHER_EXTENT;
+        let stays = |after: &Ending| !are_two(before, after);
         Ok(after.filter(stays).map(|after| (after, simulation.save().into_progress())))
     }
 

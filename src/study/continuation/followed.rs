@@ -2,7 +2,7 @@
 
 use super::findings::{Jump, Point, Way};
 use crate::simulation::Progress;
-use crate::study::difference::{OTHER_EXTENT, distance};
+use crate::study::difference::{OTHER_EXTENT, are_exact, are_two, distance};
 use crate::study::ending::{Ending, Kind};
 
 /// A value of µ with the state that its motion has ended in.
@@ -39,6 +39,17 @@ impl Reached {
     }
 }
 
+/// The difference between two cycles at the same value.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Difference {
+    /// They are the same.
+    None,
+    /// They are two that a step from one value to the next does not tell apart.
+    Small,
+    /// They are two that each step tells apart.
+    Clear,
+}
+
 /// One way, or another motion, as far as it was followed.
 #[derive(Clone)]
 pub(super) struct Followed {
@@ -55,6 +66,8 @@ pub(super) struct Followed {
     pub(super) beyond: Option<Vec<Reached>>,
     /// How many rows its runs may still take.
     pub(super) rows_left: u64,
+    /// `true` where each step of µ is to be so small that the smallest jump is seen, not only those by 5 %.
+    pub(super) looks_closely: bool,
 }
 
 impl Followed {
@@ -68,6 +81,7 @@ impl Followed {
             is_leaving: false,
             beyond: None,
             rows_left: u64::MAX,
+            looks_closely: false,
         }
     }
 
@@ -89,6 +103,39 @@ impl Followed {
     /// What it has reached at a value that it has passed.
     pub(super) fn at(&self, friction: f64) -> Option<&Reached> {
         self.passed.iter().find(|reached| reached.point.friction == friction)
+    }
+
+    /// `true` if a motion of it at one value and the next may be the same motion.
+    pub(super) fn stays(&self, before: &Ending, after: &Ending) -> bool {
+        let differ =
+            distance(before, after) > OTHER_EXTENT || self.looks_closely && are_two(before, after);
+        self.is_leaving || !differ
+    }
+
+    /// How its motion at a value differs from that of another way; `None` where both are not known exactly.
+    pub(super) fn differs(&self, other: &Self, friction: f64) -> Option<Difference> {
+        let [here, there] = [self, other].map(|way| way.at(friction).and_then(Reached::ending));
+        let (here, there) = (here?, there?);
+        are_exact(here, there).then(|| match distance(here, there) {
+            _ if !are_two(here, there) => Difference::None,
+            ..=OTHER_EXTENT => Difference::Small,
+            _ => Difference::Clear,
+        })
+    }
+
+    /// Takes over what this way is on a stretch on which it was followed once more, from the first value of that to the last.
+    pub(super) fn take_over(&mut self, stretch: Self) {
+        let places = [stretch.passed.first(), stretch.passed.last()]
+            .map(|end| end.and_then(|end| self.place(end.point.friction)));
+        let [Some(from), Some(to)] = places else { return };
+        let [low, high] = stretch.extent();
+        self.passed.splice(from..=to, stretch.passed);
+        self.jumps.retain(|jump| !(low..=high).contains(&jump.at()));
+        self.jumps.extend(stretch.jumps);
+        self.jumps.sort_by(|a, b| a.at().total_cmp(&b.at()));
+        if self.way == Way::Falling {
+            self.jumps.reverse();
+        }
     }
 
     /// `true` if it can be followed further from where it is.
@@ -165,7 +212,7 @@ impl Followed {
 
 /// `true` of two motions at the same value that are known and are the same one.
 pub(super) fn are_alike(a: &Ending, b: &Ending) -> bool {
-    is_known(a) && is_known(b) && distance(a, b) <= OTHER_EXTENT
+    is_known(a) && is_known(b) && !are_two(a, b)
 }
 
 /// `true` of a motion that has settled, or is on its way to rest or away from it.

@@ -8,14 +8,16 @@
 //!
 //! A change of µ is a push too. Where a motion gives way to another, the change is halved until the motion stays or the
 //! change is as small as the resolution: only what a motion does not survive at that size is a jump. There a cycle that the
-//! push has ended is run again with a thousandth of it, since a cycle near its end may survive no larger one. So jumps do
-//! not depend on the values of µ that are asked for.
+//! push has ended is run again with a thousandth of it, since a cycle near its end may survive no larger one. So jumps by
+//! more than 5 % do not depend on the values of µ that are asked for. Smaller ones are found where the ways have two cycles at one of
+//! these values.
 
 mod findings;
 mod follow;
 mod followed;
 mod motions;
 mod ranges;
+mod small_jumps;
 
 pub use findings::{Bistable, Both, Continuation, Jump, Point, Third, Way};
 
@@ -75,10 +77,15 @@ pub fn continuation(
     #[allow(clippy::cast_precision_loss)]
     let step_done = || (watch.progress)(done.fetch_add(1, Ordering::Relaxed) as f64 / all);
     let ways = collect(2, &|i| run.follow(Way::ALL[i], &step_done), &|_| {})?;
-    let Some(ways) = ways.into_iter().collect::<Option<Vec<Followed>>>() else { return Ok(None) };
+    let Some(mut ways) = ways.into_iter().collect::<Option<Vec<Followed>>>() else {
+        return Ok(None);
+    };
     // Nothing was followed: a way ends at its first failure.
     if let [Err(failure), Err(_)] = [0, 1].map(|way: usize| &ways[way].passed[0].point.ending) {
         return Err(Error::scene(failure.clone()));
+    }
+    if !run.find_small_jumps(&mut ways)? {
+        return Ok(None);
     }
     let Some(own) = run.own_starts(&step_done)? else { return Ok(None) };
     let Some(rests) = run.rests(&ways)? else { return Ok(None) };
