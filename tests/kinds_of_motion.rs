@@ -485,8 +485,8 @@ fn neighbours_are_made_where_the_motion_does_not_stick() {
     }
 }
 
-/// By the same solution these come back after so many periods of the sine, and neighbours come to them. They were called
-/// quasi-periodic, since no more than 64 periods were tried.
+/// The same solution has stable motions that come back after 82, 79 and 65 periods of the sine. They were called quasi-periodic,
+/// since no more than 64 periods were tried.
 #[test]
 fn what_neighbours_come_to_is_periodic_however_many_periods_of_its_drive_that_takes() {
     for (velocity, periods) in [(0.24, 82.0), (0.229, 79.0), (0.244, 65.0)] {

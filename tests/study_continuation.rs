@@ -199,9 +199,9 @@ fn a_cycle_ends_where_it_grazes_sticking_whatever_the_grid_and_the_window() {
     }
 }
 
-/// A pad that sticks and slips for ever, with cycles that differ by 1 to 2 % side by side. By an event-driven code of another author the larger one ends at a rising µ of
-/// 0.636838 and the smaller one at a falling µ of 0.626972. No jump and one motion were told, since steps from one value to the next
-/// may change a motion by 5 %.
+/// A pad that sticks and slips for ever has two cycles that differ by 2 % side by side. An event-driven code of another author ends
+/// one of them at a rising µ of 0.636838 and the other one at a falling µ of 0.626972. No jump and one motion were told, since
+/// steps from one value to the next may change a motion by 5 %.
 #[test]
 fn a_jump_between_cycles_that_look_alike_is_found_where_both_ways_have_their_own() {
     let text = r#"

@@ -281,8 +281,8 @@ impl Simulation {
         self.stale.contact_forces = true;
     }
 
-    /// Moves to where the difference to the displacements and velocities of another motion of the same scene is so many times as
-    /// large. Contact states stay as they are.
+    /// Multiplies the difference between the displacements and velocities of this motion and those of another one of the same
+    /// scene by a factor. The other motion and the contact states stay as they are.
     #[cfg(feature = "tools")]
     pub(crate) fn set_apart_from(&mut self, other: &Self, factor: f64) {
         let Motion { displacement, velocity, .. } = &mut self.motion;

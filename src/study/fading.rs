@@ -38,7 +38,7 @@ pub(super) struct Lasting {
     pub fading: [bool; 4],
 }
 
-/// How a share of the time goes on.
+/// What a share of the time does in the end.
 #[derive(Clone, Copy, PartialEq)]
 enum Fate {
     Stays,

@@ -8,8 +8,8 @@ use crate::simulation::Simulation;
 
 /// How far apart neighbouring motions start, in parts of the motion's size.
 const APART: f64 = 1e-9;
-/// At these distances they are brought back to the first one, along the line through both: farther away they are no neighbours,
-/// and much nearer the difference is lost in rounding.
+/// Neighbours beyond the larger distance, or below the smaller one, are brought back to the first one along the line through both.
+/// Farther away they are no neighbours, and much nearer the difference is lost in rounding.
 const PARTED: f64 = 1e-3;
 const NEAR: f64 = 1e-2 * APART;
 /// Windows over which neighbours are followed, and over how many at the most where that does not tell how they part.
@@ -20,7 +20,7 @@ pub(super) const MOST_WINDOWS_APART: u64 = 32;
 const EXPONENTIAL: f64 = 30.0;
 const REGULAR: f64 = 6.0;
 /// Neighbours whose distance has shrunk to this part come together, if it still shrinks by [`SHRINKING`] from one half to the
-/// next; irregular ones may come nearer for a while, but not over so many windows.
+/// next. Irregular ones come nearer for a while only, so that is asked after this many windows.
 const TOGETHER: f64 = 1e-2;
 const SHRINKING: f64 = 0.1;
 const LEAST_WINDOWS_TOGETHER: u64 = 8;
@@ -57,7 +57,7 @@ pub(super) fn parting(
 ) -> Result<Parting, Error> {
     let mut motion = Simulation::resume(simulation.save())?;
     let scale = begin_fast(&mut motion, interval, frequency, rows)?;
-    let Some(mut neighbour) = neighbour(&mut motion, interval, &scale, rows)? else {
+    let Some(mut neighbour) = neighbour(&mut motion, interval, (&scale, rows), is_over)? else {
         return Ok(Parting::Unknown);
     };
     let start = motion.time();
@@ -121,19 +121,22 @@ pub(super) fn parting(
     }
 }
 
-/// Advances a motion to where a neighbour of it, made by a small push, lives longer than a row: what a sticking contact holds is
-/// back at once. `None` if there is none within a window.
+/// Advances a motion to where a small push makes a neighbour that lives longer than a row. A contact that sticks undoes a push at
+/// once. `None` if there is no such place within a window, or the watch ended the search.
 fn neighbour(
     motion: &mut Simulation,
     interval: f64,
-    scale: &Scale,
-    rows: u64,
+    (scale, rows): (&Scale, u64),
+    is_over: &dyn Fn() -> bool,
 ) -> Result<Option<Simulation>, Error> {
     let start = motion.time();
     let (first, count) = (Push::of(motion.scene()).dof, motion.velocity().len());
     for row in 1..=rows {
+        if is_over() {
+            break;
+        }
         let mut neighbour = Simulation::resume(motion.save())?;
-        // Each time another degree of freedom, since one may be held for as long as the motion goes on.
+        // Each row pushes another degree of freedom, since contacts may hold one of them for ever.
         let place = usize::try_from(row - 1).unwrap_or(0);
         neighbour.push((first + place) % count, APART * scale.velocity);
         let time = start + row as f64 * interval;

@@ -137,19 +137,17 @@ pub(super) fn closure(
     let window = rows as f64 * interval;
     let most = MOST_WINDOWS * window;
     let own = MOST_PERIODS / frequency;
-    let mut is_whole = own <= most;
+    // Signals without a common period that is so short drive a motion that does not come back for longer still.
+    let is_short = |period: &f64| simulation.is_driven_on() && *period <= most;
+    let period = drive::period(simulation).filter(is_short);
+    let is_whole = own <= most && period.is_none_or(|period| MOST_PERIODS * period <= most);
     let near = 4.0 * COMES_BACK;
     let found = seek(simulation, interval, frequency, (rows, near), is_over, |seeker| {
         let mut found = None;
-        if simulation.is_driven_on() {
-            // Signals without a common period that is so short drive a motion that does not come back for longer still.
-            let period = drive::period(simulation).filter(|period| *period <= most);
-            is_whole &= period.is_none_or(|period| MOST_PERIODS * period <= most);
-            if let Some(period) = period {
-                let longest = own.max(MOST_PERIODS * period).min(most);
-                // A drive much faster than the motion does not carry it far in one of its periods.
-                found = seeker.among_multiples(period, [0.9 / frequency, longest])?;
-            }
+        if let Some(period) = period {
+            let longest = own.max(MOST_PERIODS * period).min(most);
+            // A drive much faster than the motion does not carry it far in one of its periods.
+            found = seeker.among_multiples(period, [0.9 / frequency, longest])?;
         }
         // What does not feel the drive may come back sooner, and nearer.
         if found.is_none_or(|found| !found.is_closed) {

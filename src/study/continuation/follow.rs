@@ -85,12 +85,18 @@ impl<'a> Run<'a> {
         Push::of_resting(self.plan.scene).is_none()
     }
 
+    /// The values that are asked for, in the order of a way.
+    pub(super) fn values(&self, way: Way) -> Vec<f64> {
+        let values = self.plan.values.iter().copied();
+        match way {
+            Way::Rising => values.collect(),
+            Way::Falling => values.rev().collect(),
+        }
+    }
+
     /// All values of one way, in its order, as far as it goes.
     pub(super) fn follow(&self, way: Way, step_done: &dyn Fn()) -> Result<Option<Followed>, Error> {
-        let mut values = self.plan.values.to_vec();
-        if way == Way::Falling {
-            values.reverse();
-        }
+        let values = self.values(way);
         let label = way.name().to_owned();
         let Some(first) = self.reach(&label, values[0], Start::Scene(way))? else {
             return Ok(None);
@@ -135,7 +141,7 @@ impl<'a> Run<'a> {
         let Some(mut here) = followed.passed.last().cloned() else { return Ok(true) };
         let whole = to - here.point.friction;
         let most = if followed.looks_closely { CLOSELY * whole.abs() } else { whole.abs() };
-        let mut step = most.copysign(whole);
+        let mut step = whole.clamp(-most, most);
         loop {
             let from = here.point.friction;
             let is_whole = step.abs() >= (to - from).abs() * (1.0 - 1e-9);
@@ -181,7 +187,7 @@ impl<'a> Run<'a> {
                 followed.is_leaving = (followed.is_leaving || !stays) && is_open(after);
             }
             let next_step = if stays { 2.0 * step } else { to - target };
-            step = next_step.abs().min(most).copysign(next_step);
+            step = next_step.clamp(-most, most);
             let is_over = target == to || next.progress.is_none();
             followed.passed.push(next.clone());
             if is_over {

@@ -107,8 +107,11 @@ impl Followed {
 
     /// `true` if a motion of it at one value and the next may be the same motion.
     pub(super) fn stays(&self, before: &Ending, after: &Ending) -> bool {
-        let differ =
-            distance(before, after) > OTHER_EXTENT || self.looks_closely && are_two(before, after);
+        let differ = if self.looks_closely {
+            are_two(before, after)
+        } else {
+            distance(before, after) > OTHER_EXTENT
+        };
         self.is_leaving || !differ
     }
 

@@ -311,11 +311,12 @@ impl Run<'_> {
 
     /// The values beyond one, in the order of a way.
     fn beyond(&self, friction: f64, way: Way) -> Vec<f64> {
-        let values = self.plan.values.iter().copied();
-        match way {
-            Way::Rising => values.filter(|value| *value > friction).collect(),
-            Way::Falling => values.rev().filter(|value| *value < friction).collect(),
-        }
+        let mut values = self.values(way);
+        values.retain(|value| match way {
+            Way::Rising => *value > friction,
+            Way::Falling => *value < friction,
+        });
+        values
     }
 
     /// How many other motions are known at the value at which one was met, but for that of one of the ways; `None` inside if

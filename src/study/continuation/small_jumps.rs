@@ -2,9 +2,8 @@
 //!
 //! A way takes steps of µ that change its motion by up to 5 %, and so passes a jump by 1 % unseen. Such a jump leaves a trace
 //! where it is not the same in both directions: beside it the ways have two motions. There each way is followed once more, in
-//! small steps that change its motion by no more than two motions at the same value may differ.
+//! small steps that change its motion by no more than 0.5 %. Two motions at the same value differ from there on.
 
-use super::findings::Way;
 use super::follow::Run;
 use super::followed::{Difference, Followed};
 use crate::Error;
@@ -14,15 +13,11 @@ impl Run<'_> {
     /// `false` if the watch ended it.
     pub(super) fn find_small_jumps(&self, ways: &mut [Followed]) -> Result<bool, Error> {
         for place in [0, 1] {
-            let mut values = self.plan.values.to_vec();
-            if ways[place].way == Way::Falling {
-                values.reverse();
-            }
+            let values = self.values(ways[place].way);
             for step in 1..values.len() {
                 let two = [values[step - 1], values[step]]
                     .map(|value| ways[place].differs(&ways[1 - place], value));
                 let [Some(before), Some(after)] = two else { continue };
-                // No small jump is between two clear differences: the motions would meet there.
                 // Motions that are the same, or differ clearly, at both leave no such trace.
                 if before == after && before != Difference::Small {
                     continue;
