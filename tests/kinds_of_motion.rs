@@ -26,6 +26,11 @@ struct Block {
 
 impl Block {
     fn scene(&self) -> Scene {
+        parse("block", &self.text()).unwrap()
+    }
+
+    /// The scene's file; its first table is that of the mass.
+    fn text(&self) -> String {
         let Self { velocity, friction, mass, load, stiffness, damping, .. } = self;
         let friction = match friction {
             [one, other] if one == other => format!("{{ coefficient = {one:?} }}"),
@@ -37,7 +42,7 @@ impl Block {
             .iter()
             .map(|signal| format!("[[signal]]\ninput = \"mass.m.fx\"\n{signal}\n"))
             .collect();
-        let text = format!(
+        format!(
             "slider = {{ velocity = {velocity:?}, angle = 0.0 }}\n\
              friction = {friction}\n\
              integrator = {{ method = \"event-driven\", step = 1e-3 }}\n\
@@ -48,8 +53,7 @@ impl Block {
              [[contact]]\nname = \"c\"\nmass = \"m\"\n\
              [[initial]]\nmass = \"m\"\nx = {x:?}\nvx = {vx:?}\n{signals}",
             -load
-        );
-        parse("block", &text).unwrap()
+        )
     }
 }
 
@@ -458,7 +462,7 @@ fn what_follows_two_signals_without_a_common_period_is_quasi_periodic() {
 }
 
 /// A block on a belt that sticks and slips under a sine of 2.6 Hz and 12 N.
-fn shaken(velocity: f64) -> Scene {
+fn shaken(velocity: f64) -> Block {
     Block {
         velocity,
         friction: [0.31, 0.47],
@@ -469,7 +473,6 @@ fn shaken(velocity: f64) -> Scene {
         start: [0.0, 0.12],
         signals: &["sine = { amplitude = 12.0, frequency = 2.6 }"],
     }
-    .scene()
 }
 
 /// By an exact solution of another author, piece by piece, neighbours of these motions part by e^(0.217 t/s) and e^(0.167 t/s), with
@@ -478,11 +481,43 @@ fn shaken(velocity: f64) -> Scene {
 #[test]
 fn neighbours_are_made_where_the_motion_does_not_stick() {
     for (velocity, exponent) in [(0.209, 0.217), (0.21, 0.167)] {
-        let ending = ending(&shaken(velocity), None);
+        let ending = ending(&shaken(velocity).scene(), None);
         assert_eq!(ending.kind, Kind::Irregular, "{velocity} {ending:?}");
         let rate = ending.parting.unwrap();
         assert!((0.5 * exponent..2.0 * exponent).contains(&rate), "{velocity} {rate}");
     }
+}
+
+/// Beside the block that moves irregularly another one, which nothing couples to it, slides as its own sine says. Only the second
+/// one was pushed, whose neighbours come together, and the kind of both was left undecided.
+#[test]
+fn what_is_irregular_in_one_mass_alone_is_irregular() {
+    let quiet = r#"
+        [[mass]]
+        name = "quiet"
+        mass = 2.0
+        force = [0.0, -20.0]
+        [[spring]]
+        name = "own_spring"
+        between = ["quiet", "ground"]
+        direction = "x"
+        stiffness = 900.0
+        [[damper]]
+        name = "own_damper"
+        between = ["quiet", "ground"]
+        direction = "x"
+        damping = 8.0
+        [[contact]]
+        name = "own_contact"
+        mass = "quiet"
+        [[signal]]
+        input = "mass.quiet.fx"
+        sine = { amplitude = 1.0, frequency = 2.6 }
+    "#;
+    let text = shaken(0.21).text().replacen("[[mass]]", &format!("{quiet}[[mass]]"), 1);
+    let scene = parse("two blocks", &text).unwrap();
+    let ending = ending(&scene, None);
+    assert_eq!(ending.kind, Kind::Irregular, "{ending:?}");
 }
 
 /// The same solution has stable motions that come back after 82, 79 and 65 periods of the sine. They were called quasi-periodic,
@@ -491,7 +526,7 @@ fn neighbours_are_made_where_the_motion_does_not_stick() {
 fn what_neighbours_come_to_is_periodic_however_many_periods_of_its_drive_that_takes() {
     for (velocity, periods) in [(0.24, 82.0), (0.229, 79.0), (0.244, 65.0)] {
         for window in [None, Some(40.0)] {
-            let ending = ending(&shaken(velocity), window);
+            let ending = ending(&shaken(velocity).scene(), window);
             assert_eq!(ending.kind, Kind::Periodic, "{velocity} {window:?} {ending:?}");
             assert_near(ending.period.unwrap(), periods / 2.6, 1e-9);
         }

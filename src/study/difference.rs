@@ -9,7 +9,7 @@ pub(super) const OTHER_EXTENT: f64 = 0.05;
 /// within [`EXACT`].
 const SAME_EXTENT: f64 = 5e-3;
 /// Such a state has come back to within this part of its motion's size.
-const EXACT: f64 = 1e-5;
+const EXACT: f64 = 1e-6;
 /// Sizes of irregular motions that differ by more than this part may.
 const OTHER_IRREGULAR: f64 = 0.25;
 /// Sizes of undecided motions that differ by more than so many times their own scatter may.
@@ -132,8 +132,8 @@ mod tests {
         let one = periodic(1e-4, 1e-9);
         assert!(!are_two(&one, &periodic(1.004e-4, 1e-9)));
         assert!(are_two(&one, &periodic(1.014e-4, 1e-9)));
-        assert!(!are_two(&one, &periodic(1.014e-4, 1e-4)));
-        assert!(are_two(&one, &periodic(1.06e-4, 1e-4)));
+        assert!(!are_two(&one, &periodic(1.014e-4, 2e-6)));
+        assert!(are_two(&one, &periodic(1.06e-4, 2e-6)));
     }
 
     #[test]

@@ -1,7 +1,6 @@
 //! How neighbouring motions part. A motion whose state does not come back is irregular where they part exponentially, and
 //! quasi-periodic where they stay near over many windows; where neither can be shown, its kind stays undecided.
 
-use super::push::Push;
 use super::recurrence::{Scale, State, begin_fast};
 use crate::Error;
 use crate::simulation::Simulation;
@@ -82,13 +81,16 @@ pub(super) fn parting(
             if distance == 0.0 {
                 return Ok(Parting::Together);
             }
+            // Between an event of one and that of the other they are as far apart as the event is large, and on no line along
+            // which one could move.
+            if neighbour.contact_states() != motion.contact_states() {
+                continue;
+            }
             let grown = before + libm::log(distance / APART);
             if grown >= libm::log(PARTED / APART) {
                 return Ok(Parting::Exponential(grown / after));
             }
-            // In other contact states they lie on no line along which one could move.
-            let is_beside = neighbour.contact_states() == motion.contact_states();
-            if !(NEAR..=PARTED).contains(&distance) && is_beside {
+            if !(NEAR..=PARTED).contains(&distance) {
                 neighbour.set_apart_from(&motion, APART / distance);
                 before = grown;
             }
@@ -98,6 +100,9 @@ pub(super) fn parting(
             if row > 2 * half - half / 4 {
                 late = late.max(grown);
             }
+        }
+        if early == f64::NEG_INFINITY || late == f64::NEG_INFINITY {
+            return Ok(Parting::Unknown);
         }
         let grown = libm::exp(late - early);
         if windows >= LEAST_WINDOWS_TOGETHER && late <= libm::log(TOGETHER) && grown <= SHRINKING {
@@ -130,15 +135,19 @@ fn neighbour(
     is_over: &dyn Fn() -> bool,
 ) -> Result<Option<Simulation>, Error> {
     let start = motion.time();
-    let (first, count) = (Push::of(motion.scene()).dof, motion.velocity().len());
+    let count = motion.velocity().len();
+    let mut neighbour = Simulation::resume(motion.save())?;
     for row in 1..=rows {
         if is_over() {
             break;
         }
-        let mut neighbour = Simulation::resume(motion.save())?;
-        // Each row pushes another degree of freedom, since contacts may hold one of them for ever.
-        let place = usize::try_from(row - 1).unwrap_or(0);
-        neighbour.push((first + place) % count, APART * scale.velocity);
+        neighbour.restore(&motion.save())?;
+        // What moves by itself may part where nothing else does, so all is pushed; by unequal parts, since equal masses that move
+        // alike would part in no other way.
+        for dof in 0..count {
+            let part = (dof + 1) as f64 / count as f64;
+            neighbour.push(dof, part * APART * scale.velocity);
+        }
         let time = start + row as f64 * interval;
         motion.advance_to(time)?;
         neighbour.advance_to(time)?;

@@ -141,8 +141,7 @@ pub(super) fn closure(
     let is_short = |period: &f64| simulation.is_driven_on() && *period <= most;
     let period = drive::period(simulation).filter(is_short);
     let is_whole = own <= most && period.is_none_or(|period| MOST_PERIODS * period <= most);
-    let near = 4.0 * COMES_BACK;
-    let found = seek(simulation, interval, frequency, (rows, near), is_over, |seeker| {
+    let found = seek(simulation, interval, frequency, (rows, COMES_BACK), is_over, |seeker| {
         let mut found = None;
         if let Some(period) = period {
             let longest = own.max(MOST_PERIODS * period).min(most);
@@ -175,18 +174,18 @@ pub(super) fn long_closure(
 ) -> Result<Option<Closure>, Error> {
     let Some(period) = drive::period(simulation) else { return Ok(None) };
     let longest = MOST_WINDOWS * rows as f64 * interval;
-    seek(simulation, interval, frequency, (rows, 4.0 * CLOSED), is_over, |seeker| {
+    seek(simulation, interval, frequency, (rows, CLOSED), is_over, |seeker| {
         seeker.among_multiples(period, [0.9 / frequency, longest])
     })
 }
 
-/// Begins a search for a period where the motion is fast, among returns that are so `near`; `None` without a search if it does not
-/// move.
+/// Begins a search for a period where the motion is fast, among returns that come as near as `enough` over the whole period; `None`
+/// without a search if it does not move.
 fn seek(
     simulation: &Simulation,
     interval: f64,
     frequency: f64,
-    (rows, near): (u64, f64),
+    (rows, enough): (u64, f64),
     is_over: &dyn Fn() -> bool,
     search: impl FnOnce(&Seeker<'_>) -> Result<Option<Closure>, Error>,
 ) -> Result<Option<Closure>, Error> {
@@ -201,15 +200,16 @@ fn seek(
     // Rounding of forces moves the state, too.
     let rounding = FORCE_ROUNDING * deflection(simulation) / scale.displacement;
     let closed = CLOSED.max(WOBBLE * way_of_a_step(simulation, frequency)).max(rounding);
-    let near = near.max(4.0 * closed);
+    let enough = enough.max(closed).min(COMES_BACK);
     let begin = &begin;
-    search(&Seeker { course, begin, origin, scale, interval, window, near, closed, is_over })
+    search(&Seeker { course, begin, origin, scale, interval, window, enough, closed, is_over })
 }
 
-/// Do signals drive a motion for ever, without a common period that is as short as a search for it may last?
-pub(super) fn has_no_period(simulation: &Simulation, window: f64) -> bool {
+/// Do signals drive a motion for ever, with a common period that is as short as a search for it may last? `None` where nothing
+/// drives it.
+pub(super) fn has_period_of_drive(simulation: &Simulation, window: f64) -> Option<bool> {
     let is_short = |period: f64| period <= MOST_WINDOWS * window;
-    simulation.is_driven_on() && !drive::period(simulation).is_some_and(is_short)
+    simulation.is_driven_on().then(|| drive::period(simulation).is_some_and(is_short))
 }
 
 /// The result of a search for a period.
@@ -231,8 +231,8 @@ struct Seeker<'a> {
     /// s, between two rows, and of a window.
     interval: f64,
     window: f64,
-    /// A return that is so near may be one of a periodic motion, and is looked at over the whole period.
-    near: f64,
+    /// A return that is so near over the whole period may be one of a periodic motion.
+    enough: f64,
     /// A return that is so near over the whole period is one.
     closed: f64,
     is_over: &'a dyn Fn() -> bool,
@@ -313,20 +313,22 @@ impl Seeker<'_> {
         away: f64,
         nearest: Option<&(f64, Return)>,
     ) -> Result<Option<Closure>, Error> {
-        if away > self.near {
+        // Over the whole period it may be nearer than at its end.
+        if away > 4.0 * self.enough.max(self.closed) {
             return Ok(None);
         }
         let part = there.after;
-        let distance = self.distance_over([self.begin, there], part)?;
-        if distance > COMES_BACK {
+        let distance = self.distance_over([self.begin, there], part, self.enough)?;
+        if distance > self.enough {
             return Ok(None);
         }
         if distance > self.closed {
             let mut motion = Simulation::resume(there.state.clone())?;
             for parts in (2..=MOST_PARTS).map(f64::from) {
                 let whole = self.bring(&mut motion, parts * part)?;
-                let nearer = self.distance_over([self.begin, &whole], whole.after)?;
-                if nearer <= NEARER * distance {
+                let most = NEARER * distance;
+                let nearer = self.distance_over([self.begin, &whole], whole.after, most)?;
+                if nearer <= most {
                     return self.closure(&whole, nearer, Some(there)).map(Some);
                 }
             }
@@ -354,7 +356,7 @@ impl Seeker<'_> {
     /// period.
     fn stays_away(&self, shorter: &Return, there: &Return, distance: f64) -> Result<bool, Error> {
         let period = there.after;
-        let before = self.distance_over([self.begin, shorter], period)?;
+        let before = self.distance_over([self.begin, shorter], period, f64::INFINITY)?;
         let periods = (self.window / period).ceil();
         // Both ends of the return have moved by no more than this distance a period.
         if 2.0 * periods * distance <= SAME_RETURN * before {
@@ -365,7 +367,7 @@ impl Seeker<'_> {
         let mut motion = Simulation::resume(there.state.clone())?;
         let from = self.bring(&mut motion, later)?;
         let to = self.bring(&mut motion, later + shorter.after)?;
-        let now = self.distance_over([&from, &to], period)?;
+        let now = self.distance_over([&from, &to], period, f64::INFINITY)?;
         Ok((now / before - 1.0).abs() <= SAME_RETURN)
     }
 
@@ -380,15 +382,16 @@ impl Seeker<'_> {
         Ok(Return { after, state: motion.save() })
     }
 
-    /// How far a motion is from itself between two of its states on, root mean square over a time (s), in parts of its size.
-    fn distance_over(&self, states: [&Return; 2], span: f64) -> Result<f64, Error> {
+    /// How far a motion is from itself between two of its states on, root mean square over a time (s), in parts of its size. Where
+    /// that is more than `most`, something between `most` and it.
+    fn distance_over(&self, states: [&Return; 2], span: f64, most: f64) -> Result<f64, Error> {
         let [mut now, mut later] = [
             Simulation::resume(states[0].state.clone())?,
             Simulation::resume(states[1].state.clone())?,
         ];
         let rows = (span / self.interval).ceil().max(1.0);
         let (mut sum, mut row) = (0.0, 0.0);
-        while row < rows {
+        while row < rows && sum <= rows * most * most {
             row += 1.0;
             if row % ROWS_AT_ONCE == 0.0 && (self.is_over)() {
                 break;

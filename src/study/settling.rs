@@ -17,12 +17,14 @@ use super::look::{Look, output, unit};
 use super::parting::{Parting, parting};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
-    Closure, Search, closure, has_no_period, is_closing, long_closure, longest_step, may_wobble,
+    Closure, Search, closure, has_period_of_drive, is_closing, long_closure, longest_step,
+    may_wobble,
 };
 use super::windows::{Course, Surroundings, Windows};
 use crate::Error;
 use crate::accuracy::half_range;
 use crate::integrator::Statistics;
+use crate::scene::Method;
 use crate::simulation::{Simulation, Variable};
 use crate::spectral::lines;
 use crate::sweep::steady::{ROUNDING, mixture};
@@ -310,14 +312,29 @@ impl Settling {
         is_over: &dyn Fn() -> bool,
     ) -> Result<bool, Error> {
         let is_due = self.is_last() || self.seen.count().is_multiple_of(WINDOWS_BETWEEN);
-        if !is_due || !has_no_period(simulation, self.look.window) {
+        if !is_due || has_period_of_drive(simulation, self.look.window) != Some(false) {
             return Ok(false);
         }
         let main = self.seen.last_lines().and_then(|found| found.lines.first());
         let Some(main) = main.map(|line| line.frequency) else { return Ok(false) };
+        Ok(self.parting(simulation, main, false, is_over)? == Parting::Together)
+    }
+
+    /// How neighbouring motions part ([`parting`]). The paper's scheme, which sees events at whole steps only, cannot show that
+    /// they come together: so near they have the same events even where exact motions part.
+    fn parting(
+        &self,
+        simulation: &Simulation,
+        frequency: f64,
+        is_long: bool,
+        is_over: &dyn Fn() -> bool,
+    ) -> Result<Parting, Error> {
         let (interval, rows) = (self.look.interval, self.look.rows());
-        let parting = parting(simulation, interval, main, (rows, false), is_over)?;
-        Ok(parting == Parting::Together)
+        let is_exact = simulation.scene().method == Method::EventDriven;
+        Ok(match parting(simulation, interval, frequency, (rows, is_long), is_over)? {
+            Parting::Together if !is_exact => Parting::Unknown,
+            parting => parting,
+        })
     }
 
     /// The kind of a motion that has settled, with the rate at which neighbours part; `None` while its state still comes
@@ -371,15 +388,17 @@ impl Settling {
         let is_of_two = !varies && self.seen.has_two_frequencies();
         self.is_of_two = is_of_two;
         let is_long = is_of_two || is_last;
-        let parting = parting(simulation, interval, main, (self.look.rows(), is_long), is_over)?;
-        if parting == Parting::Together && !has_no_period(simulation, self.look.window) {
+        let parting = self.parting(simulation, main, is_long, is_over)?;
+        // Neighbours that come together follow the signals, so the motion comes back after one or several of their periods.
+        let repeats = parting == Parting::Together
+            && has_period_of_drive(simulation, self.look.window) == Some(true);
+        if repeats {
             let rows = self.look.rows();
             let found = long_closure(simulation, interval, main, rows, is_over)?;
-            self.closures.extend(found);
-            if found.is_some_and(|found| found.is_closed && found.is_shortest) {
+            if let Some(found) = found.filter(|found| found.is_closed && found.is_shortest) {
+                self.closures.push(found);
                 return Ok(Some((Kind::Periodic, None)));
             }
-            return Ok(is_last.then_some((Kind::Undecided, None)));
         }
         // What has more frequencies than two may yet converge, unless its size has stayed as it is for long.
         let has_come = is_of_two || self.closures.is_empty() && !self.seen.varies_less();
@@ -392,6 +411,7 @@ impl Settling {
             _ if is_fading(&self.beats) => {
                 return Ok(is_last.then_some((Kind::Unsettled, None)));
             }
+            _ if repeats => Kind::Undecided,
             Parting::Regular | Parting::Together => Kind::QuasiPeriodic,
         };
         if !is_last && kind == Kind::Undecided {
@@ -471,7 +491,7 @@ pub(crate) fn settle(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{Method, builtin};
+    use crate::scene::builtin;
     use crate::simulation::assign;
     use crate::study::Wish;
 

@@ -20,7 +20,8 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A motion that has not settled and in which contacts change their states is followed for this many times longer.
 const MORE_TIMES: usize = 2;
-/// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution.
+/// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution. Where a motion is looked
+/// at closely, a smaller change counts as a jump, and that part is taken of this one.
 const STEEP: f64 = 1.0 / 16.0;
 
 /// A way that is looked at closely takes no step larger than this part of that between two values that were asked for.
@@ -163,7 +164,11 @@ impl<'a> Run<'a> {
             // Rest is left at once; a cycle may change steeply, which a smaller change shows.
             let leaves_cycle = here.is_cycle();
             let is_of_cycles = leaves_cycle && next.is_cycle();
-            let smallest = if leaves_cycle { STEEP * resolution } else { resolution };
+            let smallest = match leaves_cycle {
+                true if followed.looks_closely => STEEP * STEEP * resolution,
+                true => STEEP * resolution,
+                false => resolution,
+            };
             // No double lies between them where half of the change is nothing.
             let is_coarse = !stays || is_of_cycles && has_other_kind;
             if is_coarse

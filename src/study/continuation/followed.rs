@@ -39,17 +39,6 @@ impl Reached {
     }
 }
 
-/// The difference between two cycles at the same value.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Difference {
-    /// They are the same.
-    None,
-    /// They are two that a step from one value to the next does not tell apart.
-    Small,
-    /// They are two that each step tells apart.
-    Clear,
-}
-
 /// One way, or another motion, as far as it was followed.
 #[derive(Clone)]
 pub(super) struct Followed {
@@ -115,30 +104,31 @@ impl Followed {
         self.is_leaving || !differ
     }
 
-    /// How its motion at a value differs from that of another way; `None` where both are not known exactly.
-    pub(super) fn differs(&self, other: &Self, friction: f64) -> Option<Difference> {
+    /// Does it have another motion at a value than another way? `None` where both are not known exactly.
+    pub(super) fn is_other_than(&self, other: &Self, friction: f64) -> Option<bool> {
         let [here, there] = [self, other].map(|way| way.at(friction).and_then(Reached::ending));
         let (here, there) = (here?, there?);
-        are_exact(here, there).then(|| match distance(here, there) {
-            _ if !are_two(here, there) => Difference::None,
-            ..=OTHER_EXTENT => Difference::Small,
-            _ => Difference::Clear,
-        })
+        are_exact(here, there).then(|| are_two(here, there))
     }
 
-    /// Takes over what this way is on a stretch on which it was followed once more, from the first value of that to the last.
+    /// Takes over what this way is on a stretch on which it was followed once more. Where the stretch has failed, the way ends.
     pub(super) fn take_over(&mut self, stretch: Self) {
-        let places = [stretch.passed.first(), stretch.passed.last()]
-            .map(|end| end.and_then(|end| self.place(end.point.friction)));
-        let [Some(from), Some(to)] = places else { return };
-        let [low, high] = stretch.extent();
-        self.passed.splice(from..=to, stretch.passed);
-        self.jumps.retain(|jump| !(low..=high).contains(&jump.at()));
+        let along = |friction: f64| match self.way {
+            Way::Rising => friction,
+            Way::Falling => -friction,
+        };
+        let [Some(first), Some(last)] = [stretch.passed.first(), stretch.passed.last()] else {
+            return;
+        };
+        let [from, to] = [first, last].map(|end| along(end.point.friction));
+        let goes_on = stretch.goes_on();
+        let is_beside = |friction: f64| along(friction) < from || goes_on && along(friction) > to;
+        self.passed.retain(|reached| is_beside(reached.point.friction));
+        self.jumps.retain(|jump| is_beside(jump.at()));
+        self.passed.extend(stretch.passed);
         self.jumps.extend(stretch.jumps);
-        self.jumps.sort_by(|a, b| a.at().total_cmp(&b.at()));
-        if self.way == Way::Falling {
-            self.jumps.reverse();
-        }
+        self.passed.sort_by(|a, b| along(a.point.friction).total_cmp(&along(b.point.friction)));
+        self.jumps.sort_by(|a, b| along(a.at()).total_cmp(&along(b.at())));
     }
 
     /// `true` if it can be followed further from where it is.
@@ -226,4 +216,53 @@ pub(super) fn is_known(ending: &Ending) -> bool {
 /// `true` of a motion that may become any motion.
 pub(super) fn is_open(ending: &Ending) -> bool {
     ending.kind == Kind::Unsettled && !ending.rests()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::builtin;
+    use crate::simulation::Simulation;
+
+    /// Values of µ that a way has passed, at the last of which it has failed if it `fails`.
+    fn passed(values: &[f64], fails: bool) -> Vec<Reached> {
+        let simulation = Simulation::new(builtin("set2").unwrap().scene(), 0.0).unwrap();
+        let progress = Some(simulation.save().into_progress());
+        let reached = |friction: &f64| Reached {
+            point: Point { friction: *friction, ending: Err("not looked at".to_owned()) },
+            progress: progress.clone(),
+        };
+        let mut passed: Vec<Reached> = values.iter().map(reached).collect();
+        if fails {
+            passed.last_mut().unwrap().progress = None;
+        }
+        passed
+    }
+
+    fn falling(values: &[f64], fails: bool) -> Followed {
+        let mut reached = passed(values, fails).into_iter();
+        let mut way = Followed::way(Way::Falling, "falling".to_owned(), reached.next().unwrap());
+        way.passed.extend(reached);
+        way
+    }
+
+    fn values(way: &Followed) -> Vec<f64> {
+        way.passed.iter().map(|reached| reached.point.friction).collect()
+    }
+
+    #[test]
+    fn a_way_goes_on_behind_a_stretch_on_which_it_was_followed_once_more() {
+        let mut way = falling(&[0.9, 0.8, 0.75, 0.7, 0.6], false);
+        way.take_over(falling(&[0.8, 0.79, 0.78, 0.7], false));
+        assert_eq!(values(&way), [0.9, 0.8, 0.79, 0.78, 0.7, 0.6]);
+    }
+
+    /// The stretch was dropped, since its last value is none of the way's own.
+    #[test]
+    fn a_way_ends_where_a_stretch_on_which_it_was_followed_once_more_has_failed() {
+        let mut way = falling(&[0.9, 0.8, 0.75, 0.7, 0.6], false);
+        way.take_over(falling(&[0.8, 0.79, 0.78], true));
+        assert_eq!(values(&way), [0.9, 0.8, 0.79, 0.78]);
+        assert!(!way.goes_on());
+    }
 }

@@ -302,6 +302,12 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     curve
 }
 
+/// The bounds of a jump, with so many decimals that they differ.
+fn bracket([from, to]: &[f64; 2]) -> [String; 2] {
+    let written = |decimals| [from, to].map(|value| format!("{value:.decimals$}"));
+    (6..15).map(written).find(|[from, to]| from != to).unwrap_or_else(|| written(15))
+}
+
 fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
     say!("{}: what it ends in over µ\n{}\n", scene.name, heading(&[(scene, look)]));
     for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
@@ -323,7 +329,8 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
     }
     for Jump { way, between, endings: [before, after], .. } in &found.jumps {
         let (before, after) = (told(before), told(after));
-        say!("  {:8} {:.6} to {:.6}  {before} becomes {after}", way.name(), between[0], between[1]);
+        let [from, to] = bracket(between);
+        say!("  {:8} {from} to {to}  {before} becomes {after}", way.name());
     }
     say!("\nRanges with two motions");
     for both in &found.bistable {
