@@ -488,36 +488,24 @@ fn neighbours_are_made_where_the_motion_does_not_stick() {
     }
 }
 
-/// Beside the block that moves irregularly another one, which nothing couples to it, slides as its own sine says. Only the second
-/// one was pushed, whose neighbours come together, and the kind of both was left undecided.
+/// Beside the block that moves irregularly another mass, which nothing couples to it, is shaken by a sine of its own. Its neighbours
+/// come together. They were the only ones that were looked at wherever the block stuck when both were pushed, and so the motion was
+/// called quasi-periodic, or its kind was left undecided.
 #[test]
 fn what_is_irregular_in_one_mass_alone_is_irregular() {
-    let quiet = r#"
-        [[mass]]
-        name = "quiet"
-        mass = 2.0
-        force = [0.0, -20.0]
-        [[spring]]
-        name = "own_spring"
-        between = ["quiet", "ground"]
-        direction = "x"
-        stiffness = 900.0
-        [[damper]]
-        name = "own_damper"
-        between = ["quiet", "ground"]
-        direction = "x"
-        damping = 8.0
-        [[contact]]
-        name = "own_contact"
-        mass = "quiet"
-        [[signal]]
-        input = "mass.quiet.fx"
-        sine = { amplitude = 1.0, frequency = 2.6 }
-    "#;
-    let text = shaken(0.21).text().replacen("[[mass]]", &format!("{quiet}[[mass]]"), 1);
-    let scene = parse("two blocks", &text).unwrap();
-    let ending = ending(&scene, None);
-    assert_eq!(ending.kind, Kind::Irregular, "{ending:?}");
+    for (frequency, window) in [(2.6, 20.0), (2.7123, 20.0), (2.9511, 20.0), (4.3339, 16.3)] {
+        let quiet = format!(
+            "[[mass]]\nname = \"quiet\"\nmass = 2.0\n\
+             [[spring]]\nname = \"qx\"\nbetween = [\"quiet\", \"ground\"]\ndirection = \"x\"\nstiffness = 900.0\n\
+             [[spring]]\nname = \"qy\"\nbetween = [\"quiet\", \"ground\"]\ndirection = \"y\"\nstiffness = 900.0\n\
+             [[damper]]\nname = \"dx\"\nbetween = [\"quiet\", \"ground\"]\ndirection = \"x\"\ndamping = 8.0\n\
+             [[damper]]\nname = \"dy\"\nbetween = [\"quiet\", \"ground\"]\ndirection = \"y\"\ndamping = 8.0\n\
+             [[signal]]\ninput = \"mass.quiet.fx\"\nsine = {{ amplitude = 150.0, frequency = {frequency:?} }}\n"
+        );
+        let scene = parse("two masses", &format!("{}{quiet}", shaken(0.21).text())).unwrap();
+        let ending = ending(&scene, Some(window));
+        assert_eq!(ending.kind, Kind::Irregular, "{frequency} {window} {ending:?}");
+    }
 }
 
 /// The same solution has stable motions that come back after 82, 79 and 65 periods of the sine. They were called quasi-periodic,

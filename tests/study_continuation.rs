@@ -230,6 +230,8 @@ fn a_jump_between_cycles_that_look_alike_is_found_where_both_ways_have_their_own
         for (way, at) in [(Way::Rising, 0.636_838_2), (Way::Falling, 0.626_972_4)] {
             let jump = only(&found.jumps, way);
             assert!((jump.at() - at).abs() < 5e-6, "{jump:?}");
+            // A 256th of the resolution.
+            assert!((jump.between[1] - jump.between[0]).abs() < 2e-7, "{jump:?}");
         }
         let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
         assert!(range.bounded == [true; 2] && range.kinds == [Kind::Periodic; 2], "{range:?}");

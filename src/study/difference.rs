@@ -1,15 +1,14 @@
 //! This module tells how different two motions are, as far as endings show it.
 
 use super::ending::{Ending, Kind};
+use super::recurrence::CLOSED;
 
 /// Extents that differ by more than this part, from one value to the next or between the ways, may be of different
 /// motions.
 pub(super) const OTHER_EXTENT: f64 = 0.05;
 /// Extents of two periodic motions that differ by more than this part are of different ones, where both states come back to
-/// within [`EXACT`].
+/// within [`CLOSED`].
 const SAME_EXTENT: f64 = 5e-3;
-/// Such a state has come back to within this part of its motion's size.
-const EXACT: f64 = 1e-6;
 /// Sizes of irregular motions that differ by more than this part may.
 const OTHER_IRREGULAR: f64 = 0.25;
 /// Sizes of undecided motions that differ by more than so many times their own scatter may.
@@ -28,18 +27,15 @@ pub(super) fn have_other_kinds(a: &Ending, b: &Ending) -> bool {
     a.kind != b.kind && !is_open(a) && !is_open(b)
 }
 
-/// Are both motions known so exactly that a small difference tells them apart?
-pub(super) fn are_exact(a: &Ending, b: &Ending) -> bool {
-    let is_exact = |ending: &Ending| {
-        ending.kind == Kind::Periodic && ending.closure.is_some_and(|closure| closure <= EXACT)
-    };
-    is_exact(a) && is_exact(b)
+/// Is a motion known so exactly that a small difference tells it from another one?
+pub(super) fn is_exact(ending: &Ending) -> bool {
+    ending.kind == Kind::Periodic && ending.closure.is_some_and(|closure| closure <= CLOSED)
 }
 
 /// Are these two motions, looked at as closely as they are known? Both are at the same value of a parameter, or at values that
 /// hardly differ.
 pub(super) fn are_two(a: &Ending, b: &Ending) -> bool {
-    distance(a, b) > if are_exact(a, b) { SAME_EXTENT } else { OTHER_EXTENT }
+    distance(a, b) > if is_exact(a) && is_exact(b) { SAME_EXTENT } else { OTHER_EXTENT }
 }
 
 /// How different two motions are: 0 for the same; where one rests or grows without bound and the other does not, as far
@@ -95,10 +91,11 @@ pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
 
-    fn undecided(size: f64, scatter: f64, line: f64) -> Ending {
+    /// A motion of an undecided kind, of one displacement.
+    pub(in crate::study) fn undecided(size: f64, scatter: f64, line: f64) -> Ending {
         Ending {
             kind: Kind::Undecided,
             amplitude: size,

@@ -81,8 +81,7 @@ pub(super) fn parting(
             if distance == 0.0 {
                 return Ok(Parting::Together);
             }
-            // Between an event of one and that of the other they are as far apart as the event is large, and on no line along
-            // which one could move.
+            // Between an event of one and the same event of the other they are as far apart as the event changes the motion.
             if neighbour.contact_states() != motion.contact_states() {
                 continue;
             }
@@ -101,10 +100,9 @@ pub(super) fn parting(
                 late = late.max(grown);
             }
         }
-        if early == f64::NEG_INFINITY || late == f64::NEG_INFINITY {
-            return Ok(Parting::Unknown);
-        }
-        let grown = libm::exp(late - early);
+        // No number, and so no answer, where contact states differed all the while.
+        let is_seen = early > f64::NEG_INFINITY && late > f64::NEG_INFINITY;
+        let grown = if is_seen { libm::exp(late - early) } else { f64::NAN };
         if windows >= LEAST_WINDOWS_TOGETHER && late <= libm::log(TOGETHER) && grown <= SHRINKING {
             return Ok(Parting::Together);
         }
@@ -126,8 +124,9 @@ pub(super) fn parting(
     }
 }
 
-/// Advances a motion to where a small push makes a neighbour that lives longer than a row. A contact that sticks undoes a push at
-/// once. `None` if there is no such place within a window, or the watch ended the search.
+/// A neighbour of a motion, each of whose velocities was pushed where the push lives longer than a row, over a window at the most.
+/// Both are advanced until then. A contact that sticks undoes a push at once, and so does one that is pressed down. `None` if no
+/// push has lived, or the watch ended the search.
 fn neighbour(
     motion: &mut Simulation,
     interval: f64,
@@ -137,23 +136,29 @@ fn neighbour(
     let start = motion.time();
     let count = motion.velocity().len();
     let mut neighbour = Simulation::resume(motion.save())?;
+    let mut is_apart = vec![false; count];
+    // What undoes a push goes on to do so until a contact changes its state.
+    let mut tried_in = Vec::new();
     for row in 1..=rows {
-        if is_over() {
+        if is_over() || is_apart.iter().all(|apart| *apart) {
             break;
         }
-        neighbour.restore(&motion.save())?;
-        // What moves by itself may part where nothing else does, so all is pushed; by unequal parts, since equal masses that move
-        // alike would part in no other way.
-        for dof in 0..count {
-            let part = (dof + 1) as f64 / count as f64;
-            neighbour.push(dof, part * APART * scale.velocity);
+        if tried_in != motion.contact_states() {
+            tried_in = motion.contact_states().to_vec();
+            for dof in (0..count).filter(|dof| !is_apart[*dof]) {
+                // Equal masses that move alike, pushed by equal parts, would part in no other way.
+                let part = (dof + 1) as f64 / count as f64;
+                neighbour.push(dof, part * APART * scale.velocity);
+            }
         }
         let time = start + row as f64 * interval;
         motion.advance_to(time)?;
         neighbour.advance_to(time)?;
-        if scale.distance(motion, &State::of(&neighbour)) > NEAR {
-            return Ok(Some(neighbour));
+        for (dof, apart) in is_apart.iter_mut().enumerate() {
+            let velocity = motion.velocity()[dof] - neighbour.velocity()[dof];
+            let displacement = motion.displacement()[dof] - neighbour.displacement()[dof];
+            *apart |= scale.part([displacement, velocity]) > NEAR / count as f64;
         }
     }
-    Ok(None)
+    Ok((!is_over() && is_apart.contains(&true)).then_some(neighbour))
 }

@@ -21,7 +21,7 @@ const NEAR: f64 = 0.4;
 /// A state that comes back to within this part of the motion's size may belong to a periodic motion.
 const COMES_BACK: f64 = 2e-3;
 /// A state that comes back to within this part belongs to one.
-const CLOSED: f64 = 1e-6;
+pub(super) const CLOSED: f64 = 1e-6;
 /// Events of the paper's scheme come up to a step too early or too late, several of them in a period. A state that comes back
 /// within the way of 4 steps belongs to a periodic motion; of one within the way of 10 steps that cannot be told.
 const WOBBLE: f64 = 4.0;
@@ -66,6 +66,11 @@ pub(super) struct Scale {
 }
 
 impl Scale {
+    /// A displacement, m, or a velocity, m/s, in parts of the motion's size, whichever is more of it.
+    pub(super) fn part(&self, [displacement, velocity]: [f64; 2]) -> f64 {
+        (displacement / self.displacement).abs().max((velocity / self.velocity).abs())
+    }
+
     /// Distance between two states, in parts of the motion's size.
     pub(super) fn distance(&self, a: &Simulation, b: &State) -> f64 {
         let apart = |a: &[f64], b: &[f64]| {
@@ -205,11 +210,27 @@ fn seek(
     search(&Seeker { course, begin, origin, scale, interval, window, enough, closed, is_over })
 }
 
-/// Do signals drive a motion for ever, with a common period that is as short as a search for it may last? `None` where nothing
-/// drives it.
-pub(super) fn has_period_of_drive(simulation: &Simulation, window: f64) -> Option<bool> {
-    let is_short = |period: f64| period <= MOST_WINDOWS * window;
-    simulation.is_driven_on().then(|| drive::period(simulation).is_some_and(is_short))
+/// What signals do to a motion in the end.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Drive {
+    /// Nothing: they are constant.
+    Constant,
+    /// They drive it with a common period that is as short as a search for it may last.
+    Repeats,
+    /// They drive it without such a period.
+    NeverRepeats,
+}
+
+impl Drive {
+    /// What drives a simulation that is looked at through windows of so many seconds.
+    pub(super) fn of(simulation: &Simulation, window: f64) -> Self {
+        let is_short = |period: f64| period <= MOST_WINDOWS * window;
+        match simulation.is_driven_on() {
+            false => Self::Constant,
+            true if drive::period(simulation).is_some_and(is_short) => Self::Repeats,
+            true => Self::NeverRepeats,
+        }
+    }
 }
 
 /// The result of a search for a period.

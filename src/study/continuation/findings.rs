@@ -52,6 +52,8 @@ pub struct Jump {
     /// The way whose values it lies among; `None` of an end of a motion that stands among neither way's values. The falling
     /// way, too, has jumps of rising µ: upper ends of motions that stand among its values.
     pub among: Option<Way>,
+    /// `true` at the end of a motion that was followed no farther; `false` where a way goes on with the motion after the jump.
+    pub is_end: bool,
     /// The last µ that still has the motion, and the first that has it no more.
     pub between: [f64; 2],
     /// The motion there, before and after.

@@ -21,7 +21,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 /// A motion that has not settled and in which contacts change their states is followed for this many times longer.
 const MORE_TIMES: usize = 2;
 /// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution. Where a motion is looked
-/// at closely, a smaller change counts as a jump, and that part is taken of this one.
+/// at closely, changes by 0.5 % and not only by 5 % count, and a change of µ by the square of this part tells.
 const STEEP: f64 = 1.0 / 16.0;
 
 /// A way that is looked at closely takes no step larger than this part of that between two values that were asked for.
@@ -164,10 +164,12 @@ impl<'a> Run<'a> {
             // Rest is left at once; a cycle may change steeply, which a smaller change shows.
             let leaves_cycle = here.is_cycle();
             let is_of_cycles = leaves_cycle && next.is_cycle();
-            let smallest = match leaves_cycle {
-                true if followed.looks_closely => STEEP * STEEP * resolution,
-                true => STEEP * resolution,
-                false => resolution,
+            let smallest = if leaves_cycle && followed.looks_closely {
+                STEEP * STEEP * resolution
+            } else if leaves_cycle {
+                STEEP * resolution
+            } else {
+                resolution
             };
             // No double lies between them where half of the change is nothing.
             let is_coarse = !stays || is_of_cycles && has_other_kind;
@@ -182,7 +184,8 @@ impl<'a> Run<'a> {
             if let (Some(before), Some(after)) = (here.ending(), next.ending()) {
                 if !stays {
                     let (between, endings) = ([from, target], [before.clone(), after.clone()]);
-                    followed.jumps.push(Jump { way, among: Some(way), between, endings });
+                    let is_end = !followed.is_way();
+                    followed.jumps.push(Jump { way, among: Some(way), is_end, between, endings });
                     if let Some(beyond) = &mut followed.beyond {
                         beyond.push(next);
                         return Ok(true);

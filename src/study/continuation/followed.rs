@@ -2,7 +2,7 @@
 
 use super::findings::{Jump, Point, Way};
 use crate::simulation::Progress;
-use crate::study::difference::{OTHER_EXTENT, are_exact, are_two, distance};
+use crate::study::difference::{OTHER_EXTENT, are_two, distance, is_exact};
 use crate::study::ending::{Ending, Kind};
 
 /// A value of µ with the state that its motion has ended in.
@@ -104,31 +104,50 @@ impl Followed {
         self.is_leaving || !differ
     }
 
-    /// Does it have another motion at a value than another way? `None` where both are not known exactly.
-    pub(super) fn is_other_than(&self, other: &Self, friction: f64) -> Option<bool> {
+    /// Is it known to have another periodic motion at a value than another way?
+    pub(super) fn is_other_than(&self, other: &Self, friction: f64) -> bool {
         let [here, there] = [self, other].map(|way| way.at(friction).and_then(Reached::ending));
-        let (here, there) = (here?, there?);
-        are_exact(here, there).then(|| are_two(here, there))
+        let (Some(here), Some(there)) = (here, there) else { return false };
+        is_exact(here) && is_exact(there) && are_two(here, there)
     }
 
     /// Takes over what this way is on a stretch on which it was followed once more. Where the stretch has failed, the way ends.
-    pub(super) fn take_over(&mut self, stretch: Self) {
-        let along = |friction: f64| match self.way {
+    /// Returns the first of each run of settled motions of this way that the stretch has not met.
+    pub(super) fn take_over(&mut self, stretch: Self) -> Vec<Reached> {
+        let way = self.way;
+        let along = |friction: f64| match way {
             Way::Rising => friction,
             Way::Falling => -friction,
         };
         let [Some(first), Some(last)] = [stretch.passed.first(), stretch.passed.last()] else {
-            return;
+            return Vec::new();
         };
         let [from, to] = [first, last].map(|end| along(end.point.friction));
         let goes_on = stretch.goes_on();
         let is_beside = |friction: f64| along(friction) < from || goes_on && along(friction) > to;
-        self.passed.retain(|reached| is_beside(reached.point.friction));
+        let (kept, replaced): (Vec<_>, Vec<_>) = std::mem::take(&mut self.passed)
+            .into_iter()
+            .partition(|reached| is_beside(reached.point.friction));
+        let is_lost = |reached: &Reached| {
+            let now = stretch.at(reached.point.friction).and_then(Reached::ending);
+            let is_met = matches!((reached.ending(), now), (Some(a), Some(b)) if are_alike(a, b));
+            reached.is_settled() && !is_met
+        };
+        // Each passes values of its own between those that are asked for.
+        let both = |reached: &&Reached| {
+            let friction = reached.point.friction;
+            along(friction) > to || stretch.at(friction).is_some()
+        };
+        let compared: Vec<&Reached> = replaced.iter().filter(both).collect();
+        let runs = compared.chunk_by(|a, b| is_lost(a) == is_lost(b));
+        let lost = runs.map(|run| run[0].clone()).filter(is_lost).collect();
+        self.passed = kept;
         self.jumps.retain(|jump| is_beside(jump.at()));
         self.passed.extend(stretch.passed);
         self.jumps.extend(stretch.jumps);
         self.passed.sort_by(|a, b| along(a.point.friction).total_cmp(&along(b.point.friction)));
         self.jumps.sort_by(|a, b| along(a.at()).total_cmp(&along(b.at())));
+        lost
     }
 
     /// `true` if it can be followed further from where it is.
@@ -223,6 +242,7 @@ mod tests {
     use super::*;
     use crate::scene::builtin;
     use crate::simulation::Simulation;
+    use crate::study::difference::tests::undecided;
 
     /// Values of µ that a way has passed, at the last of which it has failed if it `fails`.
     fn passed(values: &[f64], fails: bool) -> Vec<Reached> {
@@ -250,14 +270,34 @@ mod tests {
         way.passed.iter().map(|reached| reached.point.friction).collect()
     }
 
+    /// A jump of falling µ after a value.
+    fn jump(from: f64) -> Jump {
+        let between = [from, from - 1e-4];
+        let endings = [0, 1].map(|_| undecided(1e-4, 0.0, 168.0));
+        Jump { way: Way::Falling, among: Some(Way::Falling), is_end: false, between, endings }
+    }
+
+    #[test]
+    fn jumps_of_a_way_are_those_of_the_stretch_where_it_was_followed_once_more() {
+        let mut way = falling(&[0.9, 0.8, 0.7, 0.6], false);
+        way.jumps = vec![jump(0.85), jump(0.72), jump(0.65)];
+        let stretch = Followed {
+            jumps: vec![jump(0.78), jump(0.74)],
+            ..falling(&[0.8, 0.79, 0.78, 0.7], false)
+        };
+        way.take_over(stretch);
+        let from = way.jumps.iter().map(|jump| jump.between[0]);
+        assert_eq!(from.collect::<Vec<_>>(), [0.85, 0.78, 0.74, 0.65]);
+    }
+
     #[test]
     fn a_way_goes_on_behind_a_stretch_on_which_it_was_followed_once_more() {
         let mut way = falling(&[0.9, 0.8, 0.75, 0.7, 0.6], false);
-        way.take_over(falling(&[0.8, 0.79, 0.78, 0.7], false));
+        let lost = way.take_over(falling(&[0.8, 0.79, 0.78, 0.7], false));
         assert_eq!(values(&way), [0.9, 0.8, 0.79, 0.78, 0.7, 0.6]);
+        assert!(lost.is_empty());
     }
 
-    /// The stretch was dropped, since its last value is none of the way's own.
     #[test]
     fn a_way_ends_where_a_stretch_on_which_it_was_followed_once_more_has_failed() {
         let mut way = falling(&[0.9, 0.8, 0.75, 0.7, 0.6], false);

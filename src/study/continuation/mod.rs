@@ -9,8 +9,8 @@
 //! A change of µ is a push too. Where a motion gives way to another, the change is halved until the motion stays or the
 //! change is as small as the resolution: only what a motion does not survive at that size is a jump. There a cycle that the
 //! push has ended is run again with a thousandth of it, since a cycle near its end may survive no larger one. So jumps by
-//! more than 5 % do not depend on the values of µ that are asked for. Smaller ones are found where the ways have two cycles at one of
-//! these values.
+//! more than 5 % do not depend on the values of µ that are asked for. Smaller ones are found where the ways have two periodic motions
+//! at one of these values.
 
 mod findings;
 mod follow;
@@ -84,13 +84,12 @@ pub fn continuation(
     if let [Err(failure), Err(_)] = [0, 1].map(|way: usize| &ways[way].passed[0].point.ending) {
         return Err(Error::scene(failure.clone()));
     }
-    if !run.find_small_jumps(&mut ways)? {
-        return Ok(None);
-    }
+    let Some(lost) = run.find_small_jumps(&mut ways)? else { return Ok(None) };
     let Some(own) = run.own_starts(&step_done)? else { return Ok(None) };
     let Some(rests) = run.rests(&ways)? else { return Ok(None) };
     let mut found = Found::new(ways, run.rows());
     let mut starts: Vec<Start> = rests.into_iter().chain(own).map(Start::own).collect();
+    starts.extend(lost.into_iter().map(|(place, reached)| Start::met(reached, Way::ALL[place])));
     starts.extend(found.ways_jumped_to());
     let Ranges { bistable, unknown, .. } = loop {
         if !run.follow_all(starts, &mut found)? {

@@ -34,7 +34,8 @@ pub(super) struct Start {
 }
 
 impl Start {
-    fn met(reached: Reached, way: Way) -> Self {
+    /// One that was met on a way.
+    pub(super) fn met(reached: Reached, way: Way) -> Self {
         Self { reached, way, only: None, back: None, is_third: false }
     }
 

@@ -279,7 +279,8 @@ fn kinds(found: &Continuation) -> Vec<Series> {
 }
 
 /// A value of one way over µ, with what was found at both bounds of its jumps. The curve is broken at jumps, where a
-/// value has failed, and where a motion had not settled.
+/// value has failed, and where a motion had not settled. Beyond the end of a motion that was followed no farther the way has
+/// other motions, which no line joins to that end.
 fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64; 2]> {
     let points = match way {
         Way::Rising => &found.rising,
@@ -296,13 +297,24 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
         let [before, after] = &jump.endings;
         curve.push([jump.between[0], seen(before)]);
         curve.push([jump.at(), f64::NAN]);
-        curve.push([jump.between[1], seen(after)]);
+        if !jump.is_end || after.rests() && rests_beyond(points, jump) {
+            curve.push([jump.between[1], seen(after)]);
+        }
     }
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
     curve
 }
 
-/// The bounds of a jump, with so many decimals that they differ.
+/// Does the nearest value beyond a jump rest?
+fn rests_beyond(points: &[Point], jump: &Jump) -> bool {
+    let nearest = match jump.way {
+        Way::Rising => points.iter().find(|point| point.friction > jump.at()),
+        Way::Falling => points.iter().rev().find(|point| point.friction < jump.at()),
+    };
+    nearest.and_then(|point| point.ending.as_ref().ok()).is_some_and(Ending::rests)
+}
+
+/// Two bounds, with so many decimals that they differ.
 fn bracket([from, to]: &[f64; 2]) -> [String; 2] {
     let written = |decimals| [from, to].map(|value| format!("{value:.decimals$}"));
     (6..15).map(written).find(|[from, to]| from != to).unwrap_or_else(|| written(15))
@@ -334,16 +346,18 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
     }
     say!("\nRanges with two motions");
     for both in &found.bistable {
-        let Bistable { range: [from, to], bounded, third, .. } = both;
+        let Bistable { range, bounded, third, .. } = both;
         let open = |is_bounded: &bool| if *is_bounded { "" } else { " (as far as was looked)" };
-        say!("  {from:.6}{} to {to:.6}{}: {}", open(&bounded[0]), open(&bounded[1]), both.words());
+        let [from, to] = bracket(range);
+        say!("  {from}{} to {to}{}: {}", open(&bounded[0]), open(&bounded[1]), both.words());
         if let Some(Third { friction, ending }) = third {
             say!("    and a third motion: at {friction:.6} {}", told(ending));
         }
     }
-    for [from, to] in &found.unknown {
+    for range in &found.unknown {
+        let [from, to] = bracket(range);
         say!(
-            "  {from:.6} to {to:.6}: unknown, for a motion that was met there has not settled, which a longer --longest may \
+            "  {from} to {to}: unknown, for a motion that was met there has not settled, which a longer --longest may \
              decide, or could not be followed"
         );
     }
@@ -489,4 +503,15 @@ fn described(first: &Point, last: &Point) -> String {
 
 fn metres(amplitude: f64) -> String {
     format!("{amplitude:.4e}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bracket;
+
+    #[test]
+    fn bounds_that_differ_are_printed_so_that_they_differ() {
+        assert_eq!(bracket(&[2.0625, 2.062_578]), ["2.062500", "2.062578"]);
+        assert_eq!(bracket(&[0.449_800_12, 0.449_800_14]), ["0.44980012", "0.44980014"]);
+    }
 }
