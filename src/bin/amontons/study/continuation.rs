@@ -29,6 +29,9 @@ const KINDS: [(Kind, Marker); 6] = [
     (Kind::Unsettled, Marker::Cross),
 ];
 
+/// Colours of ranges with two motions: first those of rest and a cycle and of two cycles, then those of other pairs.
+const BANDS: [usize; 6] = [2, 4, 5, 3, 6, 7];
+
 #[derive(Args)]
 pub struct Arguments {
     #[command(flatten)]
@@ -200,16 +203,17 @@ pub fn chart(
         };
         ways.iter().map(curve).collect::<Vec<Series>>()
     };
-    let bands: Vec<Band> = found
-        .bistable
-        .iter()
-        .map(|both| Band {
-            from: both.range[0],
-            to: both.range[1],
-            label: Some(both.words()),
-            colour: if both.rests { 2 } else { 4 },
-        })
-        .collect();
+    let mut pairs = ["rest and a cycle", "two cycles"].map(str::to_owned).to_vec();
+    let band = |both: &Bistable| {
+        let words = both.words();
+        let place = pairs.iter().position(|pair| *pair == words).unwrap_or_else(|| {
+            pairs.push(words.clone());
+            pairs.len() - 1
+        });
+        let [from, to] = both.range;
+        Band { from, to, label: Some(words), colour: BANDS[place % BANDS.len()] }
+    };
+    let bands: Vec<Band> = found.bistable.iter().map(band).collect();
     let jumps = found.jumps.iter().map(|jump| Mark {
         x: jump.at(),
         label: Some(format!("{} {:.4}", jump.way.name(), jump.at())),
