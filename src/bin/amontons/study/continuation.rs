@@ -2,10 +2,10 @@
 
 use super::arguments::{Common, Looking};
 use super::folder::{Folder, quoted};
-use super::{heading, interrupted, prepared, watched_unevenly};
+use super::{heading, interrupted, kinds, prepared, watched_unevenly};
 use crate::say::say;
 use amontons::contact::Joined;
-use amontons::picture::{Band, Chart, Mark, Marker, Panel, Series, Style};
+use amontons::picture::{Band, Chart, Mark, Panel, Series, Style};
 use amontons::progress::Progress;
 use amontons::scene::Scene;
 use amontons::simulation::{at_instant, require_undriven, signals_left_out};
@@ -18,16 +18,6 @@ use amontons::sweep::{FRICTION, Possible, range};
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
-
-/// The mark of each kind of motion that has a size.
-const KINDS: [(Kind, Marker); 6] = [
-    (Kind::Equilibrium, Marker::Disc),
-    (Kind::Periodic, Marker::Ring),
-    (Kind::QuasiPeriodic, Marker::Square),
-    (Kind::Irregular, Marker::Triangle),
-    (Kind::Undecided, Marker::Diamond),
-    (Kind::Unsettled, Marker::Cross),
-];
 
 /// Colours of ranges with two motions: first those of rest and a cycle and of two cycles, then those of other pairs.
 const BANDS: [usize; 6] = [2, 4, 5, 3, 6, 7];
@@ -222,8 +212,8 @@ pub fn chart(
         x: crossing.value,
         label: Some(format!("{} {:.4}", turn(crossing.becomes_unstable), crossing.value)),
     });
-    let mut amplitude = series(shown_amplitude);
-    amplitude.extend(kinds(found));
+    let mut amplitude = series(kinds::amplitude);
+    amplitude.extend(kinds::marks(&[endings(&found.rising), endings(&found.falling)]));
     let frequency = series(|ending| match ending.frequency {
         Some(frequency) if !ending.rests() => frequency,
         _ => f64::NAN,
@@ -253,33 +243,9 @@ pub fn chart(
     }
 }
 
-fn shown_amplitude(ending: &Ending) -> f64 {
-    if ending.rests() { 0.0 } else { ending.amplitude }
-}
-
-/// A mark for each value of both ways, by the kind of its motion; the legend has each kind once.
-fn kinds(found: &Continuation) -> Vec<Series> {
-    let mut series: Vec<Series> = Vec::new();
-    for (colour, points) in [&found.rising, &found.falling].into_iter().enumerate() {
-        for (kind, marker) in KINDS {
-            let is_kind = |ending: &&Ending| {
-                if ending.rests() { kind == Kind::Equilibrium } else { ending.kind == kind }
-            };
-            let at = |point: &Point| {
-                let ending = point.ending.as_ref().ok().filter(is_kind)?;
-                Some([point.friction, shown_amplitude(ending)])
-            };
-            let points: Vec<[f64; 2]> = points.iter().filter_map(at).collect();
-            let is_new = series.iter().all(|series| series.marker != Some(marker));
-            if !points.is_empty() {
-                let label = is_new.then(|| kind.name().to_owned());
-                let marker = Some(marker);
-                let style = Style::Dots;
-                series.push(Series { label, points, colour, style, marker, ..Series::default() });
-            }
-        }
-    }
-    series
+/// The values whose runs have not failed, with what they have ended in.
+fn endings(points: &[Point]) -> Vec<(f64, &Ending)> {
+    points.iter().filter_map(|point| Some((point.friction, point.ending.as_ref().ok()?))).collect()
 }
 
 /// A value of one way over µ, with what was found at both bounds of its jumps. The curve is broken at jumps, where a

@@ -2,7 +2,7 @@
 
 use super::arguments::{Common, Looking};
 use super::folder::{Folder, quoted};
-use super::{heading, interrupted, over, prepared, prepared_again, watched};
+use super::{heading, interrupted, kinds, over, prepared, prepared_again, watched};
 use crate::arguments::Values;
 use crate::say::say;
 use amontons::contact::ContactState;
@@ -208,16 +208,17 @@ impl Told<'_> {
             zero_line: true,
             ..Panel::default()
         };
-        let any_left = self.outcomes().any(|(_, outcome)| {
-            matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled)
+        let mut amplitude = self.curve(None, 0, |ending| {
+            (ending.kind != Kind::Unbounded).then(|| kinds::amplitude(ending))
         });
-        let amplitude = self.curve(any_left.then_some("settled"), 0, |ending| {
-            (ending.kind != Kind::Unbounded).then_some(ending.amplitude)
-        });
-        let frequency = self.curve(any_left.then_some("settled"), 0, |ending| {
+        let settled = self.outcomes().filter_map(|(value, found)| Some((value, found.settled()?)));
+        amplitude.extend(kinds::marks(&[settled.collect()]));
+        let mut frequency = self.curve(None, 0, |ending| {
             // Of a decay no one asks.
             ending.frequency.filter(|_| !ending.rests())
         });
+        // Another line may become the strongest one between two values.
+        frequency.iter_mut().for_each(|series| series.style = Style::Dots);
         let is_taken = |&state: &usize| {
             self.outcomes().any(
                 |(_, outcome)| matches!(outcome, Outcome::Ending(ending) if ending.taken[state]),

@@ -5,6 +5,7 @@ mod attractor;
 mod basin;
 pub mod continuation;
 mod folder;
+mod kinds;
 pub mod limit_cycle;
 pub mod perturbation;
 pub mod transient;
