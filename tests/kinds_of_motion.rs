@@ -508,8 +508,8 @@ fn what_is_irregular_in_one_mass_alone_is_irregular() {
     }
 }
 
-/// The same solution has stable motions that come back after 82, 79 and 65 periods of the sine. They were called quasi-periodic,
-/// since no more than 64 periods were tried.
+/// The block's exact solution by another author comes back after 82, 79 and 65 periods of the sine. The program called these motions
+/// quasi-periodic, since it tried no more than 64 periods.
 #[test]
 fn what_neighbours_come_to_is_periodic_however_many_periods_of_its_drive_that_takes() {
     for (velocity, periods) in [(0.24, 82.0), (0.229, 79.0), (0.244, 65.0)] {

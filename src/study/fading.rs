@@ -38,7 +38,7 @@ pub(super) struct Lasting {
     pub fading: [bool; 4],
 }
 
-/// What a share of the time does in the end.
+/// What becomes of the share of time that a contact state takes, as the motion goes on.
 #[derive(Clone, Copy, PartialEq)]
 enum Fate {
     Stays,

@@ -143,8 +143,7 @@ pub(super) fn closure(
     let most = MOST_WINDOWS * window;
     let own = MOST_PERIODS / frequency;
     // Signals without a common period that is so short drive a motion that does not come back for longer still.
-    let is_short = |period: &f64| simulation.is_driven_on() && *period <= most;
-    let period = drive::period(simulation).filter(is_short);
+    let period = short_period(simulation, window);
     let is_whole = own <= most && period.is_none_or(|period| MOST_PERIODS * period <= most);
     let found = seek(simulation, interval, frequency, (rows, COMES_BACK), is_over, |seeker| {
         let mut found = None;
@@ -210,27 +209,10 @@ fn seek(
     search(&Seeker { course, begin, origin, scale, interval, window, enough, closed, is_over })
 }
 
-/// What signals do to a motion in the end.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Drive {
-    /// Nothing: they are constant.
-    Constant,
-    /// They drive it with a common period that is as short as a search for it may last.
-    Repeats,
-    /// They drive it without such a period.
-    NeverRepeats,
-}
-
-impl Drive {
-    /// What drives a simulation that is looked at through windows of so many seconds.
-    pub(super) fn of(simulation: &Simulation, window: f64) -> Self {
-        let is_short = |period: f64| period <= MOST_WINDOWS * window;
-        match simulation.is_driven_on() {
-            false => Self::Constant,
-            true if drive::period(simulation).is_some_and(is_short) => Self::Repeats,
-            true => Self::NeverRepeats,
-        }
-    }
+/// The common period, s, of signals that drive a motion for ever, if it is as short as a search for it may last.
+pub(super) fn short_period(simulation: &Simulation, window: f64) -> Option<f64> {
+    let is_short = |period: &f64| simulation.is_driven_on() && *period <= MOST_WINDOWS * window;
+    drive::period(simulation).filter(is_short)
 }
 
 /// The result of a search for a period.

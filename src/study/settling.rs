@@ -17,7 +17,7 @@ use super::look::{Look, output, unit};
 use super::parting::{Parting, parting};
 use super::period::{OverSpan, over_span};
 use super::recurrence::{
-    Closure, Drive, Search, closure, is_closing, long_closure, longest_step, may_wobble,
+    Closure, Search, closure, is_closing, long_closure, longest_step, may_wobble, short_period,
 };
 use super::windows::{Course, Surroundings, Windows};
 use crate::Error;
@@ -311,7 +311,8 @@ impl Settling {
         is_over: &dyn Fn() -> bool,
     ) -> Result<bool, Error> {
         let is_due = self.is_last() || self.seen.count().is_multiple_of(WINDOWS_BETWEEN);
-        if !is_due || Drive::of(simulation, self.look.window) != Drive::NeverRepeats {
+        let repeats = || short_period(simulation, self.look.window).is_some();
+        if !is_due || !simulation.is_driven_on() || repeats() {
             return Ok(false);
         }
         let main = self.seen.last_lines().and_then(|found| found.lines.first());
@@ -389,8 +390,8 @@ impl Settling {
         let is_long = is_of_two || is_last;
         let parting = self.parting(simulation, main, is_long, is_over)?;
         // Neighbours that come together follow the signals, so the motion comes back after one or several of their periods.
-        let drive = Drive::of(simulation, self.look.window);
-        if parting == Parting::Together && drive == Drive::Repeats {
+        let repeats = short_period(simulation, self.look.window).is_some();
+        if parting == Parting::Together && repeats {
             let rows = self.look.rows();
             let found = long_closure(simulation, interval, main, rows, is_over)?;
             if let Some(found) = found.filter(|found| found.is_closed && found.is_shortest) {
@@ -409,8 +410,8 @@ impl Settling {
             _ if is_fading(&self.beats) => {
                 return Ok(is_last.then_some((Kind::Unsettled, None)));
             }
-            // A motion that two frequencies of its own wind round may be anywhere on its way, and so may its neighbours.
-            Parting::Together if drive != Drive::NeverRepeats => Kind::Undecided,
+            // Neighbours of a quasi-periodic motion keep their distance, unless signals without a period lead all of them.
+            Parting::Together if repeats || !simulation.is_driven_on() => Kind::Undecided,
             Parting::Regular | Parting::Together => Kind::QuasiPeriodic,
         };
         if !is_last && kind == Kind::Undecided {

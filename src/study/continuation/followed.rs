@@ -104,7 +104,7 @@ impl Followed {
         self.is_leaving || !differ
     }
 
-    /// Is it known to have another periodic motion at a value than another way?
+    /// Do this way and another one have two different periodic motions at a value, both known exactly?
     pub(super) fn is_other_than(&self, other: &Self, friction: f64) -> bool {
         let [here, there] = [self, other].map(|way| way.at(friction).and_then(Reached::ending));
         let (Some(here), Some(there)) = (here, there) else { return false };

@@ -284,7 +284,7 @@ fn rests_beyond(points: &[Point], jump: &Jump) -> bool {
     nearest.and_then(|point| point.ending.as_ref().ok()).is_some_and(Ending::rests)
 }
 
-/// Two bounds, with so many decimals that they differ.
+/// Two bounds, printed with enough decimals to tell them apart.
 fn bracket([from, to]: &[f64; 2]) -> [String; 2] {
     let written = |decimals| [from, to].map(|value| format!("{value:.decimals$}"));
     (6..15).map(written).find(|[from, to]| from != to).unwrap_or_else(|| written(15))
