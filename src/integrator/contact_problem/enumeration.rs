@@ -277,7 +277,7 @@ impl ContactProblem {
     }
 
     /// Forces of the states at hand, whose equations do not determine them; do any obey the law?
-    fn program(&mut self, group: usize, strictness: Strictness) -> bool {
+    pub(super) fn program(&mut self, group: usize, strictness: Strictness) -> bool {
         self.write_program(group, usize::MAX);
         if self.enumeration.run() != Phase::Solved {
             return false;

@@ -21,6 +21,7 @@ mod enumeration;
 mod factors;
 mod freedom;
 mod given_states;
+mod inside;
 mod lemke;
 mod others;
 mod states;
@@ -64,10 +65,12 @@ pub(super) struct ContactProblem {
     /// follows |N|.
     pulls: Vec<bool>,
     given: GivenStates,
-    /// Room for accelerations, for what corrects forces, and for the forces of the sweeps.
+    /// Room for accelerations, for what corrects forces, for the forces of the sweeps, and for accelerations without contact
+    /// forces.
     accelerations: Vec<Acceleration>,
     corrections: Vec<[f64; 2]>,
     swept: Vec<[f64; 2]>,
+    unpressed: Vec<[f64; 2]>,
     lemke: Lemke,
     enumeration: Enumeration,
     others: Others,
@@ -101,6 +104,7 @@ impl ContactProblem {
             accelerations: vec![Acceleration::default(); contacts],
             corrections: vec![[0.0; 2]; contacts],
             swept: vec![[0.0; 2]; contacts],
+            unpressed: vec![[0.0; 2]; contacts],
         }
     }
 

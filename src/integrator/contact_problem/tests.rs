@@ -53,22 +53,65 @@ fn a_contact_that_its_neighbour_lifts_opens() {
     assert_eq!(problem.states[1], Detached);
 }
 
+/// W of two contacts at the same place of one mass: it has rank two, not four.
+#[rustfmt::skip]
+fn redundant() -> [f64; 16] {
+    [
+        1.0, 0.0, 1.0, 0.0,
+        0.0, 1.0, 0.0, 1.0,
+        1.0, 0.0, 1.0, 0.0,
+        0.0, 1.0, 0.0, 1.0,
+    ]
+}
+
 #[test]
 fn redundant_sticking_contacts_share_the_load() {
-    // Two contacts at the same place of one mass: W has rank two, not four.
-    #[rustfmt::skip]
-    let rows = [
-        1.0, 0.0, 1.0, 0.0,
-        0.0, 1.0, 0.0, 1.0,
-        1.0, 0.0, 1.0, 0.0,
-        0.0, 1.0, 0.0, 1.0,
-    ];
-    let mut problem = with_law(&rows, 0.5);
+    let mut problem = with_law(&redundant(), 0.5);
     problem.free = vec![[-2.0, 0.3]; 2];
     problem.solve(&[Stick; 2]).unwrap();
     let total: f64 = problem.forces.iter().map(|force| force[0]).sum();
     let friction: f64 = problem.forces.iter().map(|force| force[1]).sum();
     assert!((total - 2.0).abs() < 1e-12 && (friction + 0.3).abs() < 1e-12);
+}
+
+#[test]
+fn a_load_that_one_of_two_surfaces_can_just_hold_is_shared_inside_the_limits_of_both() {
+    // A mass of 1 kg on a flat surface and on a steep one, pushed against the steep one as far as friction of the flat one holds.
+    let (sin, cos) = (libm::sin(0.25), libm::cos(0.25));
+    #[rustfmt::skip]
+    let rows = [
+        1.0, 0.0, cos, sin,
+        0.0, 1.0, -sin, cos,
+        cos, -sin, 1.0, 0.0,
+        sin, cos, 0.0, 1.0,
+    ];
+    let mut problem = with_law(&rows, 0.2);
+    let [normal, tangential] = [-30.0, 6.0];
+    problem.free = vec![
+        [normal, tangential],
+        [cos * normal - sin * tangential, sin * normal + cos * tangential],
+    ];
+    problem.solve(&[Stick; 2]).unwrap();
+    let freedom = problem.freedom[0];
+    assert!(problem.solve_inside(0, &[Stick; 2], |_| freedom));
+    for [normal, tangential] in &problem.forces {
+        assert!(*normal > 1.0 && tangential.abs() < 0.19 * normal, "{:?}", problem.forces);
+    }
+    problem.accelerate(0);
+    for acceleration in &problem.accelerations {
+        assert!(acceleration.value.iter().all(|a| a.abs() < 1e-11), "{acceleration:?}");
+    }
+}
+
+#[test]
+fn a_load_at_the_limit_of_all_contacts_has_no_share_inside() {
+    let mut problem = with_law(&redundant(), 0.5);
+    problem.free = vec![[-2.0, 1.0]; 2];
+    problem.forces = vec![[2.0, -1.0], [0.0, 0.0]];
+    let freedom = problem.freedom[0];
+    assert!(!problem.solve_inside(0, &[Stick; 2], |_| freedom));
+    // They stay as they were.
+    assert_eq!(problem.forces, [[2.0, -1.0], [0.0, 0.0]]);
 }
 
 /// A light mass below a heavy one: Gauss–Seidel gains a part of 10⁻⁵ a sweep.

@@ -39,7 +39,8 @@ impl<W: Witness> EventDriven<W> {
         drive: &Drive,
         speed: f64,
     ) -> Result<(), StepFailure> {
-        let Dynamics { contacts, problem, responses, freedom_of, .. } = &mut self.dynamics;
+        let Dynamics { contacts, problem, responses, freedom_of, law, .. } = &mut self.dynamics;
+        let surfaces = if law.is_frozen() { &self.heading } else { &self.surface };
         for (i, contact) in contacts.iter().enumerate() {
             let state = motion.contacts[i];
             if self.events[i] == Some(Event::Touch) {
@@ -50,7 +51,7 @@ impl<W: Witness> EventDriven<W> {
             let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
             problem.freedom[i] = match self.closed[i] {
                 ContactState::Detached => Freedom::Open,
-                _ => freedom_of(drive.friction[i], -tangential, self.surface[i], state),
+                _ => freedom_of(drive.friction[i], -tangential, surfaces[i], state),
             };
             problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }

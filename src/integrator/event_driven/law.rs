@@ -134,8 +134,12 @@ impl StateLaw {
         }
         let holds = |&contact: &usize| {
             [0, 1].into_iter().all(|row| {
-                let [sum, size] = problem.delassus.along(contact, row, |i| self.shared[i]);
-                sum.abs() <= SHARED * size
+                let along =
+                    |forces: &[[f64; 2]]| problem.delassus.along(contact, row, |i| forces[i]);
+                let ([sum, _], [_, found], [_, given]) =
+                    (along(&self.shared), along(&problem.forces), along(&self.multipliers));
+                // Beside the forces themselves: where both are the same, their difference is rounding.
+                sum.abs() <= SHARED * (found + given)
             })
         };
         if !contacts.iter().all(holds) {

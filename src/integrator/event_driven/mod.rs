@@ -84,6 +84,8 @@ pub struct EventDriven<W = ()> {
     force: Vec<f64>,
     surface: Vec<f64>,
     surface_acceleration: Vec<f64>,
+    /// Where friction of a frozen direction is, what it follows: twice the mean velocity of each surface over the step, m/s.
+    heading: Vec<f64>,
     /// The events at one instant.
     events: Vec<Option<Event>>,
     /// How often each contact has had one at the present instant.
@@ -160,6 +162,7 @@ impl<W: Witness> EventDriven<W> {
             force: vec![0.0; model.dofs()],
             surface: vec![0.0; contacts],
             surface_acceleration: vec![0.0; contacts],
+            heading: vec![0.0; contacts],
             events: vec![None; contacts],
             repeats: vec![0; contacts],
             landings: vec![0; contacts],
@@ -262,7 +265,12 @@ impl<W: Witness> EventDriven<W> {
             .iter_mut()
             .zip(drive.slider_velocity.iter().zip(&drive.slider_acceleration))
         {
-            *surface = end - acceleration * left;
+            let gained = acceleration * left;
+            *surface = end - gained;
+            // A surface that begins to move stands: what rounding leaves of the difference would have a direction.
+            if surface.abs() <= f64::EPSILON * gained.abs() {
+                *surface = 0.0;
+            }
         }
         self.surface_acceleration.copy_from_slice(&drive.slider_acceleration);
         for wave in drive.waves.iter().filter(|wave| wave.amplitude != 0.0) {
@@ -305,6 +313,9 @@ impl<W: Witness> EventDriven<W> {
         self.gained = h * driven;
         self.driven = driven + blurred * f64::EPSILON / (NOISE * DIFFERENCE);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
+            // Where a surface begins to move, the sign of what it has at first is rounding.
+            let mean = self.surface[i] + drive.slider_velocity[i];
+            self.heading[i] = mean;
             let old = motion.contacts[i];
             if old == ContactState::Detached {
                 continue;
@@ -314,8 +325,6 @@ impl<W: Witness> EventDriven<W> {
             let terms = contact.tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
             let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
-            // Where a surface begins to move, the sign of what it has at first is rounding.
-            let mean = self.surface[i] + drive.slider_velocity[i];
             if let Some(new) = self.dynamics.law.frozen_state(mean) {
                 if new != old {
                     motion.contacts[i] = new;
@@ -395,7 +404,9 @@ impl<W: Witness> EventDriven<W> {
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let slip = self.surface[i] - contact.tangent.dot(&motion.velocity);
             let problem = &mut self.dynamics.problem;
-            let surface = self.surface[i];
+            // What lands while its surface begins to move has the direction that the surface takes.
+            let is_frozen = self.dynamics.law.is_frozen();
+            let surface = if is_frozen { self.heading[i] } else { self.surface[i] };
             let held =
                 (self.dynamics.freedom_of)(drive.friction[i], slip, surface, ContactState::Stick);
             let slipping = |direction| held.slipping(direction);
@@ -410,6 +421,8 @@ impl<W: Witness> EventDriven<W> {
                 _ if landed => held,
                 (Some(Event::Slip(direction) | Event::Leave(direction)), _) => sliding(direction),
                 (Some(Event::Stop), _) | (_, ContactState::Stick) => held,
+                // One that does not slip yet may do so either way, or hold.
+                (Some(Event::Part), _) if slip.abs() <= NOISE * speed => held,
                 (_, state) => sliding(state),
             };
             problem.free[i] = [
@@ -450,21 +463,32 @@ impl<W: Witness> EventDriven<W> {
     }
 
     /// Contacts that stick and slip in turn at one instant, where sticking holds more than the masses can move: its equations
-    /// leave it open how the contacts share their load. They share it as the law has found that they can, until a state of
-    /// theirs changes.
+    /// leave it open how the contacts share their load. They share it inside the limits of the law, or else as the law has found
+    /// that they can, until a state of theirs changes.
     fn share_loads(&mut self, motion: &Motion, drive: &Drive) {
-        let Self { dynamics, series, surface_acceleration, .. } = self;
+        let Self { dynamics, series, surface, surface_acceleration, .. } = self;
         let law = &mut series.law;
-        for (group, contacts) in dynamics.problem.delassus.groups().iter().enumerate() {
-            let new = |i: usize| motion.contacts[i];
+        let new = |i: usize| motion.contacts[i];
+        for group in 0..dynamics.problem.delassus.groups().len() {
+            let problem = &mut dynamics.problem;
+            let contacts = &problem.delassus.groups()[group];
             if contacts.iter().all(|&i| self.events[i].is_none() && self.before[i] == new(i)) {
                 continue;
             }
             let turns = |&i: &usize| {
                 self.overheld[i] && self.repeats[i] > MOST_TURNS && new(i) == ContactState::Stick
             };
-            let is_found = |&i: &usize| are_open_alike(dynamics.problem.states[i], new(i));
-            if contacts.iter().all(is_found) && contacts.iter().any(turns) {
+            let is_found = |&i: &usize| are_open_alike(problem.states[i], new(i));
+            let (turn, is_found) = (contacts.iter().any(turns), contacts.iter().all(is_found));
+            let freedom_of = dynamics.freedom_of;
+            let freedom = |i: usize| match (new(i), new(i).sliding_direction()) {
+                (ContactState::Detached, _) => Freedom::Open,
+                (_, direction) => {
+                    let held = freedom_of(drive.friction[i], 0.0, surface[i], ContactState::Stick);
+                    direction.map_or(held, |direction| held.slipping(direction))
+                }
+            };
+            if turn && (problem.solve_inside(group, &motion.contacts, freedom) || is_found) {
                 law.set(dynamics, &motion.contacts, &drive.friction);
                 law.share(dynamics, surface_acceleration, group);
             } else {

@@ -148,6 +148,13 @@ impl<W: Witness> EventDriven<W> {
         };
         let is_frozen = self.dynamics.law.is_frozen();
         (0..forces.len()).filter(is_asked).all(|i| {
+            let free = self.dynamics.contacts[i].normal.dot(&self.dynamics.acceleration);
+            let [carried, size] = delassus.along(i, 0, given);
+            let lost = self.lost(i, 0, motion, drive);
+            // A surface that carries a mass along another one presses it into that one, or off it.
+            if (free + carried).abs() > CLOSE * NOISE * (size + free.abs() + lost) {
+                return false;
+            }
             let free = self.dynamics.contacts[i].tangent.dot(&self.dynamics.acceleration);
             let surface = drive.slider_acceleration[i];
             let [carried, size] = delassus.along(i, 1, given);

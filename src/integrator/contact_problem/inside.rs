@@ -1,0 +1,84 @@
+//! Forces well inside the limits of the law, of contacts that hold their masses more than once.
+//!
+//! The motion of such contacts leaves it open how they share their load. Of all lawful shares, those that solve the contact
+//! problem lie at a limit: some contact carries nothing, or is about to slip. A moment later they would break the law. A share
+//! inside the limits stays lawful while the load changes.
+
+use super::states::Strictness;
+use super::{ContactProblem, Freedom, MISSES};
+use crate::contact::ContactState;
+
+/// How far inside the limits forces are looked for at the most, as a part of the largest force that the load asks for.
+const MOST: f64 = 0.5;
+/// The same at the least: less is rounding.
+const LEAST: f64 = MOST / 134_217_728.0;
+/// By how much the part falls from trial to trial.
+const FALLS: f64 = 0.125;
+
+impl ContactProblem {
+    /// Looks for forces of a group in these states, under these freedoms, that are as far inside the limits of the law as may be;
+    /// are there any? Else the forces are left as they were.
+    pub(in crate::integrator) fn solve_inside(
+        &mut self,
+        group: usize,
+        states: &[ContactState],
+        freedom: impl Fn(usize) -> Freedom,
+    ) -> bool {
+        let mut size = 0.0_f64;
+        for &contact in &self.delassus.groups()[group] {
+            self.states[contact] = states[contact];
+            self.freedom[contact] = freedom(contact);
+            self.swept[contact] = self.forces[contact];
+            self.unpressed[contact] = self.free[contact];
+            let own = self.delassus.own(contact);
+            for (free, own) in self.free[contact].iter().zip([own[0], own[3]]) {
+                size = size.max(if own > 0.0 { free.abs() / own } else { 0.0 });
+            }
+        }
+        if self.has_held(group) || !self.is_enumerable(group) {
+            return false;
+        }
+        let mut is_found = self.press(group, LEAST * size);
+        let mut part = if is_found { MOST } else { 0.0 };
+        while part > LEAST && !self.press(group, part * size) {
+            part *= FALLS;
+        }
+        if is_found && part <= LEAST {
+            is_found = self.press(group, LEAST * size);
+        }
+        if !is_found {
+            for &contact in &self.delassus.groups()[group] {
+                self.forces[contact] = self.swept[contact];
+            }
+        }
+        is_found
+    }
+
+    /// Presses each closed contact of a group with so much (N), and looks for lawful forces that do the rest; the sum of both is
+    /// inside the limits of the law. Are there such forces?
+    fn press(&mut self, group: usize, least: f64) -> bool {
+        for &contact in &self.delassus.groups()[group] {
+            self.corrections[contact] = match (self.states[contact], &self.freedom[contact]) {
+                (ContactState::Detached, _) => [0.0; 2],
+                (_, Freedom::Slipping { direction, friction }) => {
+                    [least, direction * friction * least]
+                }
+                _ => [least, 0.0],
+            };
+        }
+        for &contact in &self.delassus.groups()[group] {
+            for row in [0, 1] {
+                let [pressed, _] = self.delassus.along(contact, row, |i| self.corrections[i]);
+                self.free[contact][row] = self.unpressed[contact][row] + pressed;
+            }
+        }
+        let is_found = self.program(group, Strictness::UpTo(MISSES[1]));
+        for &contact in &self.delassus.groups()[group] {
+            self.free[contact] = self.unpressed[contact];
+            for (force, pressed) in self.forces[contact].iter_mut().zip(self.corrections[contact]) {
+                *force += pressed;
+            }
+        }
+        is_found
+    }
+}
