@@ -86,6 +86,9 @@ pub struct EventDriven<W = ()> {
     surface_acceleration: Vec<f64>,
     /// Where friction of a frozen direction is, what it follows: twice the mean velocity of each surface over the step, m/s.
     heading: Vec<f64>,
+    /// The fastest that each surface is in the step, m/s. Its velocity within the step is a difference of such numbers, so a
+    /// velocity far below it is rounding.
+    fastest: Vec<f64>,
     /// The events at one instant.
     events: Vec<Option<Event>>,
     /// How often each contact has had one at the present instant.
@@ -163,6 +166,7 @@ impl<W: Witness> EventDriven<W> {
             surface: vec![0.0; contacts],
             surface_acceleration: vec![0.0; contacts],
             heading: vec![0.0; contacts],
+            fastest: vec![0.0; contacts],
             events: vec![None; contacts],
             repeats: vec![0; contacts],
             landings: vec![0; contacts],
@@ -301,6 +305,11 @@ impl<W: Witness> EventDriven<W> {
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
     fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
+        for (fastest, (start, end)) in
+            self.fastest.iter_mut().zip(self.surface.iter().zip(&drive.slider_velocity))
+        {
+            *fastest = start.abs().max(end.abs());
+        }
         let inverse_mass = &self.dynamics.inverse_mass;
         let (mut swung, mut blurred) = (0.0, 0.0);
         for wave in &drive.waves {
@@ -308,6 +317,9 @@ impl<W: Witness> EventDriven<W> {
             let most = wave.amplitude.abs() * wave.pushes.iter().map(pushed).fold(0.0, f64::max);
             swung += most;
             blurred += most * wave.phase.abs();
+            for &contact in &wave.moves {
+                self.fastest[contact] += wave.amplitude.abs();
+            }
         }
         let driven = self.shaken(&self.force) + swung;
         self.gained = h * driven;
@@ -333,7 +345,7 @@ impl<W: Witness> EventDriven<W> {
                 continue;
             }
             // Of a slider that stands only the forces say what rounding is.
-            let size = self.surface[i].abs().max(terms).max(self.gained);
+            let size = self.fastest[i].max(terms).max(self.gained);
             let new = if slip.abs() <= NOISE * size {
                 continue;
             } else if slip > 0.0 {
@@ -415,7 +427,7 @@ impl<W: Witness> EventDriven<W> {
                 (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
                 // An impact may throw other contacts off, and changes the slip of all.
                 _ if landed && self.kept[i] == ContactState::Detached => Freedom::Open,
-                _ if landed && slip.abs() > NOISE * speed.max(self.surface[i].abs()) => {
+                _ if landed && slip.abs() > NOISE * speed.max(self.fastest[i]) => {
                     slipping(slip.signum())
                 }
                 _ if landed => held,
