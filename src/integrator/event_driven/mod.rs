@@ -413,6 +413,7 @@ impl<W: Witness> EventDriven<W> {
     /// solved, before which the motion had this `speed` (m/s).
     fn pose(&mut self, motion: &Motion, drive: &Drive, landed: bool, speed: f64) {
         self.dynamics.free_acceleration(motion, &self.force);
+        let in_turn = self.repeats.iter().any(|&repeats| repeats > MOST_TURNS);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let slip = self.surface[i] - contact.tangent.dot(&motion.velocity);
             let problem = &mut self.dynamics.problem;
@@ -421,20 +422,22 @@ impl<W: Witness> EventDriven<W> {
             let surface = if is_frozen { self.heading[i] } else { self.surface[i] };
             let held =
                 (self.dynamics.freedom_of)(drive.friction[i], slip, surface, ContactState::Stick);
+            let still = NOISE * speed.max(self.fastest[i]);
             let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
             problem.freedom[i] = match (self.events[i], motion.contacts[i]) {
                 (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
                 // An impact may throw other contacts off, and changes the slip of all.
                 _ if landed && self.kept[i] == ContactState::Detached => Freedom::Open,
-                _ if landed && slip.abs() > NOISE * speed.max(self.fastest[i]) => {
-                    slipping(slip.signum())
-                }
+                _ if landed && slip.abs() > still => slipping(slip.signum()),
                 _ if landed => held,
                 (Some(Event::Slip(direction) | Event::Leave(direction)), _) => sliding(direction),
                 (Some(Event::Stop), _) | (_, ContactState::Stick) => held,
-                // One that does not slip yet may do so either way, or hold.
-                (Some(Event::Part), _) if slip.abs() <= NOISE * speed => held,
+                // One that does not slip yet may do so either way, or hold. So may one that was to slip by an earlier event of
+                // this instant, where one event leads to the other in turn.
+                (event, _) if slip.abs() <= still && (event == Some(Event::Part) || in_turn) => {
+                    held
+                }
                 (_, state) => sliding(state),
             };
             problem.free[i] = [

@@ -594,6 +594,16 @@ impl Series {
         self.forces[self.law.places(contact)[0]]
     }
 
+    /// (N, T) of a contact at the beginning.
+    pub(super) fn first_forces(&self, contact: usize) -> [f64; 2] {
+        let [normal, tangent] = self.law.places(contact).map(|place| self.forces[place]);
+        match self.states[contact] {
+            ContactState::Detached => [0.0; 2],
+            ContactState::Stick => [normal, tangent],
+            _ => [normal, self.law.slope(contact) * normal],
+        }
+    }
+
     /// What N of a contact is not below, N.
     pub(super) fn least_normal_force(&self, contact: usize) -> f64 {
         let [normal, _] = self.law.places(contact);

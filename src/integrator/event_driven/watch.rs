@@ -2,7 +2,7 @@
 
 use super::ledger::Witness;
 use super::rounding::{DIFFERENCE, NOISE, THROWN};
-use super::{EventDriven, roots};
+use super::{EventDriven, MOST_TURNS, roots};
 use crate::contact::ContactState;
 use crate::integrator::{Drive, Motion};
 
@@ -47,8 +47,13 @@ impl<W: Witness> EventDriven<W> {
             for (event, size) in watched.into_iter().flatten() {
                 let terms = self.fill(i, event, drive);
                 let p = &self.polynomial[..terms];
-                let noise = size.map(|size| NOISE * size);
-                let Some(time) = roots::first_negative(p, noise) else { continue };
+                let first_negative =
+                    |more: f64| roots::first_negative(p, size.map(|size| NOISE * (size + more)));
+                let time = match first_negative(0.0) {
+                    Some(0.0) => first_negative(self.strained(i, event)),
+                    time => time,
+                };
+                let Some(time) = time else { continue };
                 // Those that are apart by rounding alone are one.
                 let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON;
                 match first {
@@ -165,6 +170,24 @@ impl<W: Witness> EventDriven<W> {
         let bend = doubt * 2.0 * bend + bits * span * span;
         let along = doubt * span * self.fastest[contact];
         along.max(bend) + doubt * moved
+    }
+
+    /// What else the slip of a contact that sticks is measured by over the series' span, m: contact forces that hold each other
+    /// leave the masses that share them accelerations of rounding. Zero, unless the contact sticks and slips in turn.
+    fn strained(&self, contact: usize, event: Event) -> f64 {
+        if !matches!(event, Event::Leave(_)) || self.repeats[contact] <= MOST_TURNS {
+            return 0.0;
+        }
+        let Self { series, dynamics, .. } = self;
+        let delassus = &dynamics.problem.delassus;
+        let contacts = delassus.groups().iter().find(|group| group.contains(&contact));
+        let size = |&contact: &usize| {
+            let along = |row| delassus.along(contact, row, |other| series.first_forces(other))[1];
+            f64::max(along(0), along(1))
+        };
+        let largest = contacts.into_iter().flatten().map(size).fold(0.0, f64::max);
+        let span = series.span();
+        self.doubt(contact) * DIFFERENCE * span * span * largest
     }
 
     /// Counts, where the law of contact is not whole, the contacts that would need the rest of it within this
