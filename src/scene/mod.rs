@@ -27,6 +27,7 @@ mod file;
 mod friction_file;
 mod initial_file;
 mod integrator_file;
+mod keys;
 mod lack;
 #[cfg(feature = "tools")]
 mod located;

@@ -1,6 +1,7 @@
 //! The text of a file, from its bytes; neither is larger than what it should be.
 
 use super::MAX_PARTS;
+use super::keys::has_more_different;
 use crate::Error;
 use std::fs::File;
 use std::io::{self, Read};
@@ -12,6 +13,9 @@ pub(super) const MAX_SCENE: u64 = 64_000_000;
 pub(super) const MAX_TABLES: u64 = 256_000_000;
 /// The most values of a scene file: read, each takes some hundred bytes.
 const MAX_VALUES: usize = 8_000_000;
+/// The most different keys of a scene file, of which a scene knows some hundred: read, each takes half a thousand
+/// bytes.
+const MAX_KEYS: usize = 100_000;
 
 /// The bytes of a file, `None` where it has more than `most`: of what does not end, no more are read than that.
 pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
@@ -65,6 +69,11 @@ pub(super) fn check_amount(place: &str, text: &str) -> Result<(), Error> {
         return Err(Error::scene(format!(
             "{place} has more than the {MAX_VALUES} values that a scene file may have; values over time belong into a CSV \
              file beside it"
+        )));
+    }
+    if values > MAX_KEYS && has_more_different(text, MAX_KEYS) {
+        return Err(Error::scene(format!(
+            "{place} has more than {MAX_KEYS} different keys, and a scene knows some hundred"
         )));
     }
     Ok(())
