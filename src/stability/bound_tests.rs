@@ -2,6 +2,7 @@
 
 use super::complex::modulus;
 use super::critical_step::{bound, limits, over_all_states, squares};
+use super::eigenvalues::by_schur;
 use super::frequency_bound::{FrequencyBound, Sizes};
 use crate::contact::{ContactLaw, ContactState, all_states};
 use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
@@ -11,7 +12,7 @@ use std::time::Instant;
 
 /// What the contacts of a random structure touch.
 #[derive(Clone, Copy, Debug)]
-enum Shape {
+pub(super) enum Shape {
     /// A disc and pads around it, each on springs of its own.
     Disc,
     /// The same, with springs between pads, contacts that lie askew, and masses that differ along x and y.
@@ -31,11 +32,11 @@ impl<I: Iterator<Item = f64>> Numbers<I> {
     }
 }
 
-fn any_numbers() -> impl Strategy<Value = Vec<f64>> {
+pub(super) fn any_numbers() -> impl Strategy<Value = Vec<f64>> {
     prop::collection::vec(0.0..1.0_f64, 200)
 }
 
-fn model(shape: Shape, contacts: usize, numbers: &[f64]) -> LumpedModel {
+pub(super) fn model(shape: Shape, contacts: usize, numbers: &[f64]) -> LumpedModel {
     let mut numbers = Numbers(numbers.iter().copied().cycle());
     let bodies = if matches!(shape, Shape::OneMass) { 1 } else { contacts + 1 };
     let askew = if matches!(shape, Shape::Tangled) { 1.0 } else { 0.0 };
@@ -98,7 +99,7 @@ fn sizes(model: &LumpedModel, mu: f64) -> Option<Sizes> {
 /// The largest |s| of a contact state, after asking that every s is where the bound says.
 fn enclosed(model: &LumpedModel, states: &[ContactState], mu: f64, sizes: Sizes) -> f64 {
     let ellipse = sizes.ellipse.expect("there are no dampers");
-    squares(model, states, mu).unwrap().into_iter().fold(0.0, |most, s| {
+    squares(model, states, mu, by_schur).unwrap().into_iter().fold(0.0, |most, s| {
         let size = modulus(s);
         assert!(ellipse.encloses(s), "{states:?}: {s} is outside of {ellipse:?}");
         assert!(size <= sizes.largest_square() * (1.0 + 1e-9), "{states:?}: {s} {sizes:?}");

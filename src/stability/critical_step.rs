@@ -16,13 +16,14 @@
 //! same k and c, whose shape may differ.
 
 use super::complex::{from_polar, modulus, root};
-use super::damped_step;
+use super::eigenvalues::{Solver, by_francis, by_schur};
 use super::frequency_bound::{FrequencyBound, Sizes};
+use super::{damped_step, step_search};
 use crate::Error;
 use crate::contact::{ContactState, Joined, all_states};
 use crate::model::LumpedModel;
 use crate::scene::Damping;
-use nalgebra::{Complex, Schur};
+use nalgebra::Complex;
 
 /// Up to this many contacts all contact states are looked at; beyond, a bound stands in.
 const MAX_ENUMERATED_CONTACTS: usize = 6;
@@ -99,7 +100,7 @@ pub(super) fn bound(model: &LumpedModel, friction: f64) -> Option<f64> {
     let sizes = FrequencyBound::new(model, friction)?.at(model, friction);
     let most = sizes.largest_square();
     most.is_finite().then(|| {
-        largest(real_limit(model.damping, sizes), |step| {
+        step_search::largest(real_limit(model.damping, sizes), |step| {
             all_admissible(step, model.damping, sizes, has_friction(model, friction))
         })
     })
@@ -108,10 +109,7 @@ pub(super) fn bound(model: &LumpedModel, friction: f64) -> Option<f64> {
 /// The critical step from each contact state.
 pub(super) fn over_all_states(model: &LumpedModel, friction: f64) -> Result<CriticalStep, Error> {
     let mut critical = CriticalStep { step: f64::INFINITY, origin: Origin::Bound };
-    for states in all_states(u32::try_from(model.contacts.len()).expect("few")) {
-        if !states.iter().all(|state| model.law.allows(*state)) {
-            continue;
-        }
+    for states in states_of(model) {
         for (step, coalesced) in limits(model, &states, friction)? {
             if step < critical.step {
                 critical = CriticalStep {
@@ -124,6 +122,51 @@ pub(super) fn over_all_states(model: &LumpedModel, friction: f64) -> Result<Crit
     Ok(critical)
 }
 
+/// The contact states of a model with few contacts.
+fn states_of(model: &LumpedModel) -> impl Iterator<Item = Vec<ContactState>> {
+    let all = all_states(u32::try_from(model.contacts.len()).expect("few"));
+    all.filter(|states| states.iter().all(|state| model.law.allows(*state)))
+}
+
+/// Is a step (s) known to be at most the critical one of a model? Each state is asked for this step alone, and only the
+/// states that `concerns` picks: the others are known to admit it.
+pub(super) fn is_reached(
+    step: f64,
+    model: &LumpedModel,
+    friction: f64,
+    concerns: impl Fn(&[ContactState]) -> bool,
+) -> bool {
+    if can_be_enumerated(model) {
+        let mut asked = states_of(model).filter(|states| concerns(states));
+        return asked.all(|states| state_reaches(step, model, &states, friction).unwrap_or(false));
+    }
+    let bound = FrequencyBound::new(model, friction);
+    let sizes = bound.map(|bound| bound.at(model, friction));
+    sizes.filter(|sizes| sizes.largest_square().is_finite()).is_some_and(|sizes| {
+        let rubs = has_friction(model, friction);
+        step_search::reaches(step, real_limit(model.damping, sizes), |step| {
+            all_admissible(step, model.damping, sizes, rubs)
+        })
+    })
+}
+
+/// Is a step at most the largest one of each mode of a state?
+fn state_reaches(
+    step: f64,
+    model: &LumpedModel,
+    states: &[ContactState],
+    friction: f64,
+) -> Result<bool, Error> {
+    if !model.dampers.is_empty() {
+        let reduced = model.reduced(states, friction);
+        return reduced.map_or(Ok(true), |reduced| damped_step::reaches(step, &reduced));
+    }
+    // The other one of a pair has the same limit.
+    let squares = squares(model, states, friction, by_francis)?;
+    let mut squares = squares.into_iter().filter(|square| square.im >= 0.0);
+    Ok(squares.all(|square| mode_reaches(step, model.damping, square)))
+}
+
 /// Are the model's states few and small enough to look at all of them?
 fn can_be_enumerated(model: &LumpedModel) -> bool {
     let contacts = model.contacts.len();
@@ -134,7 +177,7 @@ fn can_be_enumerated(model: &LumpedModel) -> bool {
 }
 
 /// Does any contact rub with friction?
-fn has_friction(model: &LumpedModel, common: f64) -> bool {
+pub(super) fn has_friction(model: &LumpedModel, common: f64) -> bool {
     model.contacts.iter().any(|contact| contact.friction(common) != 0.0)
 }
 
@@ -145,7 +188,7 @@ pub(super) fn limits(
     friction: f64,
 ) -> Result<Vec<(f64, bool)>, Error> {
     if model.dampers.is_empty() {
-        let squares = squares(model, states, friction)?.into_iter();
+        let squares = squares(model, states, friction, by_schur)?.into_iter();
         return Ok(squares.map(|s| (mode_limit(model.damping, s), s.im != 0.0)).collect());
     }
     model.reduced(states, friction).iter().map(damped_step::limit).collect()
@@ -156,6 +199,7 @@ pub(super) fn squares(
     model: &LumpedModel,
     states: &[ContactState],
     friction: f64,
+    solver: Solver,
 ) -> Result<Vec<Complex<f64>>, Error> {
     let failed = || {
         Error::step_too_large(format!(
@@ -165,25 +209,17 @@ pub(super) fn squares(
     };
     // A state that determines no motion sets no limit.
     let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
-    let size = reduced.mass.nrows();
-    if size == 0 {
+    if reduced.mass.nrows() == 0 {
         return Ok(Vec::new());
     }
     let matrix = reduced.mass.lu().solve(&reduced.stiffness).ok_or_else(failed)?;
-    // The iteration has no exceptional shifts: once in some ten thousand matrices it goes in circles.
-    // The transpose, which has the same eigenvalues, and a looser criterion lead out.
-    let transposed = matrix.transpose();
-    let attempts = [1.0, 64.0, 4096.0].map(|looser| looser * f64::EPSILON).into_iter();
-    let schur = attempts
-        .flat_map(|precision| [(&matrix, precision), (&transposed, precision)])
-        .find_map(|(matrix, precision)| Schur::try_new(matrix.clone(), precision, 100 * size))
-        .ok_or_else(failed)?;
+    let found = solver(matrix).ok_or_else(failed)?;
     // Rounding parts a double real eigenvalue into a pair by the root of the precision.
     let cleaned = |value: &Complex<f64>| {
         let is_real = value.im.abs() <= 1e-7 * value.re.abs();
         if is_real { Complex::new(value.re, 0.0) } else { *value }
     };
-    Ok(schur.complex_eigenvalues().iter().map(cleaned).collect())
+    Ok(found.iter().map(cleaned).collect())
 }
 
 /// The step at which a real mode of these sizes leaves the unit circle.
@@ -202,23 +238,23 @@ fn mode_limit(damping: Damping, square: Complex<f64>) -> f64 {
         return if square.re > 0.0 { real_limit(damping, sizes) } else { f64::INFINITY };
     }
     let rate = square * damping.beta + damping.alpha;
-    largest(2.0 / modulus(square).sqrt(), |step| is_admissible(step, rate, square))
+    let end = end_of_complex(square);
+    step_search::largest(end, |step| is_admissible(step, rate, square))
 }
 
-/// The largest step below `end` up to which all steps fulfil a condition: on a grid, then refined.
-pub(super) fn largest(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
-    const GRID: u32 = 256;
-    if !end.is_finite() {
-        return end;
+/// Is a step at most the largest one of a mode?
+fn mode_reaches(step: f64, damping: Damping, square: Complex<f64>) -> bool {
+    if square.im == 0.0 {
+        return step <= mode_limit(damping, square);
     }
-    let grid = |i: u32| end * f64::from(i) / f64::from(GRID);
-    let Some(first_bad) = (1..=GRID).find(|&i| !holds(grid(i))) else { return end };
-    let (mut good, mut bad) = (grid(first_bad - 1), grid(first_bad));
-    while bad - good > 1e-6 * bad {
-        let middle = 0.5 * (good + bad);
-        if holds(middle) { good = middle } else { bad = middle }
-    }
-    good
+    let rate = square * damping.beta + damping.alpha;
+    let end = end_of_complex(square);
+    step_search::reaches(step, end, |step| is_admissible(step, rate, square))
+}
+
+/// No larger step of a complex mode is admissible, s.
+fn end_of_complex(square: Complex<f64>) -> f64 {
+    2.0 / modulus(square).sqrt()
 }
 
 /// Does the scheme make a mode λ² + c λ + s = 0 with c = `rate` grow as the physics does, or not at all?
@@ -240,7 +276,7 @@ fn roots(b: Complex<f64>, c: Complex<f64>) -> [Complex<f64>; 2] {
 
 /// Is the step admissible for every mode, real or complex, of up to these sizes? Without friction all
 /// are real.
-fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> bool {
+pub(super) fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> bool {
     const ANGLES: u32 = 32;
     const SIZES: u32 = 12;
     if step > real_limit(damping, sizes) {
@@ -271,91 +307,6 @@ fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> 
     !friction
         || (sizes.square.is_finite() && admits_all(&|part, i| on_circle(part * sizes.square, i)))
         || sizes.ellipse.is_some_and(|ellipse| admits_all(&|part, i| ellipse.point(part, angle(i))))
-}
-
-/// Refuses steps above the critical one, again and again as µ and the damping change. A bound is
-/// asked first, which costs one pass over the degrees of freedom and allocates nothing; the contact
-/// states are looked at only where it does not suffice.
-#[derive(Clone, Debug)]
-pub struct StepGuard {
-    step: f64,
-    bound: Option<FrequencyBound>,
-    /// The damping that `admissible` belongs to.
-    damping: Damping,
-    /// The largest bound of the eigenvalues at which the step is admissible with friction, 1/s². That of
-    /// single dampers grows in proportion with it.
-    admissible: f64,
-}
-
-impl StepGuard {
-    /// A guard of this step (s) for this model; sharpest near the given µ.
-    #[must_use]
-    pub fn new(model: &LumpedModel, friction_coefficient: f64, step: f64) -> Self {
-        let bound = FrequencyBound::new(model, friction_coefficient);
-        let mut guard = Self { step, bound, damping: model.damping, admissible: 0.0 };
-        guard.set_damping(model.damping);
-        guard
-    }
-
-    fn set_damping(&mut self, damping: Damping) {
-        // No real mode above (2/h)² is admissible.
-        let end = 4.0 / (self.step * self.step);
-        let dampers = self.bound.as_ref().map_or(0.0, FrequencyBound::dampers_against_stiffness);
-        let admits = |square: f64| {
-            all_admissible(
-                self.step,
-                damping,
-                Sizes { square, dampers: dampers * square, ellipse: None },
-                true,
-            )
-        };
-        // Single dampers make the question some dozens of times longer: from above most answers are a
-        // quick no, and each yes speaks for all smaller sizes.
-        self.admissible = match dampers {
-            0.0 => largest(end, admits),
-            _ => {
-                let sizes = std::iter::successors(Some(end), |square| Some(0.9 * square));
-                sizes.take(200).find(|square| admits(*square)).unwrap_or(0.0)
-            }
-        };
-        self.damping = damping;
-    }
-
-    /// Is the step below the critical one? `model` is the one that the guard was made for, but for
-    /// its damping and its contacts' own values.
-    ///
-    /// # Errors
-    /// The step, the limit, and the state that sets it.
-    pub fn check(&mut self, model: &LumpedModel, friction: f64) -> Result<(), Error> {
-        if self.damping != model.damping {
-            self.set_damping(model.damping);
-        }
-        let suffices = self.bound.as_ref().is_some_and(|bound| {
-            let sizes = bound.at(model, friction);
-            let friction = has_friction(model, friction);
-            sizes.square <= self.admissible
-                || ((!friction || sizes.ellipse.is_some())
-                    && all_admissible(self.step, model.damping, sizes, friction))
-        });
-        if suffices {
-            return Ok(());
-        }
-        let critical = critical_step(model, friction)?;
-        if self.step <= critical.step {
-            return Ok(());
-        }
-        let step = self.step;
-        Err(Error::step_too_large(match critical.origin {
-            Origin::State { .. } => format!(
-                "integrator.step = {step:e} s is above the critical step, {critical}; \
-                 choose a smaller step"
-            ),
-            Origin::Bound => format!(
-                "integrator.step = {step:e} s may be above the critical step: it is known to be \
-                 {critical}; choose a step up to that"
-            ),
-        }))
-    }
 }
 
 #[cfg(test)]
@@ -405,18 +356,6 @@ mod tests {
         let found = critical_step(&set1(), 1.96).unwrap();
         let states = vec![ContactState::Slide; 2];
         assert_eq!(found.origin, Origin::State { states, coalesced: true });
-    }
-
-    #[test]
-    fn a_step_above_the_limit_is_refused_with_the_limit_and_its_state() {
-        let model = set1();
-        let limit = critical_step(&model, 1.96).unwrap().step;
-        assert!(StepGuard::new(&model, 1.96, 0.999 * limit).check(&model, 1.96).is_ok());
-        let mut above = StepGuard::new(&model, 1.96, 1.001 * limit);
-        let error = above.check(&model, 1.96).unwrap_err();
-        assert!(error.is_step_too_large() && error.to_string().contains("Sl-Sl"), "{error}");
-        // Without friction no modes coalesce, and the same step is fine.
-        assert!(above.check(&model, 0.0).is_ok());
     }
 
     #[test]
@@ -502,7 +441,7 @@ mod tests {
             let [a, b] = [&rayleigh, &single].map(|model| critical_step(model, mu).unwrap());
             assert!((a.step / b.step - 1.0).abs() < 0.05, "{a} {b}");
             let sizes = FrequencyBound::new(&single, mu).unwrap().at(&single, mu);
-            let bound = largest(real_limit(single.damping, sizes), |h| {
+            let bound = step_search::largest(real_limit(single.damping, sizes), |h| {
                 all_admissible(h, single.damping, sizes, true)
             });
             assert!(bound <= a.step, "{bound} {a}");

@@ -13,36 +13,83 @@
 //! compared with the eigenvalue λ of the physics that is nearest to ln z / h, as for Rayleigh damping.
 
 use super::complex::{logarithm, modulus};
-use super::critical_step::{INVENTED_GROWTH, largest};
+use super::critical_step::INVENTED_GROWTH;
+use super::eigenvalues::{Solver, by_francis, by_schur};
+use super::step_search;
 use crate::Error;
 use crate::model::ReducedMatrices;
-use nalgebra::{Complex, DMatrix, Schur};
+use nalgebra::{Complex, DMatrix};
 
 /// The largest step (s) of a state, and whether a mode sets it that does not leave through −1.
 pub(super) fn limit(reduced: &ReducedMatrices) -> Result<(f64, bool), Error> {
-    let failed = || Error::step_too_large("the eigenvalues of a contact state were not found");
-    let size = reduced.mass.nrows();
-    if size == 0 {
-        return Ok((f64::INFINITY, false));
-    }
-    let inverse = reduced.mass.clone().try_inverse().ok_or_else(failed)?;
-    let (k, c) = (&inverse * &reduced.stiffness, &inverse * &reduced.damping);
-    let rates = eigenvalues(&companion(&(&k * 0.25), &(&c * 0.5))).ok_or_else(failed)?;
-    let real = |rate: &Complex<f64>| rate.im.abs() <= 1e-7 * modulus(*rate);
-    let fastest = rates.iter().filter(|rate| real(rate)).fold(0.0, |most, r| f64::max(most, r.re));
-    let through_minus_one = 1.0 / fastest;
-    if is_symmetric(&reduced.stiffness) && is_symmetric(&reduced.damping) {
-        return Ok((through_minus_one, false));
-    }
-    let physical = eigenvalues(&companion(&-&k, &-&c)).ok_or_else(failed)?;
-    let size_of = physical.iter().fold(0.0, |size, lambda| f64::max(size, modulus(*lambda)));
-    let end = through_minus_one.min(2.0 / size_of);
-    let step = largest(end, |h| {
-        // z = 1 + h s.
-        eigenvalues(&companion(&-&k, &-(&c + &k * h)))
-            .is_some_and(|rates| rates.iter().all(|s| is_admissible(s * h + 1.0, h, &physical)))
+    let Limits { through_minus_one, friction } = Limits::of(reduced, by_schur)?;
+    let step = friction.map_or(through_minus_one, |friction| {
+        step_search::largest(friction.end, |step| friction.admits(step))
     });
     Ok((step, step < through_minus_one))
+}
+
+/// Is a step (s) at most the largest one of a state, but for rounding?
+pub(super) fn reaches(step: f64, reduced: &ReducedMatrices) -> Result<bool, Error> {
+    let Limits { through_minus_one, friction } = Limits::of(reduced, by_francis)?;
+    Ok(friction.map_or(step <= through_minus_one, |friction| {
+        step_search::reaches(step, friction.end, |step| friction.admits(step))
+    }))
+}
+
+/// What limits the step in a state.
+struct Limits {
+    /// The step at which a mode leaves the unit circle through −1, s.
+    through_minus_one: f64,
+    /// Only where friction makes the matrices unsymmetric.
+    friction: Option<WithFriction>,
+}
+
+/// A state in which modes may grow.
+struct WithFriction {
+    /// M̃⁻¹ K̃, 1/s².
+    stiffness: DMatrix<f64>,
+    /// M̃⁻¹ C̃, 1/s.
+    damping: DMatrix<f64>,
+    /// The eigenvalues λ of the physics, 1/s.
+    physical: Vec<Complex<f64>>,
+    /// No larger step is admissible, s.
+    end: f64,
+    solver: Solver,
+}
+
+impl Limits {
+    fn of(reduced: &ReducedMatrices, solver: Solver) -> Result<Self, Error> {
+        let failed = || Error::step_too_large("the eigenvalues of a contact state were not found");
+        if reduced.mass.nrows() == 0 {
+            return Ok(Self { through_minus_one: f64::INFINITY, friction: None });
+        }
+        let inverse = reduced.mass.clone().try_inverse().ok_or_else(failed)?;
+        let (k, c) = (&inverse * &reduced.stiffness, &inverse * &reduced.damping);
+        let rates = eigenvalues(companion(&k, 0.25, &c, 0.5), solver).ok_or_else(failed)?;
+        let real = |rate: &Complex<f64>| rate.im.abs() <= 1e-7 * modulus(*rate);
+        let reals = rates.iter().filter(|rate| real(rate));
+        let through_minus_one = 1.0 / reals.fold(0.0, |most, rate| f64::max(most, rate.re));
+        if is_symmetric(&reduced.stiffness) && is_symmetric(&reduced.damping) {
+            return Ok(Self { through_minus_one, friction: None });
+        }
+        let physical = eigenvalues(companion(&k, -1.0, &c, -1.0), solver).ok_or_else(failed)?;
+        let size = physical.iter().fold(0.0, |size, lambda| f64::max(size, modulus(*lambda)));
+        let end = through_minus_one.min(2.0 / size);
+        let friction = Some(WithFriction { stiffness: k, damping: c, physical, end, solver });
+        Ok(Self { through_minus_one, friction })
+    }
+}
+
+impl WithFriction {
+    /// Does no mode of the scheme grow faster than the physics at this step (s)?
+    fn admits(&self, step: f64) -> bool {
+        // z = 1 + h s.
+        let raised = &self.damping + &self.stiffness * step;
+        eigenvalues(companion(&self.stiffness, -1.0, &raised, -1.0), self.solver).is_some_and(
+            |rates| rates.iter().all(|s| is_admissible(s * step + 1.0, step, &self.physical)),
+        )
+    }
 }
 
 /// Does the scheme's mode z grow no faster than the physics?
@@ -57,32 +104,29 @@ fn is_admissible(z: Complex<f64>, h: f64, physical: &[Complex<f64>]) -> bool {
     nearest.is_some_and(|lambda| rate.re <= lambda.re.max(0.0) + INVENTED_GROWTH * modulus(*lambda))
 }
 
-/// The matrix [[0, 1], [a, b]], whose eigenvalues λ solve λ² u = (a + λ b) u.
-fn companion(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+/// The matrix [[0, 1], [p a, q b]], whose eigenvalues λ solve λ² u = (p a + λ q b) u.
+fn companion(a: &DMatrix<f64>, p: f64, b: &DMatrix<f64>, q: f64) -> DMatrix<f64> {
     let n = a.nrows();
-    let mut matrix = DMatrix::zeros(2 * n, 2 * n);
-    matrix.view_mut((0, n), (n, n)).fill_with_identity();
-    matrix.view_mut((n, 0), (n, n)).copy_from(a);
-    matrix.view_mut((n, n), (n, n)).copy_from(b);
-    matrix
+    DMatrix::from_fn(2 * n, 2 * n, |i, j| match (i < n, j < n) {
+        (true, _) => f64::from(u8::from(i + n == j)),
+        (false, true) => p * a[(i - n, j)],
+        (false, false) => q * b[(i - n, j - n)],
+    })
 }
 
-fn eigenvalues(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+fn eigenvalues(mut companion: DMatrix<f64>, solver: Solver) -> Option<Vec<Complex<f64>>> {
     // In its own unit of time, so that both rows are of one size.
-    let n = matrix.nrows() / 2;
-    let unit = matrix.view((n, 0), (n, n)).amax().sqrt().max(matrix.view((n, n), (n, n)).amax());
+    let n = companion.nrows() / 2;
+    let unit =
+        companion.view((n, 0), (n, n)).amax().sqrt().max(companion.view((n, n), (n, n)).amax());
     if unit == 0.0 {
         return Some(vec![Complex::new(0.0, 0.0); 2 * n]);
     }
-    let mut scaled = matrix.clone();
-    scaled.view_mut((n, 0), (n, n)).scale_mut(1.0 / (unit * unit));
-    scaled.view_mut((n, n), (n, n)).scale_mut(1.0 / unit);
-    let transposed = scaled.transpose();
-    let attempts = [1.0, 64.0, 4096.0].map(|looser| looser * f64::EPSILON).into_iter();
-    let schur = attempts
-        .flat_map(|precision| [(&scaled, precision), (&transposed, precision)])
-        .find_map(|(matrix, precision)| Schur::try_new(matrix.clone(), precision, 200 * n))?;
-    Some(schur.complex_eigenvalues().iter().map(|value| value * unit).collect())
+    companion.view_mut((n, 0), (n, n)).scale_mut(1.0 / (unit * unit));
+    companion.view_mut((n, n), (n, n)).scale_mut(1.0 / unit);
+    let mut found = solver(companion)?;
+    found.iter_mut().for_each(|value| *value *= unit);
+    Some(found)
 }
 
 fn is_symmetric(matrix: &DMatrix<f64>) -> bool {

@@ -9,7 +9,7 @@
 
 #[cfg(feature = "tools")]
 use faer::Mat;
-use nalgebra::{Complex, DMatrix};
+use nalgebra::{Complex, DMatrix, Schur};
 use std::array::from_fn;
 use std::ops::Range;
 
@@ -40,7 +40,8 @@ fn by_faer(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     found.ok().map(|values| values.iter().map(|v| Complex::new(v.re, v.im)).collect())
 }
 
-fn by_francis(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+/// The same, of any size by the way of small ones: the same doubles on each machine.
+pub(super) fn by_francis(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let size = matrix.nrows();
     if !matrix.iter().all(|value| value.is_finite()) {
         return None;
@@ -68,6 +69,26 @@ fn by_francis(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     found.iter_mut().for_each(|value| *value *= scale);
     Some(found)
 }
+
+/// The same from nalgebra, which takes twice as long. The printed critical step is made of these: where contact states
+/// have equal limits, rounding picks the state that is named.
+pub(super) fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+    // The iteration has no exceptional shifts: once in some ten thousand matrices it goes in circles.
+    // The transpose, which has the same eigenvalues, and a looser criterion lead out.
+    let first = Schur::try_new(matrix.clone(), f64::EPSILON, 100 * matrix.nrows());
+    let schur = first.or_else(|| {
+        let transposed = matrix.transpose();
+        let attempts = [1.0, 64.0, 4096.0].map(|looser| looser * f64::EPSILON).into_iter();
+        let attempts = attempts.flat_map(|looser| [(&matrix, looser), (&transposed, looser)]);
+        attempts.skip(1).find_map(|(matrix, precision)| {
+            Schur::try_new(matrix.clone(), precision, 100 * matrix.nrows())
+        })
+    })?;
+    Some(schur.complex_eigenvalues().iter().copied().collect())
+}
+
+/// A way to find all eigenvalues.
+pub(super) type Solver = fn(DMatrix<f64>) -> Option<Vec<Complex<f64>>>;
 
 /// A square matrix, column after column.
 struct Columns<'a> {

@@ -5,6 +5,8 @@
 //! | `complex` | modulus, root and logarithm of a complex number, the same on each machine |
 //! | `critical_step` | the largest step of the explicit scheme |
 //! | `damped_step` | the same for a state with single dampers |
+//! | `step_search` | the largest step that fulfils a condition |
+//! | `step_guard` | refuses steps above the critical one during a run |
 //! | `frequency_bound` | bounds over all contact states |
 //! | `oblique_projection` | how far friction leans motions in any contact state |
 //! | `eigenvalues` | the eigenvalues of a matrix |
@@ -33,8 +35,11 @@ mod critical_step;
 mod damped_step;
 mod frequency_bound;
 mod oblique_projection;
+mod step_guard;
+mod step_search;
 
-pub use critical_step::{CriticalStep, Origin, StepGuard, critical_step};
+pub use critical_step::{CriticalStep, Origin, critical_step};
+pub use step_guard::StepGuard;
 
 use crate::model::LumpedModel;
 

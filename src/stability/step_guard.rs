@@ -1,0 +1,276 @@
+//! The guard that refuses steps above the critical one during a run.
+
+use super::critical_step::{Origin, all_admissible, critical_step, has_friction, is_reached};
+use super::frequency_bound::{FrequencyBound, Sizes};
+use super::step_search::largest;
+use crate::Error;
+use crate::contact::ContactState;
+use crate::model::LumpedModel;
+use crate::scene::Damping;
+
+/// Refuses steps above the critical one, again and again as µ and the damping change. A question that was
+/// answered last time costs nothing. A bound is asked first, which costs one pass over the degrees of
+/// freedom where contacts share no masses, and allocates nothing there. The contact states are looked at only
+/// where it does not suffice, and then only those whose friction has changed since all of them were last found
+/// to admit the step. Each is asked whether it admits this step; its limit is found only for the message of a
+/// refusal.
+#[derive(Clone, Debug)]
+pub struct StepGuard {
+    step: f64,
+    bound: Option<FrequencyBound>,
+    /// The damping that `admissible` belongs to.
+    damping: Damping,
+    /// The largest bound of the eigenvalues at which the step is admissible with friction, 1/s². That of
+    /// single dampers grows in proportion with it.
+    admissible: f64,
+    /// The friction of each contact when all states were last found to admit the step, with `damping`.
+    admitted: Option<Vec<Rubbing>>,
+    /// The friction of each contact with which the step was last admitted, with `damping`.
+    last: Option<Vec<Rubbing>>,
+    /// How often the states have been asked without the bound since it failed, and how often they are to be.
+    left_out: u32,
+    to_leave_out: u32,
+}
+
+/// The bound is asked at least once in so many questions, less one.
+const MOST_LEFT_OUT: u32 = 63;
+
+/// By this part of itself rounding may move a limit. A step that is nearer to it is compared with the printed limit.
+const ROUNDING: f64 = 1e-5;
+
+/// What the states of a contact that slides depend on: µ, and what it adds to damping, N s/m.
+type Rubbing = [f64; 2];
+
+fn rubbing(model: &LumpedModel, friction: f64) -> impl Iterator<Item = Rubbing> {
+    model.contacts.iter().map(move |contact| [contact.friction(friction), contact.weakening()])
+}
+
+fn is_same(before: &[Rubbing], model: &LumpedModel, friction: f64) -> bool {
+    rubbing(model, friction).eq(before.iter().copied())
+}
+
+impl StepGuard {
+    /// A guard of this step (s) for this model; sharpest near the given µ.
+    #[must_use]
+    pub fn new(model: &LumpedModel, friction_coefficient: f64, step: f64) -> Self {
+        let bound = FrequencyBound::new(model, friction_coefficient);
+        let damping = model.damping;
+        let mut guard = Self {
+            step,
+            bound,
+            damping,
+            admissible: 0.0,
+            admitted: None,
+            last: None,
+            left_out: 0,
+            to_leave_out: 0,
+        };
+        guard.set_damping(model.damping);
+        guard
+    }
+
+    fn set_damping(&mut self, damping: Damping) {
+        // No real mode above (2/h)² is admissible.
+        let end = 4.0 / (self.step * self.step);
+        let dampers = self.bound.as_ref().map_or(0.0, FrequencyBound::dampers_against_stiffness);
+        let admits = |square: f64| {
+            all_admissible(
+                self.step,
+                damping,
+                Sizes { square, dampers: dampers * square, ellipse: None },
+                true,
+            )
+        };
+        // Single dampers make the question some dozens of times longer: from above most answers are a
+        // quick no, and each yes speaks for all smaller sizes.
+        self.admissible = match dampers {
+            0.0 => largest(end, admits),
+            _ => {
+                let sizes = std::iter::successors(Some(end), |square| Some(0.9 * square));
+                sizes.take(200).find(|square| admits(*square)).unwrap_or(0.0)
+            }
+        };
+        self.damping = damping;
+        (self.admitted, self.last) = (None, None);
+    }
+
+    /// Is the step below the critical one? `model` is the one that the guard was made for, but for
+    /// its damping and its contacts' own values.
+    ///
+    /// # Errors
+    /// The step, the limit, and the state that sets it.
+    pub fn check(&mut self, model: &LumpedModel, friction: f64) -> Result<(), Error> {
+        if self.damping != model.damping {
+            self.set_damping(model.damping);
+        }
+        if self.last.as_ref().is_some_and(|last| is_same(last, model, friction)) {
+            return Ok(());
+        }
+        let is_first = self.bound_is_due();
+        if (is_first && self.bound_suffices(model, friction))
+            || self.states_admit(model, friction)
+            || (!is_first && self.bound_suffices(model, friction))
+        {
+            self.note(model, friction);
+            return Ok(());
+        }
+        let critical = critical_step(model, friction)?;
+        if self.step <= critical.step {
+            self.note(model, friction);
+            return Ok(());
+        }
+        let step = self.step;
+        Err(Error::step_too_large(match critical.origin {
+            Origin::State { .. } => format!(
+                "integrator.step = {step:e} s is above the critical step, {critical}; \
+                 choose a smaller step"
+            ),
+            Origin::Bound => format!(
+                "integrator.step = {step:e} s may be above the critical step: it is known to be \
+                 {critical}; choose a step up to that"
+            ),
+        }))
+    }
+
+    /// Takes note that the step is admitted with this friction.
+    fn note(&mut self, model: &LumpedModel, friction: f64) {
+        let last = self.last.get_or_insert_default();
+        last.clear();
+        last.extend(rubbing(model, friction));
+    }
+
+    /// Is it time to ask the bound before the states? The more often it has failed, the more rarely it is asked: where
+    /// contacts share masses it takes as long as some states.
+    fn bound_is_due(&mut self) -> bool {
+        let is_due = self.left_out == self.to_leave_out;
+        self.left_out = if is_due { 0 } else { self.left_out + 1 };
+        is_due
+    }
+
+    /// Is the bound enough to admit the step?
+    fn bound_suffices(&mut self, model: &LumpedModel, friction: f64) -> bool {
+        let suffices = self.bound.as_ref().is_some_and(|bound| {
+            let sizes = bound.at(model, friction);
+            let friction = has_friction(model, friction);
+            sizes.square <= self.admissible
+                || ((!friction || sizes.ellipse.is_some())
+                    && all_admissible(self.step, model.damping, sizes, friction))
+        });
+        let more = (2 * self.to_leave_out + 1).min(MOST_LEFT_OUT);
+        (self.left_out, self.to_leave_out) = (0, if suffices { 0 } else { more });
+        suffices
+    }
+
+    /// Do all states admit the step? Takes note of it.
+    fn states_admit(&mut self, model: &LumpedModel, friction: f64) -> bool {
+        let before = self.admitted.as_deref();
+        let is_new = |(i, now): (usize, Rubbing)| before.is_none_or(|before| before[i] != now);
+        let new: Vec<bool> = rubbing(model, friction).enumerate().map(is_new).collect();
+        let concerns = |states: &[ContactState]| {
+            let slides = |state: &ContactState| state.sliding_direction().is_some();
+            before.is_none()
+                || states.iter().zip(&new).any(|(state, is_new)| *is_new && slides(state))
+        };
+        let admit = is_reached((1.0 + ROUNDING) * self.step, model, friction, concerns);
+        if admit {
+            self.admitted = Some(rubbing(model, friction).collect());
+        }
+        admit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::model::SparseMatrix;
+    use crate::scene::builtin;
+    use crate::stability::bound_tests::{Shape, any_numbers, model};
+    use proptest::prelude::*;
+
+    fn set1() -> LumpedModel {
+        LumpedModel::from(&builtin("set1").unwrap().scene())
+    }
+
+    #[test]
+    fn a_step_above_the_limit_is_refused_with_the_limit_and_its_state() {
+        let model = set1();
+        let limit = critical_step(&model, 1.96).unwrap().step;
+        assert!(StepGuard::new(&model, 1.96, 0.999 * limit).check(&model, 1.96).is_ok());
+        let mut above = StepGuard::new(&model, 1.96, 1.001 * limit);
+        let error = above.check(&model, 1.96).unwrap_err();
+        assert!(error.is_step_too_large() && error.to_string().contains("Sl-Sl"), "{error}");
+        // Without friction no modes coalesce, and the same step is fine.
+        assert!(above.check(&model, 0.0).is_ok());
+    }
+
+    /// A model with some of the contacts' friction of their own, and dampers where `dampers` is above zero.
+    fn any_model() -> impl Strategy<Value = LumpedModel> {
+        let shapes = vec![Shape::Disc, Shape::Tangled, Shape::Chain, Shape::OneMass];
+        let damping = (0.0..30.0_f64, 0.0..1e-4_f64, prop::option::of(0.1..100.0_f64));
+        let own = prop::collection::vec(prop::option::of(0.0..1.0_f64), 3);
+        let shape = prop::sample::select(shapes);
+        (shape, 1_usize..=2, any_numbers(), damping, own).prop_map(
+            |(shape, contacts, numbers, (alpha, beta, damper), own)| {
+                let mut model = model(shape, contacts, &numbers);
+                model.damping = Damping { alpha, beta };
+                if let Some(damper) = damper {
+                    let entries = [(0, 0, damper), (1, 1, 0.3 * damper)].to_vec();
+                    model.dampers = SparseMatrix::from_entries(model.dofs(), entries);
+                }
+                for (contact, own) in model.contacts.iter_mut().zip(own) {
+                    contact.own.friction_coefficient = own;
+                }
+                model
+            },
+        )
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig { cases: 100, failure_persistence: None, ..ProptestConfig::default() })]
+
+        #[test]
+        fn a_step_is_refused_where_it_is_above_the_limit_of_the_present_friction(
+            mut model in any_model(),
+            frictions in prop::collection::vec((0.0..1.0_f64, 0_usize..4, prop::option::of(0.0..1.0_f64)), 8),
+            part in prop_oneof![0.3..1.3_f64, 1.0 - 1e-5..1.0 + 1e-5, Just(1.0)],
+        ) {
+            // Where a state jams there is none.
+            let first = critical_step(&model, frictions[0].0).map_or(1e-4, |critical| critical.step);
+            let step = part * first;
+            let mut guard = StepGuard::new(&model, frictions[0].0, step);
+            for (common, contact, own) in frictions {
+                if let Some(contact) = model.contacts.get_mut(contact) {
+                    contact.own.friction_coefficient = own;
+                }
+                let critical = critical_step(&model, common);
+                let admits = critical.as_ref().is_ok_and(|critical| step <= critical.step);
+                let said = critical.map_or_else(|error| error.to_string(), |critical| critical.to_string());
+                for _ in 0..2 {
+                    match guard.check(&model, common) {
+                        Ok(()) => prop_assert!(admits, "{} {}", step, said),
+                        Err(error) => {
+                            prop_assert!(!admits && error.to_string().contains(&said), "{} {}", error, said);
+                        }
+                    }
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn friction_that_changes_at_each_step_is_checked_in_little_time() {
+        let numbers: Vec<f64> = (1..200).map(|i| (0.618_034 * f64::from(i)).fract()).collect();
+        let mut model = model(Shape::Disc, 3, &numbers);
+        model.dampers = SparseMatrix::from_entries(model.dofs(), vec![(0, 0, 10.0)]);
+        let friction = |i: u32| 0.3 + 1e-4 * f64::from(i);
+        let limit = critical_step(&model, friction(0)).unwrap().step;
+        let mut guard = StepGuard::new(&model, friction(0), 0.2 * limit);
+        let begun = std::time::Instant::now();
+        (0..20).for_each(|i| guard.check(&model, friction(i)).unwrap());
+        let changing = begun.elapsed().as_secs_f64();
+        (0..1000).for_each(|_| guard.check(&model, friction(19)).unwrap());
+        let constant = begun.elapsed().as_secs_f64() - changing;
+        println!("{changing} s for 20 values, {constant} s for the same one 1000 times");
+        assert!(changing < 2.0 && constant < 0.05, "{changing} s, {constant} s");
+    }
+}
