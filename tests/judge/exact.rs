@@ -11,7 +11,7 @@
 mod law;
 mod motion;
 
-use super::{Run, states_of};
+use super::Run;
 use amontons::contact::{ContactForce, ContactState};
 use amontons::simulation::{Simulation, Snapshot};
 pub use motion::Place;
@@ -98,7 +98,7 @@ impl Run {
         }
         let place = [probe.displacement(), probe.velocity()].map(DVector::from_column_slice);
         let count = Count::of(probe);
-        let states = states_of(probe, self.drives_friction);
+        let states = probe.contact_states().to_vec();
         let forces = probe.contact_forces().unwrap().to_vec();
         (Look { t, count, states, place }, forces)
     }
@@ -111,7 +111,7 @@ impl Run {
         self.segments.clear();
         let span = self.span(self.time() - h);
         let count = Count::of(&self.simulation);
-        let states = states_of(&mut self.simulation, self.drives_friction);
+        let states = self.simulation.contact_states().to_vec();
         let end = Look { t: h, count, states, place: self.now.clone() };
         self.let_off.steps += 1;
         let (_, states, count) = self.start.as_ref().unwrap();
@@ -129,16 +129,24 @@ impl Run {
             return;
         }
         for _ in 0..MOST_CHANGES {
-            if from.is_same(&end) {
+            let is_last = from.is_same(&end);
+            let [mut before, mut after] =
+                if is_last { [end.clone(), end.clone()] } else { self.bracket(&from, &end) };
+            if !is_last {
+                self.forget_flicker(&mut after, &end);
+            }
+            let passed_over = self.passed_over(&span, &from, &before, &states);
+            if let Some(found) = passed_over {
+                [before, after] = found;
+            } else if is_last {
                 self.judge_segment(&span, &from, &end, &mut states);
                 return;
             }
-            let [before, mut after] = self.bracket(&from, &end);
-            self.forget_flicker(&mut after, &end);
             if before.t > from.t {
                 self.judge_segment(&span, &from, &before, &mut states);
             }
-            if after.count.is_fewer(before.count) {
+            let (moved, allowed) = self.moved(&span, &before, &after);
+            if after.count.is_fewer(before.count) && moved <= allowed {
                 // One bounce or change more in the shorter part: two motions that both obey the law.
                 self.let_off.flickers += 1;
                 from = after;
@@ -203,6 +211,16 @@ impl Run {
 
     /// The last time known to be before the next change of state, and the first known to be after it.
     fn bracket(&mut self, from: &Look, end: &Look) -> [Look; 2] {
+        self.bracket_of(from, end, |_, look| look.is_same(from))
+    }
+
+    /// The last time known to be before the end of what `keeps` says, and the first known to be after it.
+    fn bracket_of(
+        &mut self,
+        from: &Look,
+        end: &Look,
+        mut keeps: impl FnMut(&mut Self, &Look) -> bool,
+    ) -> [Look; 2] {
         let (mut before, mut after) = (from.clone(), end.clone());
         // Signals take a time that is as near to an edge of theirs for the edge.
         let nearest = if self.signals.is_empty() { NEAREST } else { SHORTEST };
@@ -215,13 +233,67 @@ impl Run {
                 break;
             }
             let (look, _) = self.look(middle);
-            if look.is_same(from) {
+            if keeps(self, &look) {
                 before = look;
             } else {
                 after = look;
             }
         }
         [before, after]
+    }
+
+    /// The contact states between two times of a step without a change of state between them; `last` are those in the
+    /// segment before.
+    fn states_between(
+        &mut self,
+        span: &Span,
+        from: &Look,
+        to: &Look,
+        last: &[ContactState],
+    ) -> Vec<ContactState> {
+        let is_whole = from.t == 0.0 && to.t == self.h();
+        let now = self.simulation.contact_states();
+        // Parts of a step in which a slider bends would not be parts of the same motion.
+        if is_whole && (last == now || !span.is_straight) {
+            return now.to_vec();
+        }
+        self.look((0.5 * (from.t + to.t)).max(SHORTEST * self.internal_step())).0.states
+    }
+
+    /// Does the motion from one time to another keep to these states?
+    fn follows(&mut self, span: &Span, from: &Look, to: &Look, states: &[ContactState]) -> bool {
+        let held = self.held(states, &span.start.friction);
+        let (expected, lost) = self.follow(held, &from.place, span, [from.t, to.t - from.t]);
+        let allowed = lost + self.forgiven * self.scales.velocity;
+        let factors = [self.fastest, 1.0];
+        let mut parts = expected.iter().zip(&to.place).zip(factors);
+        parts.all(|((expected, found), factor)| ((expected - found) * factor).amax() <= allowed)
+    }
+
+    /// An impact or a change of state between two times of a step whose counts and states are the same, as `bracket` has it.
+    /// Of contacts that throw each other off, a part of a step may count one bounce more, which hides the next event that
+    /// counts no other state. The motion tells of it: there it leaves the way that it was on. What leaves its way in no
+    /// such event is left to `judge_segment`.
+    fn passed_over(
+        &mut self,
+        span: &Span,
+        from: &Look,
+        to: &Look,
+        last: &[ContactState],
+    ) -> Option<[Look; 2]> {
+        if !span.is_straight || to.t - from.t < 10.0 * self.near() {
+            return None;
+        }
+        let states = self.states_between(span, from, to, last);
+        if self.follows(span, from, to, &states) {
+            return None;
+        }
+        let keeps = |run: &mut Self, look: &Look| {
+            look.states == from.states && run.follows(span, from, look, &from.states)
+        };
+        let [before, after] = self.bracket_of(from, to, keeps);
+        let (moved, allowed) = self.moved(span, &before, &after);
+        (after.states != before.states || moved > allowed).then_some([before, after])
     }
 
     /// Judges the motion between two times of a step without a change of state between them, and the law
@@ -236,14 +308,7 @@ impl Run {
             return;
         }
         self.segments.push([from.t, to.t]);
-        let is_whole = from.t == 0.0 && to.t == self.h();
-        let now = states_of(&mut self.simulation, self.drives_friction);
-        // Parts of a step in which a slider bends would not be parts of the same motion.
-        let states = if is_whole && (*last == now || !span.is_straight) {
-            now
-        } else {
-            self.look((0.5 * (from.t + to.t)).max(SHORTEST * self.internal_step())).0.states
-        };
+        let states = self.states_between(span, from, to, last);
         let held = self.held(&states, &span.start.friction);
         let (expected, lost) = self.follow(held, &from.place, span, [from.t, to.t - from.t]);
         for (i, factor) in [self.fastest, 1.0].into_iter().enumerate() {

@@ -69,8 +69,6 @@ pub struct Run {
     /// The forces (N, T) that fit a sum of contact forces, where those of all contacts follow from it.
     fit: Option<DMatrix<f64>>,
     signals: Vec<(Variable, Signal)>,
-    /// Does a signal drive friction?
-    drives_friction: bool,
     acting: Scene,
     numbering: Numbering,
     scales: Scales,
@@ -152,7 +150,6 @@ impl Run {
             (input.clone(), signal.clone())
         });
         let signals: Vec<(Variable, Signal)> = signals.collect();
-        let drives_friction = signals.iter().any(|(input, _)| input.name.contains("friction"));
         let largest = |values: &[f64]| values.iter().fold(0.0_f64, |most, v| most.max(v.abs()));
         let reference = simulation.reference();
         let force = largest(&model.load).max(largest(&reference.normal_force));
@@ -196,7 +193,6 @@ impl Run {
             directions,
             fit,
             signals,
-            drives_friction,
             numbering: scene.network().map_or_else(Numbering::default, Numbering::of),
             acting: scene,
             scales,
@@ -316,7 +312,7 @@ impl Run {
         (self.length, self.reached) = (if is_whole { step } else { to - from }, to);
         self.start = None;
         if self.method == Method::EventDriven {
-            let states = states_of(&mut self.simulation, self.drives_friction);
+            let states = self.simulation.contact_states().to_vec();
             self.start = Some((self.simulation.save(), states, exact::Count::of(&self.simulation)));
         }
         std::mem::swap(&mut self.now, &mut self.before);
@@ -548,15 +544,6 @@ impl Run {
     pub fn power_of_damping(&self, velocity: &DVector<f64>) -> f64 {
         velocity.dot(&(&self.damping * velocity))
     }
-}
-
-/// The states of the contacts: those that are reported, but where friction is driven those of the motion. A report takes
-/// the friction of its instant, and an exact motion that of the beginning of its step.
-fn states_of(simulation: &mut Simulation, drives_friction: bool) -> Vec<ContactState> {
-    if drives_friction {
-        return simulation.contact_states().to_vec();
-    }
-    simulation.contact_forces().unwrap().iter().map(|force| force.state).collect()
 }
 
 /// The scene of a text.
