@@ -75,14 +75,12 @@ pub(super) fn by_francis(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> 
 pub(super) fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     // The iteration has no exceptional shifts: once in some ten thousand matrices it goes in circles.
     // The transpose, which has the same eigenvalues, and a looser criterion lead out.
-    let first = Schur::try_new(matrix.clone(), f64::EPSILON, 100 * matrix.nrows());
-    let schur = first.or_else(|| {
-        let transposed = matrix.transpose();
-        let attempts = [1.0, 64.0, 4096.0].map(|looser| looser * f64::EPSILON).into_iter();
-        let attempts = attempts.flat_map(|looser| [(&matrix, looser), (&transposed, looser)]);
-        attempts.skip(1).find_map(|(matrix, precision)| {
-            Schur::try_new(matrix.clone(), precision, 100 * matrix.nrows())
-        })
+    let both = [matrix.transpose(), matrix];
+    let precisions = [1.0, 64.0, 4096.0].map(|looser| looser * f64::EPSILON).into_iter();
+    let mut attempts =
+        precisions.flat_map(|precision| both.iter().rev().map(move |m| (m, precision)));
+    let schur = attempts.find_map(|(matrix, precision)| {
+        Schur::try_new(matrix.clone(), precision, 100 * matrix.nrows())
     })?;
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
