@@ -130,8 +130,7 @@ fn a_surface_that_swings_under_a_mass_that_cannot_follow_slips_without_sticking(
         (0..18).for_each(|_| run.step());
         assert!(run.now[0].amax() < 1e-15, "{}", run.now[0]);
         let entered = run.simulation.statistics().entered;
-        println!("{entered:?}");
-        assert_eq!(entered[ContactState::Stick as usize], 0);
+        assert_eq!(entered[ContactState::Stick as usize - 1], 0, "{entered:?}");
     }
 }
 
@@ -148,6 +147,24 @@ fn contacts_that_change_in_turn_at_one_instant_change_together() {
     // A surface that slows down lets three contacts slip at once, but not each of them the way that it was to go. One by one they
     // went round without an end.
     judged_part_by_part(hard("surface_that_slows_down_turns_three_contacts")).unwrap();
+}
+
+#[test]
+fn where_forces_have_no_future_another_contact_takes_the_load() {
+    // A mass slips along one surface and comes to touch a second one. Closed it would be pulled there, open it would approach:
+    // these contacts opened and closed in turn without an end. The law has one other solution, where the second surface
+    // carries the mass off the first.
+    let scene = hard("one_surface_takes_the_load_from_another");
+    let mut run = Run::new(scene.clone(), Method::EventDriven);
+    let mut has_changed_over = false;
+    while run.time() < scene.experiment.stop_time - 0.5 * scene.step {
+        run.step();
+        let states = run.simulation.contact_states();
+        has_changed_over |= states[2..] == [ContactState::ReverseSlide, ContactState::Detached];
+        let gaps = run.simulation.gaps();
+        assert!(gaps.iter().all(|gap| *gap >= -1e-15), "{gaps:?}");
+    }
+    assert!(has_changed_over);
 }
 
 #[test]

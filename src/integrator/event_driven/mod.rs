@@ -51,6 +51,10 @@ const MOST_TURNS: u32 = 3;
 const MOST_SHARES: u32 = 7;
 /// Friction is at its limit within this part of it, of a contact that sticks and slips in turn.
 const AT_LIMIT: f64 = 1e-9;
+/// A contact that has had more events than this at one instant, opening and closing in turn, can stay neither way.
+const MOST_TOUCHES: u32 = 15;
+/// An acceleration that closes a contact, as a part of the largest one without contact forces.
+const APPROACH: f64 = 1e-6;
 /// More series than this in one internal step are more oscillations than anyone waits for: of the fastest, a
 /// series covers about three radians.
 const MAX_SERIES: u32 = 100_000;
@@ -447,6 +451,19 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
+    /// Lets contacts approach that touch and lift in turn at one instant. They carry nothing there: closed they would pull next,
+    /// open they would close. So the forces as they are have no future, and the contact problem is asked for those that have.
+    fn press_together(&mut self) {
+        let problem = &mut self.dynamics.problem;
+        let sizes = problem.free.iter().flatten().map(|free| free.abs());
+        let approach = APPROACH * sizes.fold(0.0, f64::max);
+        for (i, event) in self.events.iter().enumerate() {
+            if *event == Some(Event::Touch) && self.repeats[i] > MOST_TOUCHES {
+                problem.free[i][0] -= approach;
+            }
+        }
+    }
+
     /// Contacts that stick and slip in turn at one instant: friction that sticks passes its limit, and the slip that follows
     /// goes the other way. Such a contact does not stick at its limit: another contact changes its state, or it opens itself,
     /// if it then stays open.
@@ -534,6 +551,7 @@ impl<W: Witness> EventDriven<W> {
                 *likely = ContactState::Stick;
             }
         }
+        self.press_together();
         let problem = &mut self.dynamics.problem;
         motion.statistics.count_sweeps(problem.solve(&self.likely)?);
         self.end_turns(motion)?;
@@ -553,7 +571,7 @@ impl<W: Witness> EventDriven<W> {
                 // or closes.
                 Some(Event::Stop) if again && none_opens && new == state => ContactState::Stick,
                 // And whether it opens: what closes again and again where it opened stays closed.
-                _ if opens && self.repeats[i] > MOST_OPENINGS => {
+                _ if opens && (MOST_OPENINGS + 1..=MOST_TOUCHES).contains(&self.repeats[i]) => {
                     self.dynamics.problem.freedom[i].closed_state()
                 }
                 _ => new,
