@@ -25,8 +25,9 @@ pub struct StepGuard {
     admissible: f64,
     /// The friction of each contact when all states were last found to admit the step, with `damping`.
     admitted: Option<Vec<Rubbing>>,
-    /// The friction of each contact with which the step was last admitted, with `damping`.
-    last: Option<Vec<Rubbing>>,
+    /// The friction of each contact with which the step was last admitted, with `damping`, if it has been since that changed.
+    last: Vec<Rubbing>,
+    is_known: bool,
     /// How often the states have been asked without the bound since it failed, and how often they are to be.
     left_out: u32,
     to_leave_out: u32,
@@ -61,7 +62,8 @@ impl StepGuard {
             damping,
             admissible: 0.0,
             admitted: None,
-            last: None,
+            last: Vec::with_capacity(model.contacts.len()),
+            is_known: false,
             left_out: 0,
             to_leave_out: 0,
         };
@@ -91,7 +93,7 @@ impl StepGuard {
             }
         };
         self.damping = damping;
-        (self.admitted, self.last) = (None, None);
+        (self.admitted, self.is_known) = (None, false);
     }
 
     /// Is the step below the critical one? `model` is the one that the guard was made for, but for
@@ -103,7 +105,7 @@ impl StepGuard {
         if self.damping != model.damping {
             self.set_damping(model.damping);
         }
-        if self.last.as_ref().is_some_and(|last| is_same(last, model, friction)) {
+        if self.is_known && is_same(&self.last, model, friction) {
             return Ok(());
         }
         let is_first = self.bound_is_due();
@@ -134,9 +136,9 @@ impl StepGuard {
 
     /// Takes note that the step is admitted with this friction.
     fn note(&mut self, model: &LumpedModel, friction: f64) {
-        let last = self.last.get_or_insert_default();
-        last.clear();
-        last.extend(rubbing(model, friction));
+        self.last.clear();
+        self.last.extend(rubbing(model, friction));
+        self.is_known = true;
     }
 
     /// Is it time to ask the bound before the states? The more often it has failed, the more rarely it is asked: where

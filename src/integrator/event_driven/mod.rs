@@ -88,11 +88,11 @@ pub struct EventDriven<W = ()> {
     force: Vec<f64>,
     surface: Vec<f64>,
     surface_acceleration: Vec<f64>,
-    /// Where friction of a frozen direction is, what it follows: twice the mean velocity of each surface over the step, m/s.
+    /// What friction of a frozen direction follows: twice the mean velocity of each surface over the step, m/s.
     heading: Vec<f64>,
     /// The fastest that each surface is in the step, m/s. Its velocity within the step is a difference of such numbers, so a
     /// velocity far below it is rounding.
-    fastest: Vec<f64>,
+    surface_speed: Vec<f64>,
     /// The events at one instant.
     events: Vec<Option<Event>>,
     /// How often each contact has had one at the present instant.
@@ -170,7 +170,7 @@ impl<W: Witness> EventDriven<W> {
             surface: vec![0.0; contacts],
             surface_acceleration: vec![0.0; contacts],
             heading: vec![0.0; contacts],
-            fastest: vec![0.0; contacts],
+            surface_speed: vec![0.0; contacts],
             events: vec![None; contacts],
             repeats: vec![0; contacts],
             landings: vec![0; contacts],
@@ -309,10 +309,10 @@ impl<W: Witness> EventDriven<W> {
     /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
     /// those that slide may now do so the other way.
     fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
-        for (fastest, (start, end)) in
-            self.fastest.iter_mut().zip(self.surface.iter().zip(&drive.slider_velocity))
+        for (speed, (start, end)) in
+            self.surface_speed.iter_mut().zip(self.surface.iter().zip(&drive.slider_velocity))
         {
-            *fastest = start.abs().max(end.abs());
+            *speed = start.abs().max(end.abs());
         }
         let inverse_mass = &self.dynamics.inverse_mass;
         let (mut swung, mut blurred) = (0.0, 0.0);
@@ -322,7 +322,7 @@ impl<W: Witness> EventDriven<W> {
             swung += most;
             blurred += most * wave.phase.abs();
             for &contact in &wave.moves {
-                self.fastest[contact] += wave.amplitude.abs();
+                self.surface_speed[contact] += wave.amplitude.abs();
             }
         }
         let driven = self.shaken(&self.force) + swung;
@@ -349,7 +349,7 @@ impl<W: Witness> EventDriven<W> {
                 continue;
             }
             // Of a slider that stands only the forces say what rounding is.
-            let size = self.fastest[i].max(terms).max(self.gained);
+            let size = self.surface_speed[i].max(terms).max(self.gained);
             let new = if slip.abs() <= NOISE * size {
                 continue;
             } else if slip > 0.0 {
@@ -426,7 +426,7 @@ impl<W: Witness> EventDriven<W> {
             let surface = if is_frozen { self.heading[i] } else { self.surface[i] };
             let held =
                 (self.dynamics.freedom_of)(drive.friction[i], slip, surface, ContactState::Stick);
-            let still = NOISE * speed.max(self.fastest[i]);
+            let still = NOISE * speed.max(self.surface_speed[i]);
             let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
             problem.freedom[i] = match (self.events[i], motion.contacts[i]) {
@@ -454,12 +454,11 @@ impl<W: Witness> EventDriven<W> {
     /// Lets contacts approach that touch and lift in turn at one instant. They carry nothing there: closed they would pull next,
     /// open they would close. So the forces as they are have no future, and the contact problem is asked for those that have.
     fn press_together(&mut self) {
-        let problem = &mut self.dynamics.problem;
-        let sizes = problem.free.iter().flatten().map(|free| free.abs());
-        let approach = APPROACH * sizes.fold(0.0, f64::max);
+        let free = &mut self.dynamics.problem.free;
         for (i, event) in self.events.iter().enumerate() {
             if *event == Some(Event::Touch) && self.repeats[i] > MOST_TOUCHES {
-                problem.free[i][0] -= approach;
+                let sizes = free.iter().flatten().map(|free| free.abs());
+                free[i][0] -= APPROACH * sizes.fold(0.0, f64::max);
             }
         }
     }

@@ -168,7 +168,7 @@ impl<W: Witness> EventDriven<W> {
         // without an end.
         let bits = (1.0 + friction) * force * (own[3] + friction * own[1].abs());
         let bend = doubt * 2.0 * bend + bits * span * span;
-        let along = doubt * span * self.fastest[contact];
+        let along = doubt * span * self.surface_speed[contact];
         along.max(bend) + doubt * moved
     }
 
