@@ -495,6 +495,8 @@ fn a_long_text_of_nothing_but_errors_is_refused_by_its_first_ones() {
         assert!(message.contains(words) && message.len() < 20_000, "{}", message.len());
     };
     refused("lines.toml", "= ] \"\n".repeat(200_000), "lines.toml:1:");
+    let name = "a".repeat(30_000_000);
+    refused("signs.toml", format!("{name}{}", "=".repeat(200_000)), "signs.toml:1:");
     let keys: Vec<String> = (0..100_000).map(|i| format!("key{i} = 1\n")).collect();
     refused("keys.toml", keys.concat(), " problems or more in keys.toml");
 }

@@ -79,7 +79,7 @@ fn a_stack_that_rests_tells_the_forces_that_hold_it() {
 #[test]
 fn a_mass_that_a_growing_load_pushes_into_a_corner_leans_on_both_surfaces() {
     // Friction of the flat surface holds up to 6 N. Then the steep one carries something too, but no equation says how much:
-    // of all shares that friction allows, one was tried that it allows for no time at all.
+    // the share that was tried was lawful at that instant and no longer.
     let mut run = judged_part_by_part(hard("load_leans_on_the_other_surface")).unwrap();
     assert!(run.now[1].amax() < 1e-15, "{}", run.now[1]);
     let [flat, steep] = [0, 1].map(|contact| run.forces()[contact]);
@@ -97,7 +97,7 @@ fn a_surface_that_begins_to_move_carries_a_mass_off_another_surface() {
 fn frozen_friction_of_what_lands_where_its_surface_begins_to_move_has_the_direction_of_the_surface()
 {
     // At that instant the surface stands, and the direction was taken from what rounding had left of the slip.
-    // In that of the surface friction jams.
+    // In the direction of the surface, friction jams.
     let scene = hard("lands_where_a_frozen_surface_begins_to_move");
     let error = judged_part_by_part(scene).err().expect("it jams").to_string();
     assert!(error.contains("friction wedges contact.c3: no contact force"), "{error}");
@@ -158,6 +158,7 @@ fn where_forces_have_no_future_another_contact_takes_the_load() {
     let mut run = Run::new(scene.clone(), Method::EventDriven);
     let mut has_changed_over = false;
     while run.time() < scene.experiment.stop_time - 0.5 * scene.step {
+        // Parts of a step that end near that instant end in the one solution or in the other, so what is reported is judged alone.
         run.step();
         let states = run.simulation.contact_states();
         has_changed_over |= states[2..] == [ContactState::ReverseSlide, ContactState::Detached];
@@ -542,8 +543,8 @@ fn a_contact_that_can_neither_stick_nor_slip_opens() {
     judged(Run::new(scene, Method::EventDriven), step);
 }
 
-/// At the highest point of a hop a contact may be told from one that rests by less than rounding, and how many hops there
-/// are within a finite time is a matter of rounding: the next landing was missed where it is counted.
+/// At the highest point of a hop a contact may be told from one that rests by less than rounding. Rounding decides how many
+/// hops are counted: where one hop more was counted, the judge missed the next landing.
 #[test]
 fn what_follows_on_hops_as_low_as_rounding_obeys_the_law() {
     for name in ["hops_on_a_line", "hops_in_a_corner", "lands_after_hops_of_others"] {

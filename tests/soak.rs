@@ -2,7 +2,7 @@
 //! step.
 //!
 //! This is a tool to be run by hand, and no test of each change: the judge still finds fault with one run of exact motion in
-//! some 600 (DESIGN.md has the kinds). So `cargo test` leaves it out unless it is asked for:
+//! some 600 (DESIGN.md says in which scenes). So `cargo test` leaves it out unless it is asked for:
 //!
 //! ```sh
 //! AMONTONS_SOAK_SCENES=1000 cargo test --release --test soak -- --nocapture

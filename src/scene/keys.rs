@@ -3,10 +3,11 @@
 use std::collections::HashSet;
 
 /// Does a TOML text have more than `most` different keys? Those of all tables count together, and so do the names in
-/// headers. Comments and strings do not count. Of what is not TOML nothing is known.
+/// headers; each part of a dotted key counts. Comments and strings do not count. Of what is not TOML nothing is known.
 pub(super) fn has_more_different(text: &str, most: usize) -> bool {
     let mut known = HashSet::new();
-    keys(text).any(|key| known.insert(key) && known.len() > most)
+    let mut parts = keys(text).flat_map(|key| key.split('.'));
+    parts.any(|part| known.insert(part.trim()) && known.len() > most)
 }
 
 /// The keys of a text as they are written: what stands before an equals sign, and what a header has in its brackets.
@@ -21,7 +22,12 @@ fn keys(text: &str) -> impl Iterator<Item = &str> {
             match byte {
                 b'#' => at = line_end(bytes, at),
                 b'"' | b'\'' => at = string_end(bytes, start),
-                b'=' => return Some(text[begin..start].trim()),
+                b'=' => {
+                    let key = text[begin..start].trim();
+                    // What follows has no key before it, and begins with no header.
+                    begin = start;
+                    return Some(key);
+                }
                 b'[' if depth == 0 && text[begin..start].trim().is_empty() => {
                     let end = line_end(bytes, at);
                     let header = text[at..end].trim_start_matches('[').split(']').next();
@@ -43,8 +49,8 @@ fn line_end(bytes: &[u8], at: usize) -> usize {
     bytes[at..].iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |length| at + length)
 }
 
-/// Where the string ends that begins at `start`, with one quotation mark or three. One that is not closed ends with its
-/// line.
+/// Where the string ends that begins at `start`, with one quotation mark or three; before the last three may stand two
+/// more. One that is not closed ends with its line.
 fn string_end(bytes: &[u8], start: usize) -> usize {
     let mark = bytes[start];
     let is_long = bytes[start..].starts_with(&[mark; 3]);
@@ -53,7 +59,8 @@ fn string_end(bytes: &[u8], start: usize) -> usize {
         if byte == b'\\' && mark == b'"' {
             at += 2;
         } else if is_long && bytes[at..].starts_with(&[mark; 3]) {
-            return at + 3;
+            let more = bytes[at + 3..].iter().take(2).take_while(|byte| **byte == mark).count();
+            return at + 3 + more;
         } else if !is_long && byte == b'\n' {
             return at;
         } else if !is_long && byte == mark {
@@ -92,6 +99,8 @@ mod tests {
     fn long_strings_have_no_keys() {
         let text = "a = \"\"\"\nb = 1\n\\\"\"\" c = 2 \"\"\"\nd = '''\ne = 1 \\'''\nf = 1";
         assert_eq!(found(text), ["a", "d", "f"]);
+        let quoted = r#"a = { b = """c"""", d = 1, e = '''f''''', g = 1 }"#.replace("\\'", "'");
+        assert_eq!(found(&quoted), ["a", "b", "d", "e", "g"]);
     }
 
     #[test]
@@ -103,8 +112,8 @@ mod tests {
 
     #[test]
     fn a_text_that_is_cut_short_anywhere_has_an_end() {
-        let text = "a = \"µ\\\\\" # µ\n[b]\n'µ' = '''µ''' \n\"\"\"µ\\";
-        for (end, _) in text.char_indices() {
+        let text = "a = \"\\µ\" # µ\n[b]\n'µ' = '''µ''' \n\"\"\"µ\\";
+        for end in text.char_indices().map(|(end, _)| end).chain([text.len()]) {
             let _ = found(&text[..end]);
         }
     }

@@ -168,7 +168,7 @@ fn state_reaches(
 }
 
 /// Are the model's states few and small enough to look at all of them?
-fn can_be_enumerated(model: &LumpedModel) -> bool {
+pub(super) fn can_be_enumerated(model: &LumpedModel) -> bool {
     let contacts = model.contacts.len();
     #[allow(clippy::cast_precision_loss)]
     let work = || (model.dofs() as f64).powi(3) * f64::from(1_u32 << (2 * contacts));
@@ -246,6 +246,11 @@ fn mode_limit(damping: Damping, square: Complex<f64>) -> f64 {
 fn mode_reaches(step: f64, damping: Damping, square: Complex<f64>) -> bool {
     if square.im == 0.0 {
         return step <= mode_limit(damping, square);
+    }
+    // Of modes that are about to coalesce rounding decides whether they are real: both limits are asked for.
+    let is_nearly_real = square.im.abs() <= 1e-6 * square.re.abs();
+    if is_nearly_real && step > mode_limit(damping, Complex::new(square.re, 0.0)) {
+        return false;
     }
     let rate = square * damping.beta + damping.alpha;
     let end = end_of_complex(square);

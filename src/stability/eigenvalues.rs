@@ -40,7 +40,7 @@ fn by_faer(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     found.ok().map(|values| values.iter().map(|v| Complex::new(v.re, v.im)).collect())
 }
 
-/// The same, of any size by the way of small ones: the same doubles on each machine.
+/// The eigenvalues by Francis's iteration, for matrices of any size: the same doubles on each machine.
 pub(super) fn by_francis(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let size = matrix.nrows();
     if !matrix.iter().all(|value| value.is_finite()) {
@@ -70,15 +70,14 @@ pub(super) fn by_francis(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> 
     Some(found)
 }
 
-/// The same from nalgebra, which takes twice as long. The printed critical step is made of these: where contact states
-/// have equal limits, rounding picks the state that is named.
+/// The eigenvalues by nalgebra's Schur decomposition, which takes twice as long. The printed critical step is made of these: where
+/// contact states have equal limits, rounding picks the state that is named.
 pub(super) fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     // The iteration has no exceptional shifts: once in some ten thousand matrices it goes in circles.
     // The transpose, which has the same eigenvalues, and a looser criterion lead out.
-    let both = [matrix.transpose(), matrix];
+    let both = [&matrix, &matrix.transpose()];
     let precisions = [1.0, 64.0, 4096.0].map(|looser| looser * f64::EPSILON).into_iter();
-    let mut attempts =
-        precisions.flat_map(|precision| both.iter().rev().map(move |m| (m, precision)));
+    let mut attempts = precisions.flat_map(|precision| both.map(|matrix| (matrix, precision)));
     let schur = attempts.find_map(|(matrix, precision)| {
         Schur::try_new(matrix.clone(), precision, 100 * matrix.nrows())
     })?;

@@ -10,7 +10,8 @@ pub(super) fn largest(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
     narrowed(end, holds, |_, _| false)
 }
 
-/// Is a step above zero at most the one that [`largest`] finds? Larger steps are not asked for.
+/// Is a step above zero at most the one that [`largest`] finds? No step of the grid beyond the first one above it
+/// is asked for.
 pub(super) fn reaches(step: f64, end: f64, holds: impl Fn(f64) -> bool) -> bool {
     step <= end && narrowed(end, holds, |good, bad| good >= step || bad <= step) >= step
 }

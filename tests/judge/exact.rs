@@ -271,8 +271,8 @@ impl Run {
     }
 
     /// An impact or a change of state between two times of a step whose counts and states are the same, as `bracket` has it.
-    /// Of contacts that throw each other off, a part of a step may count one bounce more, which hides the next event that
-    /// counts no other state. The motion tells of it: there it leaves the way that it was on. What leaves its way in no
+    /// Of contacts that throw each other off, a part of a step may count one bounce more. That hides the next event, if
+    /// the states before and after it are the same. The motion tells of it: there it leaves the way that it was on. What leaves its way in no
     /// such event is left to `judge_segment`.
     fn passed_over(
         &mut self,

@@ -82,6 +82,11 @@ impl Delassus {
         &self.groups
     }
 
+    /// The group that a contact is in.
+    pub(in crate::integrator) fn group_of(&self, contact: usize) -> &[usize] {
+        self.groups.iter().find(|group| group.contains(&contact)).map_or(&[], Vec::as_slice)
+    }
+
     /// The number of contacts in the largest group.
     pub(in crate::integrator) fn largest_group(&self) -> usize {
         self.groups.iter().map(Vec::len).max().unwrap_or(0)

@@ -10,20 +10,26 @@ use crate::contact::ContactState;
 
 /// How far inside the limits forces are looked for at the most, as a part of the largest force that the load asks for.
 const MOST: f64 = 0.5;
+/// The most contacts of a group whose forces are looked for: a program takes the cube of their number.
+const MOST_CONTACTS: usize = 32;
 /// The same at the least: less is rounding.
 const LEAST: f64 = MOST / 134_217_728.0;
-/// By how much the part falls from trial to trial.
+/// Each trial asks for this part of the one before.
 const FALLS: f64 = 0.125;
 
 impl ContactProblem {
-    /// Looks for forces of a group in these states, under these freedoms, that are as far inside the limits of the law as may be;
-    /// are there any? Else the forces are left as they were.
+    /// Looks for forces of a group in these states, under these freedoms, that are well inside the limits of the law, to a factor of
+    /// eight; are there any? Where there are none, the forces stay as they were; states and freedoms are those given.
     pub(in crate::integrator) fn solve_inside(
         &mut self,
         group: usize,
         states: &[ContactState],
         freedom: impl Fn(usize) -> Freedom,
     ) -> bool {
+        // There is no other share of one contact, and no room for its program.
+        if !(2..=MOST_CONTACTS).contains(&self.delassus.groups()[group].len()) {
+            return false;
+        }
         let mut size = 0.0_f64;
         for &contact in &self.delassus.groups()[group] {
             self.states[contact] = states[contact];
@@ -35,7 +41,7 @@ impl ContactProblem {
                 size = size.max(if own > 0.0 { free.abs() / own } else { 0.0 });
             }
         }
-        if self.has_held(group) || !self.is_enumerable(group) {
+        if !self.is_enumerable(group) {
             return false;
         }
         let mut is_found = self.press(group, LEAST * size);

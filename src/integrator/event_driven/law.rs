@@ -138,7 +138,7 @@ impl StateLaw {
                     |forces: &[[f64; 2]]| problem.delassus.along(contact, row, |i| forces[i]);
                 let ([sum, _], [_, found], [_, given]) =
                     (along(&self.shared), along(&problem.forces), along(&self.multipliers));
-                // Beside the forces themselves: where both are the same, their difference is rounding.
+                // The sum is compared with the forces, not with their difference: where they are equal, that is rounding.
                 sum.abs() <= SHARED * (found + given)
             })
         };

@@ -43,7 +43,8 @@ const MAX_GROUP: usize = 256;
 const MAX_EVENTS: u64 = 10_000;
 /// And this many at one instant, or as near to it as [`NOISE`] of a step.
 const MAX_STANDSTILL: u64 = 16;
-/// A contact that has had more events than this at one instant opens no more there, unless its force falls.
+/// A contact that has had more events than this at one instant opens no more there, unless its force falls, up to
+/// [`MOST_TOUCHES`].
 const MOST_OPENINGS: u32 = 5;
 /// A contact that has had more events than this at one instant, sticking and slipping in turn, can do neither as it does.
 const MOST_TURNS: u32 = 3;
@@ -51,9 +52,10 @@ const MOST_TURNS: u32 = 3;
 const MOST_SHARES: u32 = 7;
 /// Friction is at its limit within this part of it, of a contact that sticks and slips in turn.
 const AT_LIMIT: f64 = 1e-9;
-/// A contact that has had more events than this at one instant, opening and closing in turn, can stay neither way.
+/// A contact that touches although it has had more events than this at one instant can stay neither open nor closed.
 const MOST_TOUCHES: u32 = 15;
-/// An acceleration that closes a contact, as a part of the largest one without contact forces.
+/// An acceleration that closes a contact, as a part of the largest one that a contact of its group has without contact
+/// forces.
 const APPROACH: f64 = 1e-6;
 /// More series than this in one internal step are more oscillations than anyone waits for: of the fastest, a
 /// series covers about three radians.
@@ -417,9 +419,11 @@ impl<W: Witness> EventDriven<W> {
     /// solved, before which the motion had this `speed` (m/s).
     fn pose(&mut self, motion: &Motion, drive: &Drive, landed: bool, speed: f64) {
         self.dynamics.free_acceleration(motion, &self.force);
-        let in_turn = self.repeats.iter().any(|&repeats| repeats > MOST_TURNS);
+        let any_in_turn = self.is_in_turn(0..self.repeats.len());
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
             let slip = self.surface[i] - contact.tangent.dot(&motion.velocity);
+            let group = || self.dynamics.problem.delassus.group_of(i).iter().copied();
+            let in_turn = any_in_turn && self.is_in_turn(group());
             let problem = &mut self.dynamics.problem;
             // What lands while its surface begins to move has the direction that the surface takes.
             let is_frozen = self.dynamics.law.is_frozen();
@@ -451,16 +455,26 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Lets contacts approach that touch and lift in turn at one instant. They carry nothing there: closed they would pull next,
-    /// open they would close. So the forces as they are have no future, and the contact problem is asked for those that have.
-    fn press_together(&mut self) {
-        let free = &mut self.dynamics.problem.free;
+    /// Does any of these contacts change its state in turn with others at the present instant?
+    fn is_in_turn(&self, contacts: impl IntoIterator<Item = usize>) -> bool {
+        contacts.into_iter().any(|contact| self.repeats[contact] > MOST_TURNS)
+    }
+
+    /// Lets contacts approach that touch and lift in turn at one instant; are there any? They carry nothing there: closed they
+    /// would pull next, open they would close. So the forces as they are have no future, and the contact problem is asked
+    /// for those that have.
+    fn press_together(&mut self) -> bool {
+        let mut is_pressed = false;
         for (i, event) in self.events.iter().enumerate() {
             if *event == Some(Event::Touch) && self.repeats[i] > MOST_TOUCHES {
-                let sizes = free.iter().flatten().map(|free| free.abs());
-                free[i][0] -= APPROACH * sizes.fold(0.0, f64::max);
+                let ContactProblem { delassus, free, .. } = &mut self.dynamics.problem;
+                let sizes = delassus.group_of(i).iter().flat_map(|&other| free[other]);
+                let size = sizes.fold(0.0, |most: f64, free| most.max(free.abs()));
+                free[i][0] -= APPROACH * size;
+                is_pressed = true;
             }
         }
+        is_pressed
     }
 
     /// Contacts that stick and slip in turn at one instant: friction that sticks passes its limit, and the slip that follows
@@ -550,7 +564,7 @@ impl<W: Witness> EventDriven<W> {
                 *likely = ContactState::Stick;
             }
         }
-        self.press_together();
+        let is_pressed = self.press_together();
         let problem = &mut self.dynamics.problem;
         motion.statistics.count_sweeps(problem.solve(&self.likely)?);
         self.end_turns(motion)?;
@@ -581,6 +595,9 @@ impl<W: Witness> EventDriven<W> {
             if old != new {
                 statistics.count_change(*new);
             }
+        }
+        if is_pressed {
+            self.pose(motion, drive, landed, speed);
         }
         self.share_loads(motion, drive);
         self.settle(motion, drive);

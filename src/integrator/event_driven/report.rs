@@ -131,8 +131,8 @@ impl<W: Witness> EventDriven<W> {
         self.shortest * self.shaken(&drive.force)
     }
 
-    /// Do the slips of contacts that hold more directions than there are go on as their states have it under these forces,
-    /// where they are no more than `still`, m/s? Surfaces that begin to move may part such contacts.
+    /// Do contacts that hold more directions than there are stay on their surfaces, and go on to slip or stick as their states have
+    /// it, under these forces? Those are asked that slip by no more than `still`, m/s: surfaces that begin to move may part them.
     fn follow_surfaces(
         &self,
         motion: &Motion,

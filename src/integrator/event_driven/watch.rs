@@ -23,8 +23,8 @@ pub(super) enum Event {
     Part,
 }
 
-/// Contacts part where a gap has this part of the acceleration that the forces, each for itself, would give it. The contact
-/// problem misses less.
+/// A gap opens or closes if its acceleration is more than this part of what the forces would give it if each acted alone. The
+/// contact problem misses less.
 const PARTED: f64 = 1e-10;
 /// The most that is watched at one contact.
 const MOST_WATCHED: usize = 5;
@@ -50,7 +50,7 @@ impl<W: Witness> EventDriven<W> {
                 let first_negative =
                     |more: f64| roots::first_negative(p, size.map(|size| NOISE * (size + more)));
                 let time = match first_negative(0.0) {
-                    Some(0.0) => first_negative(self.strained(i, event)),
+                    Some(0.0) if self.may_be_strained(i, event) => first_negative(self.strained(i)),
                     time => time,
                 };
                 let Some(time) = time else { continue };
@@ -143,8 +143,8 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Does the gap of a closed contact open or close over the series' span? Its state forbids that, but of contacts that hold
-    /// more directions than there are not all can be held.
+    /// Does the gap of a closed contact begin to open or to close at the beginning of the series? Its state forbids that, but
+    /// contacts that hold more directions than there are cannot all be held.
     fn parts(&self, contact: usize, state: ContactState, bend: f64) -> bool {
         let normal = &self.dynamics.contacts[contact].normal;
         // What a contact holds alone has no acceleration.
@@ -172,20 +172,21 @@ impl<W: Witness> EventDriven<W> {
         along.max(bend) + doubt * moved
     }
 
+    /// Does a contact stick and slip in turn at one instant, so that [`Self::strained`] is asked for?
+    fn may_be_strained(&self, contact: usize, event: Event) -> bool {
+        matches!(event, Event::Leave(_)) && self.repeats[contact] > MOST_TURNS
+    }
+
     /// What else the slip of a contact that sticks is measured by over the series' span, m: contact forces that hold each other
-    /// leave the masses that share them accelerations of rounding. Zero, unless the contact sticks and slips in turn.
-    fn strained(&self, contact: usize, event: Event) -> f64 {
-        if !matches!(event, Event::Leave(_)) || self.repeats[contact] <= MOST_TURNS {
-            return 0.0;
-        }
+    /// leave the masses that share them accelerations of rounding.
+    fn strained(&self, contact: usize) -> f64 {
         let Self { series, dynamics, .. } = self;
         let delassus = &dynamics.problem.delassus;
-        let contacts = delassus.groups().iter().find(|group| group.contains(&contact));
         let size = |&contact: &usize| {
             let along = |row| delassus.along(contact, row, |other| series.first_forces(other))[1];
             f64::max(along(0), along(1))
         };
-        let largest = contacts.into_iter().flatten().map(size).fold(0.0, f64::max);
+        let largest = delassus.group_of(contact).iter().map(size).fold(0.0, f64::max);
         let span = series.span();
         self.doubt(contact) * DIFFERENCE * span * span * largest
     }
