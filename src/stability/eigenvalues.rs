@@ -75,9 +75,10 @@ pub(super) fn by_francis(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> 
 pub(super) fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     // The iteration has no exceptional shifts: once in some ten thousand matrices it goes in circles.
     // The transpose, which has the same eigenvalues, and a looser criterion lead out.
-    let both = [&matrix, &matrix.transpose()];
+    let both = [matrix.transpose(), matrix];
     let precisions = [1.0, 64.0, 4096.0].map(|looser| looser * f64::EPSILON).into_iter();
-    let mut attempts = precisions.flat_map(|precision| both.map(|matrix| (matrix, precision)));
+    let mut attempts =
+        precisions.flat_map(|precision| [&both[1], &both[0]].map(|matrix| (matrix, precision)));
     let schur = attempts.find_map(|(matrix, precision)| {
         Schur::try_new(matrix.clone(), precision, 100 * matrix.nrows())
     })?;
