@@ -27,18 +27,24 @@ fn judged(mut run: Run, end: f64) {
     assert!(let_off.merged <= 1 && let_off.total() == let_off.merged, "{let_off:?}");
 }
 
-/// Judges a run to its end, where signals have edges within steps, or up to its failure.
+/// Judges a run up to `end` (s), where signals have edges within steps, or up to its failure.
+#[track_caller]
+fn judge_parts(run: &mut Run, end: f64) -> Result<(), Error> {
+    while run.time() < end - 0.5 * run.h() {
+        run.try_parts(|run| {
+            run.judge_step();
+            run.judge_report();
+        })?;
+    }
+    Ok(())
+}
+
+/// Judges a run of a scene to its end, or up to its failure, of which nothing may be let off.
 #[track_caller]
 fn judged_part_by_part(scene: Scene) -> Result<Run, Error> {
     let end = scene.experiment.stop_time;
     let mut run = Run::new(scene, Method::EventDriven);
-    let mut went = Ok(());
-    while went.is_ok() && run.time() < end - 0.5 * run.h() {
-        went = run.try_parts(|run| {
-            run.judge_step();
-            run.judge_report();
-        });
-    }
+    let went = judge_parts(&mut run, end);
     let let_off = std::mem::take(&mut run.let_off);
     assert!(let_off.merged <= 1 && let_off.total() == let_off.merged, "{let_off:?}");
     went.map(|()| run)
@@ -552,13 +558,7 @@ fn what_follows_on_hops_as_low_as_rounding_obeys_the_law() {
         let end = scene.experiment.stop_time;
         let mut run = Run::new(scene, Method::EventDriven);
         run.forgive(1e-8);
-        while run.time() < end - 0.5 * run.h() {
-            run.try_parts(|run| {
-                run.judge_step();
-                run.judge_report();
-            })
-            .unwrap();
-        }
+        judge_parts(&mut run, end).unwrap();
         assert!(run.let_off.impacts > 1, "{:?}", run.let_off);
     }
 }

@@ -37,7 +37,7 @@ pub(super) fn reaches(step: f64, reduced: &ReducedMatrices) -> Result<bool, Erro
     }))
 }
 
-/// What limits the step in a state.
+/// The limits of the step in one contact state.
 struct Limits {
     /// The step at which a mode leaves the unit circle through −1, s.
     through_minus_one: f64,

@@ -35,13 +35,13 @@ pub struct StepGuard {
     to_leave_out: u32,
 }
 
-/// The bound is left out at most so many times in a row.
+/// After it has failed, the bound is left out for at most this many questions in a row.
 const MOST_LEFT_OUT: u32 = 63;
 
 /// By this part of itself rounding may move a limit. A step that is nearer to it is compared with the printed limit.
 const ROUNDING: f64 = 1e-5;
 
-/// What the states of a contact that slides depend on: µ, and what it adds to damping, N s/m.
+/// µ of a contact that slides, and the damping that it adds, N s/m. The modes of its states depend on nothing else of it.
 type Rubbing = [f64; 2];
 
 fn rubbing(model: &LumpedModel, friction: f64) -> impl Iterator<Item = Rubbing> {
@@ -144,8 +144,8 @@ impl StepGuard {
         self.is_known = true;
     }
 
-    /// Is it time to ask the bound before the states? The more often it has failed, the more rarely it is asked: where
-    /// contacts share masses it takes as long as some states.
+    /// Is the bound asked before the states this time? Where contacts share masses it takes as long as some states. So each
+    /// failure makes it rarer.
     fn bound_is_due(&mut self) -> bool {
         let is_due = self.left_out == self.to_leave_out;
         self.left_out = if is_due { 0 } else { self.left_out + 1 };

@@ -10,12 +10,12 @@ use crate::contact::ContactState;
 
 /// How far inside the limits forces are looked for at the most, as a part of the largest force that the load asks for.
 const MOST: f64 = 0.5;
-/// The most contacts of a group whose forces are looked for: a program takes the cube of their number.
-const MOST_CONTACTS: usize = 32;
-/// The same at the least: less is rounding.
+/// Forces that are inside the limits by less than this part are at the limit but for rounding.
 const LEAST: f64 = MOST / 134_217_728.0;
 /// Each trial asks for this part of the one before.
 const FALLS: f64 = 0.125;
+/// The most contacts of a group whose forces are looked for: a program takes the cube of their number.
+const MOST_CONTACTS: usize = 32;
 
 impl ContactProblem {
     /// Looks for forces of a group in these states, under these freedoms, that are well inside the limits of the law, to a factor of

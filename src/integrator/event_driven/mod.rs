@@ -90,7 +90,7 @@ pub struct EventDriven<W = ()> {
     force: Vec<f64>,
     surface: Vec<f64>,
     surface_acceleration: Vec<f64>,
-    /// What friction of a frozen direction follows: twice the mean velocity of each surface over the step, m/s.
+    /// Twice the mean velocity of each surface over the step, m/s. Friction of a frozen direction has its sign.
     heading: Vec<f64>,
     /// The fastest that each surface is in the step, m/s. Its velocity within the step is a difference of such numbers, so a
     /// velocity far below it is rounding.

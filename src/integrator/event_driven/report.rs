@@ -106,23 +106,32 @@ impl<W: Witness> EventDriven<W> {
 
     /// Do open contacts that touch not close under these forces? Surfaces that begin to move may press them.
     fn stay_open(&self, motion: &Motion, drive: &Drive, forces: &[ContactForce]) -> bool {
-        let delassus = &self.dynamics.problem.delassus;
-        let given = |i: usize| [forces[i].normal_force, forces[i].friction_force];
         let is_asked = |i: &usize| {
             forces[*i].state == ContactState::Detached && self.touches(*i, motion, drive)
         };
         (0..forces.len()).filter(is_asked).all(|i| {
-            let free = self.dynamics.contacts[i].normal.dot(&self.dynamics.acceleration);
-            let [carried, size] = delassus.along(i, 0, given);
-            let lost = self.lost(i, 0, motion, drive);
-            free + carried >= -CLOSE * NOISE * (size + free.abs() + lost)
+            let [opening, size] = self.acceleration(i, 0, motion, drive, forces);
+            opening >= -CLOSE * NOISE * size
         })
     }
 
-    /// In parts of [`NOISE`], the rounding of an acceleration (m/s²) along the normal (0) or the tangent (1) of a contact, of
-    /// springs' and outer forces that may hold each other.
-    fn lost(&self, contact: usize, row: usize, motion: &Motion, drive: &Drive) -> f64 {
-        self.pulled(contact, row, &motion.displacement) + DIFFERENCE * self.shaken(&drive.force)
+    /// The acceleration (m/s²) that these forces give the masses of a contact along its normal (0) or its tangent (1), and the
+    /// sum of the sizes of its terms. Springs' and outer forces that may hold each other are terms, each for itself.
+    fn acceleration(
+        &self,
+        contact: usize,
+        row: usize,
+        motion: &Motion,
+        drive: &Drive,
+        forces: &[ContactForce],
+    ) -> [f64; 2] {
+        let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
+        let free = [normal, tangent][row].dot(&self.dynamics.acceleration);
+        let given = |i: usize| [forces[i].normal_force, forces[i].friction_force];
+        let [carried, size] = self.dynamics.problem.delassus.along(contact, row, given);
+        let lost = self.pulled(contact, row, &motion.displacement)
+            + DIFFERENCE * self.shaken(&drive.force);
+        [free + carried, size + free.abs() + lost]
     }
 
     /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the springs:
@@ -140,27 +149,21 @@ impl<W: Witness> EventDriven<W> {
         forces: &[ContactForce],
         still: f64,
     ) -> bool {
-        let delassus = &self.dynamics.problem.delassus;
-        let given = |i: usize| [forces[i].normal_force, forces[i].friction_force];
         let is_asked = |i: &usize| {
             let ContactForce { state, slip_velocity, .. } = forces[*i];
             self.overheld[*i] && state != ContactState::Detached && slip_velocity.abs() <= still
         };
         let is_frozen = self.dynamics.law.is_frozen();
         (0..forces.len()).filter(is_asked).all(|i| {
-            let free = self.dynamics.contacts[i].normal.dot(&self.dynamics.acceleration);
-            let [carried, size] = delassus.along(i, 0, given);
-            let lost = self.lost(i, 0, motion, drive);
+            let [opening, size] = self.acceleration(i, 0, motion, drive, forces);
             // A surface that carries a mass along another one presses it into that one, or off it.
-            if (free + carried).abs() > CLOSE * NOISE * (size + free.abs() + lost) {
+            if opening.abs() > CLOSE * NOISE * size {
                 return false;
             }
-            let free = self.dynamics.contacts[i].tangent.dot(&self.dynamics.acceleration);
+            let [along, size] = self.acceleration(i, 1, motion, drive, forces);
             let surface = drive.slider_acceleration[i];
-            let [carried, size] = delassus.along(i, 1, given);
-            let lost = self.lost(i, 1, motion, drive);
-            let nothing = CLOSE * NOISE * (size + free.abs() + surface.abs() + lost);
-            let slip = surface - (free + carried);
+            let nothing = CLOSE * NOISE * (size + surface.abs());
+            let slip = surface - along;
             match forces[i].state.sliding_direction() {
                 None => slip.abs() <= nothing,
                 Some(direction) => is_frozen || direction * slip >= -nothing,

@@ -177,8 +177,8 @@ impl<W: Witness> EventDriven<W> {
         matches!(event, Event::Leave(_)) && self.repeats[contact] > MOST_TURNS
     }
 
-    /// What else the slip of a contact that sticks is measured by over the series' span, m: contact forces that hold each other
-    /// leave the masses that share them accelerations of rounding.
+    /// A slip over the series' span, m, beside which that of a contact that sticks may be rounding: contact forces that hold each
+    /// other leave accelerations of rounding to the masses that share them.
     fn strained(&self, contact: usize) -> f64 {
         let Self { series, dynamics, .. } = self;
         let delassus = &dynamics.problem.delassus;
