@@ -299,13 +299,11 @@ impl Ring {
                 scene.friction_coefficient,
             ),
             step: scene.step,
-            motion: Motion {
-                displacement: vec![0.0; model.dofs()],
-                velocity: scene.initial_velocities().collect(),
-                contacts: vec![ContactState::Slide; model.contacts.len()],
-                statistics: Statistics::default(),
-                ledger: None,
-            },
+            motion: Motion::new(
+                vec![0.0; model.dofs()],
+                scene.initial_velocities().collect(),
+                vec![ContactState::Slide; model.contacts.len()],
+            ),
             integrator: integrator::choose(&model, scene.method).expect("its masses are positive"),
             model,
         }

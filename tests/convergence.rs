@@ -1,7 +1,7 @@
 //! Orders, invariants and limits of the scheme, against closed forms.
 
 use amontons::contact::{ContactLaw, ContactState};
-use amontons::integrator::{Drive, Motion, Statistics, sparse};
+use amontons::integrator::{Drive, Motion, sparse};
 use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 use amontons::scene::{Scene, builtin};
 use amontons::simulation::{Simulation, variables};
@@ -100,13 +100,7 @@ fn row_of_masses(damping: Damping) -> LumpedModel {
 }
 
 fn at_rest(dofs: usize, contacts: Vec<ContactState>) -> Motion {
-    Motion {
-        displacement: vec![0.0; dofs],
-        velocity: vec![0.0; dofs],
-        contacts,
-        statistics: Statistics::default(),
-        ledger: None,
-    }
+    Motion::new(vec![0.0; dofs], vec![0.0; dofs], contacts)
 }
 
 fn no_drive(dofs: usize) -> Drive {

@@ -2,7 +2,7 @@
 //! states, and the general integrator against the one for rings.
 
 use amontons::contact::{ContactLaw, ContactState, Friction, all_states};
-use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement, Statistics, sparse};
+use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement, sparse};
 use amontons::model::{Contact, Damping, Direction, Entry, LumpedModel, SparseMatrix};
 use amontons::scene::builtin;
 use nalgebra::{DMatrix, DVector};
@@ -40,13 +40,7 @@ fn model(contacts: usize, coupling: &[f64]) -> LumpedModel {
 fn closed(contacts: usize, velocity: &[f64]) -> Motion {
     let mut velocity: Vec<f64> = velocity.iter().copied().cycle().take(2 * contacts).collect();
     velocity.chunks_exact_mut(2).for_each(|v| v[1] = 0.0);
-    Motion {
-        displacement: vec![0.0; 2 * contacts],
-        velocity,
-        contacts: vec![ContactState::Slide; contacts],
-        statistics: Statistics::default(),
-        ledger: None,
-    }
+    Motion::new(vec![0.0; 2 * contacts], velocity, vec![ContactState::Slide; contacts])
 }
 
 /// The velocities after one step, from the contact states that contradict none of their own assumptions:
@@ -178,13 +172,7 @@ fn two_contacts_that_hold_one_mass_in_a_groove_converge_and_keep_it_there() {
         law: ContactLaw::default(),
     };
     let drive = Drive::uniform(vec![3.0, -20.0], 2, 0.0, 0.3);
-    let mut motion = Motion {
-        displacement: vec![0.0; 2],
-        velocity: vec![0.0; 2],
-        contacts: vec![ContactState::Stick; 2],
-        statistics: Statistics::default(),
-        ledger: None,
-    };
+    let mut motion = Motion::new(vec![0.0; 2], vec![0.0; 2], vec![ContactState::Stick; 2]);
     let mut integrator = sparse(&model).unwrap();
     integrator.advance(&mut motion, &drive, STEP, 10_000).unwrap();
     assert!(motion.statistics.most_sweeps > 2, "{:?}", motion.statistics);

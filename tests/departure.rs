@@ -2,7 +2,7 @@
 #![cfg(feature = "tools")]
 
 use amontons::contact::ContactState;
-use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement, Statistics};
+use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement};
 use amontons::model::{self, LumpedModel};
 use amontons::scene::{builtin, parse};
 use amontons::stability::candidates::uniform_sliding;
@@ -34,13 +34,8 @@ fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
     let start = |factor: Complex<f64>| -> Vec<f64> {
         mode.shape.iter().map(|x| part * found.amplitude * (x * factor).re).collect()
     };
-    let mut motion = Motion {
-        displacement: start(Complex::new(1.0, 0.0)),
-        velocity: start(mode.eigenvalue),
-        contacts: sliding.clone(),
-        statistics: Statistics::default(),
-        ledger: None,
-    };
+    let mut motion =
+        Motion::new(start(Complex::new(1.0, 0.0)), start(mode.eigenvalue), sliding.clone());
     let mut drive = Drive::uniform(vec![0.0; 8], 2, velocity, mu);
     for (i, contact) in model.contacts.iter().enumerate() {
         motion.displacement[4 * i + 3] = 0.0;

@@ -5,7 +5,7 @@ mod judge;
 
 use amontons::contact::ContactLaw;
 use amontons::contact::ContactState::{self, Detached, Slide, Stick};
-use amontons::integrator::{Drive, Motion, Statistics, choose};
+use amontons::integrator::{Drive, Motion, choose};
 use amontons::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
 use amontons::scene::{Method, Scene, builtin};
 use judge::blocks::pads;
@@ -74,13 +74,7 @@ fn a_rod_that_falls_on_one_end_is_thrown_on_the_other_by_one_and_a_half_times_it
         let model = rod(mass, mass * g);
         let drive = Drive::uniform(model.load.clone(), 2, belt, mu);
         let mut integrator = choose(&model, method).unwrap();
-        let mut motion = Motion {
-            displacement: vec![low, high, 0.0],
-            velocity: vec![0.0; 3],
-            contacts: vec![Detached; 2],
-            statistics: Statistics::default(),
-            ledger: None,
-        };
+        let mut motion = Motion::new(vec![low, high, 0.0], vec![0.0; 3], vec![Detached; 2]);
         let mut forces = [amontons::contact::ContactForce::detached(0.0); 2];
         for row in 1..=100 {
             integrator.advance(&mut motion, &drive, h, off(method, 1000.0, 1.0) as u64).unwrap();
@@ -145,13 +139,11 @@ fn beside(scene: &Scene, p: &DMatrix<f64>, end: f64) -> Vec<ContactState> {
     drive.slider_velocity.clone_from(&acting.slider_velocity);
     drive.friction.clone_from(&acting.friction);
     let place = &inverse * run.total(&run.now[0]);
-    let mut motion = Motion {
-        displacement: place.as_slice().to_vec(),
-        velocity: (&inverse * &run.now[1]).as_slice().to_vec(),
-        contacts: run.states(),
-        statistics: Statistics::default(),
-        ledger: None,
-    };
+    let mut motion = Motion::new(
+        place.as_slice().to_vec(),
+        (&inverse * &run.now[1]).as_slice().to_vec(),
+        run.states(),
+    );
     let mut integrator = choose(&model, Method::EventDriven).unwrap();
     let mut met = Vec::new();
     while run.time() < end {

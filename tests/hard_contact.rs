@@ -5,7 +5,7 @@
 mod judge;
 
 use amontons::contact::ContactState::{Detached, Slide, Stick};
-use amontons::integrator::{Drive, Motion, Statistics, choose};
+use amontons::integrator::{Drive, Motion, choose};
 use amontons::model::LumpedModel;
 use amontons::scene::{Method, Module, Ramp, Scene, Shape, Signal, Structure, builtin, parse};
 use amontons::simulation::Simulation;
@@ -154,13 +154,8 @@ fn a_contact_that_stands_twice_changes_no_motion() {
             let contacts = model.contacts.len();
             let drive = Drive::uniform(model.load.clone(), contacts, 0.1, 0.4);
             let mut integrator = choose(model, method).unwrap();
-            let mut motion = Motion {
-                displacement: vec![-0.05, 1e-3],
-                velocity: vec![0.0, 0.3],
-                contacts: vec![Detached; contacts],
-                statistics: Statistics::default(),
-                ledger: None,
-            };
+            let mut motion =
+                Motion::new(vec![-0.05, 1e-3], vec![0.0, 0.3], vec![Detached; contacts]);
             let mut states = Vec::new();
             for _ in 0..20_000 {
                 integrator.advance(&mut motion, &drive, 1e-4, 1).unwrap();
@@ -476,13 +471,7 @@ proptest! {
                 let model = many_holds(copies, wedged);
                 let contacts = model.contacts.len();
                 let drive = Drive::uniform(model.load.clone(), contacts, slider, mu);
-                let mut motion = Motion {
-                    displacement: vec![0.0; model.dofs()],
-                    velocity: velocity.to_vec(),
-                    contacts: vec![Detached; contacts],
-                    statistics: Statistics::default(),
-                    ledger: None,
-                };
+                let mut motion = Motion::new(vec![0.0; model.dofs()], velocity.to_vec(), vec![Detached; contacts]);
                 for contact in &model.contacts {
                     motion.displacement[contact.normal.as_unit().unwrap()] = 1e-4;
                 }

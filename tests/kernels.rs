@@ -57,13 +57,8 @@ fn moved(integrator: &mut dyn Integrator, model: &LumpedModel) -> Motion {
     let contacts = model.contacts.len();
     let friction = Friction::with_static(0.4, 0.6);
     let drive = Drive::uniform(model.load.clone(), contacts, 0.05, friction);
-    let mut motion = Motion {
-        displacement: vec![0.0; model.dofs()],
-        velocity: (0..model.dofs()).map(|i| 0.02 * (i as f64 - 1.3)).collect(),
-        contacts: vec![Slide; contacts],
-        statistics: Statistics::default(),
-        ledger: None,
-    };
+    let velocity = (0..model.dofs()).map(|i| 0.02 * (i as f64 - 1.3)).collect();
+    let mut motion = Motion::new(vec![0.0; model.dofs()], velocity, vec![Slide; contacts]);
     for _ in 0..3 {
         integrator.advance(&mut motion, &drive, 1e-5, 2_000).unwrap();
     }
@@ -191,16 +186,14 @@ fn the_kernels_of_rings_and_of_networks_agree_on_every_part_of_the_law_of_contac
             let boxed: [Box<dyn Integrator>; 3] =
                 [Box::new(of_ring), dense(&model).unwrap().unwrap(), sparse(&model).unwrap()];
             let [ring, dense, sparse] = boxed.map(|mut integrator| {
-                let mut motion = Motion {
-                    // Pressed on, for at N = 0 the two would have to agree on what is open; pulled where nothing opens.
-                    displacement: [0.0, if detachment { -1e-4 } else { 1e-4 }, 0.0, 0.0].repeat(3),
-                    velocity: (0..12)
-                        .map(|i| if i % 4 == 3 { 0.0 } else { 0.01 * f64::from(i - 6) })
-                        .collect(),
-                    contacts: vec![Slide; 3],
-                    statistics: Statistics::default(),
-                    ledger: None,
-                };
+                // Pressed on, for at N = 0 the two would have to agree on what is open; pulled where nothing opens.
+                let pressed = if detachment { -1e-4 } else { 1e-4 };
+                let velocity = |i| if i % 4 == 3 { 0.0 } else { 0.01 * f64::from(i - 6) };
+                let mut motion = Motion::new(
+                    [0.0, pressed, 0.0, 0.0].repeat(3),
+                    (0..12).map(velocity).collect(),
+                    vec![Slide; 3],
+                );
                 integrator.advance(&mut motion, &drive, 1e-6, 20_000).unwrap();
                 motion
             });

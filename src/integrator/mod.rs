@@ -34,10 +34,23 @@ pub struct Motion {
     pub velocity: Vec<f64>,
     /// The state of each contact over the last step.
     pub contacts: Vec<ContactState>,
+    /// Which contacts pulled in the last step, of those that stick and cannot open. Their friction follows |N|, so that the same
+    /// states may have forces of either sign.
+    pub pulls: Vec<bool>,
     /// What has been counted since the start.
     pub statistics: Statistics,
     /// Where energy has gone; for an integrator with a ledger.
     pub ledger: Option<Ledger>,
+}
+
+impl Motion {
+    /// A motion that begins at these displacements (m) and velocities (m/s) with contacts in these states. It has no ledger.
+    #[must_use]
+    pub fn new(displacement: Vec<f64>, velocity: Vec<f64>, contacts: Vec<ContactState>) -> Self {
+        let pulls = vec![false; contacts.len()];
+        let statistics = Statistics::default();
+        Self { displacement, velocity, contacts, pulls, statistics, ledger: None }
+    }
 }
 
 /// What an integrator counts.

@@ -111,6 +111,7 @@ impl Snapshot {
         motion.displacement.len() == dofs
             && motion.velocity.len() == dofs
             && motion.contacts.len() == contacts
+            && motion.pulls.len() == contacts
             && motion.ledger.as_ref().map(Ledger::dofs) == self.scene.effects.energy.then_some(dofs)
             && reference.load.len() == dofs
             && reference.equilibrium.displacement.len() == dofs
@@ -198,7 +199,7 @@ fn same_structure(a: &Scene, b: &Scene) -> bool {
 }
 
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 9;
+const VERSION: u8 = 10;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -435,7 +436,8 @@ mod tests {
         let reference = 2 * list(dofs) + 2 * list(contacts);
         // Entries of the four states, and nine others.
         let counts = 4 + 9;
-        let motion = 2 * list(dofs) + length(contacts) + contacts + counts;
+        // Of each contact its state and whether it pulls.
+        let motion = 2 * list(dofs) + 2 * (length(contacts) + contacts) + counts;
         let ledger = 1 + if scene.effects.energy { list(dofs) + 6 * NUMBER } else { 0 };
         let clock = 2 * NUMBER + 1;
         let rates = length(0);

@@ -2,7 +2,7 @@
 
 use crate::Error;
 use crate::contact::ContactState;
-use crate::integrator::{Motion, Statistics};
+use crate::integrator::Motion;
 use crate::model::{Direction, LumpedModel};
 use crate::scene::Scene;
 
@@ -26,13 +26,8 @@ pub(super) fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
             ContactState::Stick
         }
     });
-    Motion {
-        contacts: contacts.collect(),
-        displacement,
-        velocity,
-        statistics: Statistics::default(),
-        ledger: None,
-    }
+    let contacts = contacts.collect();
+    Motion::new(displacement, velocity, contacts)
 }
 
 /// Refuses to start with a contact that is open, or moves along its normal, where contacts cannot open.

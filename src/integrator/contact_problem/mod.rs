@@ -62,8 +62,8 @@ pub(super) struct ContactProblem {
     /// The states that belong to it.
     pub(super) states: Vec<ContactState>,
     /// Of contacts that are held in both directions, whether their equations are those of one that pulls: friction
-    /// follows |N|.
-    pulls: Vec<bool>,
+    /// follows |N|. A solution begins with the signs that are given here, and leaves its own.
+    pub(super) pulls: Vec<bool>,
     given: GivenStates,
     /// Room for accelerations, for what corrects forces, for the forces of the sweeps, and for accelerations without contact
     /// forces.
@@ -184,6 +184,7 @@ impl ContactProblem {
                 Err(_) => {}
             }
             if !any {
+                self.take_signs(group);
                 return Ok(sweeps);
             }
         }
@@ -204,8 +205,7 @@ impl ContactProblem {
 
     /// One solution of a group, with the limits as they are, from the states at hand.
     fn relax(&mut self, group: usize) -> Result<u64, StepFailure> {
-        // Whether a contact that is held pulls is no part of its state.
-        if !self.has_held(group) && self.solve_states(group, Strictness::Inside) {
+        if self.solve_states(group, Strictness::Inside) {
             return Ok(1);
         }
         match self.sweep(group, FEW_SWEEPS) {

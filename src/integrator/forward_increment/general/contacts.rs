@@ -52,7 +52,7 @@ impl Contacts {
         drive: &Drive,
         h: f64,
     ) -> Result<(), StepFailure> {
-        let Dynamics { problem, freedom_of, .. } = &mut *dynamics;
+        let Dynamics { problem, freedom_of, law, .. } = &mut *dynamics;
         // In slices of one length no index needs a check of its own.
         let (v, a) = (&mut v[..x.len()], &mut a[..x.len()]);
         let contacts = self.places.len();
@@ -81,7 +81,14 @@ impl Contacts {
             freedom[i] = freedom_of(friction[i], -slip, slider[i], before[i]);
             free[i] = [approach + (normal + gap / h) / h, drift + slip / h];
         }
+        let follows_size = law.follows_size();
+        if follows_size {
+            problem.pulls.copy_from_slice(&motion.pulls);
+        }
         let sweeps = problem.solve(before)?;
+        if follows_size {
+            motion.pulls.copy_from_slice(&problem.pulls);
+        }
         let is_decided = motion.statistics.steps == 0 || problem.states != before;
         let has_others = is_decided && problem.has_another_solution();
         motion.statistics.other_solutions += u64::from(has_others);
