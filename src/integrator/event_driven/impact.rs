@@ -1,7 +1,7 @@
 //! Instants at which velocities end or jump: slips that stop, and impacts.
 
 use super::ledger::{Strike, Witness};
-use super::rounding::{THROWN, least_hop};
+use super::rounding::{NOISE, THROWN, largest, least_hop};
 use super::watch::Event;
 use super::{Drive, EventDriven, Motion, StepFailure};
 use crate::contact::ContactState;
@@ -33,30 +33,48 @@ impl<W: Witness> EventDriven<W> {
     /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
     /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
     /// there: else two that throw each other off would go on to do so. `speed` (m/s) is the fastest velocity before.
+    ///
+    /// What touches and carries nothing takes its part at once, and not in a second impact. Where no impulses are found
+    /// with it, it is left to the second.
     pub(super) fn impact(
         &mut self,
         motion: &mut Motion,
         drive: &Drive,
         speed: f64,
     ) -> Result<(), StepFailure> {
-        let Dynamics { contacts, problem, responses, freedom_of, law, .. } = &mut self.dynamics;
-        let surfaces = if law.is_frozen() { &self.heading } else { &self.surface };
-        for (i, contact) in contacts.iter().enumerate() {
-            let state = motion.contacts[i];
-            if self.events[i] == Some(Event::Touch) {
-                self.closed[i] = frictionless(true);
-                self.landings[i] += 1;
-                motion.statistics.touch_downs += u64::from(state == ContactState::Detached);
+        for (closed, event) in self.closed.iter_mut().zip(&self.events) {
+            if *event == Some(Event::Touch) {
+                *closed = frictionless(true);
             }
-            let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
-            problem.freedom[i] = match self.closed[i] {
-                ContactState::Detached => Freedom::Open,
-                _ => freedom_of(drive.friction[i], -tangential, surfaces[i], state),
-            };
-            problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
-        motion.statistics.count_sweeps(problem.solve(&motion.contacts)?);
+        self.kept.clone_from(&self.closed);
+        let length = largest(&motion.displacement).max(speed * self.shortest);
+        for (closed, contact) in self.closed.iter_mut().zip(&self.dynamics.contacts) {
+            if contact.normal.dot(&motion.displacement).abs() <= NOISE * length {
+                *closed = frictionless(true);
+            }
+        }
+        let sweeps = match self.solve_impact(motion, drive) {
+            Err(_) if self.closed != self.kept => {
+                self.closed.clone_from(&self.kept);
+                self.solve_impact(motion, drive)
+            }
+            solved => solved,
+        }?;
+        let Dynamics { problem, responses, .. } = &mut self.dynamics;
+        motion.statistics.count_sweeps(sweeps);
         motion.statistics.other_solutions += u64::from(problem.has_another_solution());
+        for (i, impulse) in problem.forces.iter().enumerate() {
+            let lands = self.events[i] == Some(Event::Touch);
+            if lands || self.kept[i] != self.closed[i] && *impulse != [0.0; 2] {
+                let was_open = motion.contacts[i] == ContactState::Detached;
+                motion.statistics.touch_downs += u64::from(was_open);
+                self.landings[i] += 1;
+            } else {
+                // What only touches and takes nothing has no part in the impact.
+                self.closed[i] = self.kept[i];
+            }
+        }
         for (impulse, responses) in problem.forces.iter().zip(&*responses) {
             for (&impulse, response) in impulse.iter().zip(responses) {
                 response.add_to(&mut motion.velocity, impulse);
@@ -66,6 +84,21 @@ impl<W: Witness> EventDriven<W> {
         witness.is_struck(Strike { dynamics, surface }, motion);
         self.stand(motion, speed);
         Ok(())
+    }
+
+    /// Solves for the impulses of the closed contacts; the number of sweeps.
+    fn solve_impact(&mut self, motion: &Motion, drive: &Drive) -> Result<u64, StepFailure> {
+        let Dynamics { contacts, problem, freedom_of, law, .. } = &mut self.dynamics;
+        let surfaces = if law.is_frozen() { &self.heading } else { &self.surface };
+        for (i, contact) in contacts.iter().enumerate() {
+            let tangential = contact.tangent.dot(&motion.velocity) - self.surface[i];
+            problem.freedom[i] = match self.closed[i] {
+                ContactState::Detached => Freedom::Open,
+                _ => freedom_of(drive.friction[i], -tangential, surfaces[i], motion.contacts[i]),
+            };
+            problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
+        }
+        problem.solve(&motion.contacts)
     }
 
     /// Takes away what rounding has left of the gaps of contacts in an impact, and the normal velocities of

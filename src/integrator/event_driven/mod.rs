@@ -434,7 +434,8 @@ impl<W: Witness> EventDriven<W> {
             let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
             problem.freedom[i] = match (self.events[i], motion.contacts[i]) {
-                (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
+                (Some(Event::Lift), _) => Freedom::Open,
+                (None, ContactState::Detached) if !landed => Freedom::Open,
                 // An impact may throw other contacts off, and changes the slip of all.
                 _ if landed && self.kept[i] == ContactState::Detached => Freedom::Open,
                 _ if landed && slip.abs() > still => slipping(slip.signum()),
