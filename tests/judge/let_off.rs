@@ -13,14 +13,15 @@ pub struct LetOff {
     pub changes: u64,
     pub impacts: u64,
     pub releases: u64,
-    /// Changes that were counted more than once where a step ended right after them; judged all the same.
-    pub flickers: u64,
+    /// Steps whose way was judged, but came apart from the one that was taken: rounding decided what followed on a change.
+    pub forks: u64,
     /// Let off: steps within which the velocity of a slider bends while a contact changes its state.
     pub bent: u64,
     /// Let off: what is left of a step after more changes than are followed.
     pub crowded: u64,
-    /// Let off but for their sum: impacts that are not told apart.
-    pub merged: u64,
+    /// Let off but for what happens at their ends: times in which redundant contacts share their load as they like, and the
+    /// motion depends on it.
+    pub undetermined: u64,
     /// Let off: contacts on masses that they share which slip from a step of the paper's scheme on, and could
     /// have held if all others had gone on in their states.
     pub coupled: u64,
@@ -31,22 +32,22 @@ pub struct LetOff {
 impl LetOff {
     /// All that was let off.
     pub fn total(&self) -> u64 {
-        self.bent + self.crowded + self.merged + self.coupled + self.ended
+        self.bent + self.crowded + self.undetermined + self.coupled + self.ended
     }
 }
 
 impl AddAssign for LetOff {
     fn add_assign(&mut self, other: Self) {
-        let Self { steps, changes, impacts, releases, flickers, .. } = other;
-        let Self { bent, crowded, merged, coupled, ended, .. } = other;
+        let Self { steps, changes, impacts, releases, forks, .. } = other;
+        let Self { bent, crowded, undetermined, coupled, ended, .. } = other;
         self.steps += steps;
         self.changes += changes;
         self.impacts += impacts;
         self.releases += releases;
-        self.flickers += flickers;
+        self.forks += forks;
         self.bent += bent;
         self.crowded += crowded;
-        self.merged += merged;
+        self.undetermined += undetermined;
         self.coupled += coupled;
         self.ended += ended;
     }

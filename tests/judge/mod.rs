@@ -21,6 +21,7 @@ pub use let_off::LetOff;
 use amontons::Error;
 use amontons::contact::residual::{Instant, Scales, Violation};
 use amontons::contact::{ContactForce, ContactState, Friction};
+use amontons::integrator::Statistics;
 use amontons::model::{self, LumpedModel, Numbering};
 use amontons::scene::{Method, Scene, Shape, Signal, Sine, parse};
 use amontons::simulation::catalogue::Quantity;
@@ -85,7 +86,7 @@ pub struct Run {
     /// The step that was judged last.
     judged: u64,
     /// Where the last step began, of an integrator whose motion is exact.
-    start: Option<(Snapshot, Vec<ContactState>, exact::Count)>,
+    start: Option<(Snapshot, Vec<ContactState>, Statistics)>,
     /// The instant at hand, against the end of the step, s, and whether a contact state ends there.
     at: (f64, bool),
     /// For how long the contact states go on from there, s, where that is known.
@@ -313,7 +314,7 @@ impl Run {
         self.start = None;
         if self.method == Method::EventDriven {
             let states = self.simulation.contact_states().to_vec();
-            self.start = Some((self.simulation.save(), states, exact::Count::of(&self.simulation)));
+            self.start = Some((self.simulation.save(), states, self.simulation.statistics()));
         }
         std::mem::swap(&mut self.now, &mut self.before);
         self.simulation.advance_to(to)?;
@@ -455,6 +456,13 @@ impl Run {
         gap > 1e-12 * self.scales.length
     }
 
+    /// The opening velocity of a contact (m/s) at the end of a step of the scheme, which has the mean velocity over the way to the
+    /// surface in the step that a contact lands in.
+    fn without_landing(&self, contact: usize, opening: f64) -> f64 {
+        let gap_before = self.directions.column(2 * contact).dot(&self.before[0]);
+        if self.was_open(contact) { 0.0 } else { opening + gap_before.max(0.0) / self.h() }
+    }
+
     /// Did a contact land in the last step?
     pub fn has_landed(&self) -> bool {
         let is_open = |contact: usize| {
@@ -493,9 +501,7 @@ impl Run {
         for (i, force) in self.forces().into_iter().enumerate() {
             let [gap, mut gap_velocity, slip_velocity] =
                 self.kinematics(i, acting.slider_velocity[i]);
-            if self.was_open(i) {
-                gap_velocity = 0.0;
-            }
+            gap_velocity = self.without_landing(i, gap_velocity);
             let (normal_force, friction_force) = (force.normal_force, force.friction_force);
             let instant =
                 Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force };

@@ -79,9 +79,7 @@ impl Run {
         for (i, &[normal_force, friction_force]) in pairs.iter().enumerate() {
             let [gap, mut gap_velocity, slip_velocity] =
                 self.kinematics(i, acting.slider_velocity[i]);
-            if self.was_open(i) {
-                gap_velocity = 0.0;
-            }
+            gap_velocity = self.without_landing(i, gap_velocity);
             let instant =
                 Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force };
             let friction = self.friction_over_step(i, &acting, old[i]);

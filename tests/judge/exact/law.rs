@@ -2,7 +2,7 @@
 //! change of state, and on what is reported.
 
 use super::motion::{Place, Span};
-use super::{Count, Look, SLOW};
+use super::{Look, SLOW};
 use crate::judge::reduced::residual_under;
 use crate::judge::rule::{Before, Doing, state_of};
 use crate::judge::{ROUNDING, Run};
@@ -202,7 +202,7 @@ impl Run {
         let own = own * self.scales.force;
         let scales = Scales { velocity: own, ..self.scales };
         // Where it lasts too short to be told from nothing, a slip may be at its end from the beginning.
-        let is_brief = self.lasts * slip_acceleration.abs() <= ROUNDING * self.scales.velocity;
+        let is_brief = self.lasts * slip_acceleration.abs() <= stands * self.scales.velocity;
         let ends = (self.at.1 || is_brief) && friction_force != 0.0;
         let slips = own * if ends { friction_force } else { slips_now }.signum();
         let now = on([gap_acceleration, slips], scales);
@@ -302,8 +302,7 @@ impl Run {
             let [x, v] = &before.place;
             normal.dot(x) <= STANDS * self.scales.length && normal.dot(v) < -STANDS * fastest
         });
-        // A longer part of a step may count a bounce less.
-        let landed = after.count.touch_downs.saturating_sub(before.count.touch_downs);
+        let landed = after.statistics.touch_downs - before.statistics.touch_downs;
         if landed == 0 && !approaches {
             assert!(changed <= rounding, "at {time} s velocities jump by {changed}");
             return;
@@ -327,22 +326,10 @@ impl Run {
                 [normal.dot(x), normal.dot(v), span.slider(i, after.t) - tangent.dot(v)]
             })
             .collect();
-        // Several impacts that are not told apart add up to impulses of which no more is known than that
-        // they press, and that friction is within its limits.
-        // That of a start with closed contacts that approach is one more.
-        let starts = (0..states.len()).any(|i| {
-            let normal = self.directions.column(2 * i);
-            states[i] != Detached && normal.dot(&before.place[1]) < -STANDS * fastest
-        });
-        let is_merged = passed > self.near() && landed + u64::from(starts) > 1;
-        self.let_off.merged += u64::from(is_merged);
-        let Some(fit) = self.fit.as_ref().filter(|_| !is_merged) else {
+        let Some(fit) = &self.fit else {
             let limits = contacts.map(|i| {
                 let [gap, opening, slip] = kinematics[i];
                 let Friction { kinetic, static_, .. } = span.start.friction[i];
-                if is_merged {
-                    return Some([-static_, static_]);
-                }
                 let is_closed =
                     gap <= nothing[0] / fastest * scales.length && opening <= nothing[0];
                 let range = if slip.abs() <= nothing[0] {
@@ -430,8 +417,8 @@ impl Run {
         };
         let states: Vec<ContactState> = reported.iter().enumerate().map(slides).collect();
         let held = self.held(&states, &span.start.friction);
-        let count = Count::of(&self.simulation);
-        let look = Look { t: 0.0, count, states: states.clone(), place: self.now.clone() };
+        let statistics = self.simulation.statistics();
+        let look = Look { t: 0.0, statistics, states: states.clone(), place: self.now.clone() };
         let (force, lost) = self.outer(&span, &look);
         let state = &self.memory.held[held];
         let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);

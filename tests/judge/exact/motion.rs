@@ -5,6 +5,7 @@ use super::{Look, SLOW};
 use crate::judge::{Acting, ROUNDING, Run, singular};
 use amontons::contact::ContactState::{self, Detached, Stick};
 use amontons::contact::Friction;
+use amontons::integrator::{Drive, Integrator, Wave};
 use amontons::model::LumpedModel;
 use amontons::simulation::Simulation;
 use nalgebra::{DMatrix, DVector};
@@ -24,6 +25,9 @@ pub(in crate::judge) struct Held {
     pub(in crate::judge) mobility: DMatrix<f64>,
     /// ẍ from the sliders' accelerations: n × c.
     pub(super) follows: DMatrix<f64>,
+    /// Do redundant contacts share their load as they like, and with it move the masses? Then the law does not say where the
+    /// motion goes.
+    pub(super) is_undetermined: bool,
 }
 
 /// What is kept of exponentials: what they are of, and what they are.
@@ -34,6 +38,7 @@ pub(in crate::judge) struct Memory {
     pub(in crate::judge) held: Vec<Held>,
     kept: Kept,
     pub(super) probe: Option<Simulation>,
+    pub(super) integrator: Option<Box<dyn Integrator>>,
 }
 
 /// Position and velocity at one instant.
@@ -86,6 +91,32 @@ impl Span {
         self.start.slider_velocity[contact] + self.steady[contact] * t + swings.sum::<f64>()
     }
 
+    /// What drives an integrator from one time of the step to another (s), under these outer forces (N) where it begins.
+    pub(super) fn drive(&self, force: DVector<f64>, [from, to]: [f64; 2]) -> Drive {
+        let contacts = 0..self.steady.len();
+        let wave = |swing: &Swing| {
+            let [sine, cosine] = swing.at(from);
+            let pushes = swing.pushes.iter().copied().enumerate().filter(|push| push.1 != 0.0);
+            let moves = contacts.clone().filter(|&i| swing.moves[i] != 0.0);
+            Wave {
+                amplitude: sine.hypot(cosine),
+                pulsation: swing.pulsation,
+                phase: sine.atan2(cosine),
+                pushes: pushes.collect(),
+                moves: moves.collect(),
+            }
+        };
+        let mean = |i| (self.slider(i, to) - self.slider(i, from)) / (to - from);
+        Drive {
+            force: force.as_slice().to_vec(),
+            force_rate: self.rate.as_slice().to_vec(),
+            slider_velocity: contacts.clone().map(|i| self.slider(i, to)).collect(),
+            slider_acceleration: contacts.clone().map(mean).collect(),
+            friction: self.start.friction.clone(),
+            waves: self.swings.iter().map(wave).collect(),
+        }
+    }
+
     /// The accelerations of the sliders, m/s².
     pub(super) fn acceleration(&self, t: f64) -> DVector<f64> {
         let swings = self.swings.iter();
@@ -134,8 +165,11 @@ impl Held {
         let carried = &expand * &solved * surface;
         let mobility = inverse * (DMatrix::identity(n, n) + &run.directions * &multipliers);
         let follows = inverse * &run.directions * &carried;
+        let free = DMatrix::identity(unknowns, unknowns) - &solved * &matrix;
+        let moved = inverse * &pushes;
+        let is_undetermined = (&moved * free).amax() > 1e-6 * moved.amax();
         let (states, friction) = (states.to_vec(), friction.to_vec());
-        Self { states, friction, multipliers, carried, mobility, follows }
+        Self { states, friction, multipliers, carried, mobility, follows, is_undetermined }
     }
 }
 
@@ -265,7 +299,8 @@ impl Run {
         let turns = omega * t;
         let loads = self.model.load.iter().fold(0.0_f64, |most, load| most.max(load.abs()));
         let lost = largest(&start).max(largest(&end)).max(size * turns.min(1.0))
-            + t * loads * self.inverse_mass.amax();
+            // Where they grow, so do the roundings of what holds each other.
+            + t * loads * self.inverse_mass.amax() * self.memory.kept[place].1.amax().max(1.0);
         // Times are known to the last digit of the time since the start, those at which contacts land as
         // near as their gaps are, which are differences of displacements.
         let gap = 4.0 * f64::EPSILON * from[0].amax();
