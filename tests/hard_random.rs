@@ -77,19 +77,16 @@ struct Tally {
 
 impl Tally {
     /// Asserts that enough happened in these runs, and that no more was let off than told: contacts on
-    /// masses that they share, steps with more changes than are followed, and steps in which hops were ended, as parts of all
-    /// that there were.
+    /// masses that they share, and steps in which hops were ended, as parts of all that there were.
     #[track_caller]
-    fn assert_judged(self, [coupled, crowded, ended]: [f64; 3]) {
+    fn assert_judged(self, [coupled, ended]: [f64; 2]) {
         println!("{self:?}");
         let LetOff { steps, releases, .. } = self.judged;
         assert!(self.runs >= 300 && releases >= 100, "nothing happened: {self:?}");
         assert!(self.wedged as f64 <= 0.01 * self.runs as f64, "{self:?}");
-        assert!(self.judged.forks as f64 <= 0.02 * steps as f64, "{self:?}");
-        let let_off = LetOff { coupled: 0, crowded: 0, ended: 0, ..self.judged }.total();
+        let let_off = LetOff { coupled: 0, ended: 0, ..self.judged }.total();
         assert_eq!(let_off, 0, "{self:?}");
         assert!(self.judged.coupled as f64 <= coupled * releases as f64, "{self:?}");
-        assert!(self.judged.crowded as f64 <= crowded * steps as f64, "{self:?}");
         assert!(self.judged.ended as f64 <= ended * steps as f64, "{self:?}");
     }
 }
@@ -183,7 +180,7 @@ fn any_ring_obeys_the_law_at_any_friction() {
         (scene.damping.alpha, scene.damping.beta) = (alpha, f64::max(beta, 0.0));
         judged_from_rest(&scene, part, &METHODS, &tally)?;
     });
-    tally.get().assert_judged([0.0; 3]);
+    tally.get().assert_judged([0.0; 2]);
 }
 
 // Up to a hundred times heavier than the disc that they share: see the hard cases of contact for more.
@@ -221,9 +218,7 @@ fn any_pads_on_a_disc_obey_the_law_at_any_friction() {
         scene.slider.velocity = velocity;
         judged_from_rest(&scene, part, &METHODS, &tally)?;
     });
-    // Many start with closed contacts that approach, and are thrown off and land within the millionth of a step
-    // in which nothing is told apart.
-    tally.get().assert_judged([0.0; 3]);
+    tally.get().assert_judged([0.0; 2]);
 }
 
 /// A mass of a network, what holds it and what it rubs on.
@@ -339,7 +334,7 @@ fn any_network_of_masses_on_a_slider_obeys_the_law() {
         let parts: Vec<Part> = parts.into_iter().map(on_slider).collect();
         judged_from_rest(&rubbing(&parts, mu, holds, velocity), part, &METHODS, &tally)?;
     });
-    tally.get().assert_judged([0.0; 3]);
+    tally.get().assert_judged([0.0; 2]);
 }
 
 #[test]
@@ -355,5 +350,5 @@ fn any_network_of_masses_that_rub_on_each_other_obeys_the_law() {
         judged_from_rest(&rubbing(&parts, mu, holds, velocity), part, &METHODS, &tally)?;
     });
     // Masses that throw each other off come to rest in ever shorter bounces.
-    tally.get().assert_judged([0.02, 1e-3, 2e-4]);
+    tally.get().assert_judged([0.02, 2e-4]);
 }

@@ -575,3 +575,21 @@ fn contacts_that_cannot_open_report_the_sign_that_the_motion_is_in() {
     let end = scene.experiment.stop_time;
     judged(Run::new(scene, Method::ForwardIncrement), end);
 }
+
+/// A mass is thrown into a corner whose second surface moves, and stops at once. What rounding left of its velocity came to be
+/// impacts of its own, for which impulses of any size were found: it moved on at 0.4 m/s, or not, by the length of the step.
+#[test]
+fn a_mass_that_a_corner_stops_does_not_move_on_by_rounding() {
+    let landing = 2.0_f64.powi(-10);
+    for part in 0..40 {
+        let scene = hard("thrown_into_a_corner");
+        let mut simulation = Simulation::new(scene, 0.0).unwrap();
+        simulation.advance_to(landing + 2.0_f64.powi(-24) * f64::from(1 + 7 * part)).unwrap();
+        let fastest = simulation.velocity().iter().fold(0.0, |most: f64, v| most.max(v.abs()));
+        let energy = simulation.energy().unwrap();
+        assert!(
+            fastest < 1e-12 && energy.residual.abs() < 1e-12,
+            "{part}: {fastest} m/s, {energy:?}"
+        );
+    }
+}

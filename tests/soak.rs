@@ -2,7 +2,7 @@
 //! step.
 //!
 //! This is a tool to be run by hand, and no test of each change: the judge still finds fault with one run of exact motion in
-//! some 600 (DESIGN.md says in which scenes). So `cargo test` leaves it out unless it is asked for:
+//! some thousands (DESIGN.md says in which scenes). So `cargo test` leaves it out unless it is asked for:
 //!
 //! ```sh
 //! AMONTONS_SOAK_SCENES=1000 cargo test --release --test soak -- --nocapture
@@ -11,7 +11,7 @@
 //! | variable | what it sets |
 //! | --- | --- |
 //! | `AMONTONS_SEED` | the seed; the seconds since 1970 unless given, so that each run has scenes of its own |
-//! | `AMONTONS_SOAK_SCENES` | how many scenes are run, 100 unless given: some three minutes for 1000 on two cores |
+//! | `AMONTONS_SOAK_SCENES` | how many scenes are run, 100 unless given: half a minute for 1000 on two cores |
 //! | `AMONTONS_SOAK_SCENE` | the number of the only scene that is run |
 //! | `AMONTONS_SOAK_FILE` | a scene file that is run in place of random scenes, by its own integrator |
 //!

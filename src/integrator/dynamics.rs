@@ -198,7 +198,9 @@ impl Dynamics {
                 contact.tangent.dot(&self.acceleration) - drive.slider_acceleration[i],
             ];
         }
-        self.problem.pulls.copy_from_slice(&motion.pulls);
+        if self.law.follows_size() {
+            self.problem.pulls.copy_from_slice(&motion.pulls);
+        }
         self.problem.solve(states)?;
         for (i, out) in forces.iter_mut().enumerate() {
             let [normal_force, friction_force] = self.problem.forces[i];

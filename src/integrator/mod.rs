@@ -34,8 +34,8 @@ pub struct Motion {
     pub velocity: Vec<f64>,
     /// The state of each contact over the last step.
     pub contacts: Vec<ContactState>,
-    /// Which contacts pulled in the last step, of those that stick and cannot open. Their friction follows |N|, so that the same
-    /// states may have forces of either sign.
+    /// Which contacts pulled in the last step, where contacts can stick and cannot open. Their friction follows |N|, so that the
+    /// same states may have forces of either sign.
     pub pulls: Vec<bool>,
     /// What has been counted since the start.
     pub statistics: Statistics,

@@ -91,6 +91,9 @@ impl Snapshot {
                 motion.contacts[i]
             ));
         }
+        if !law.follows_size() && motion.pulls.contains(&true) {
+            return refuse("a contact pulls, which its law does not know");
+        }
         if !motion.statistics.are_countable() {
             return refuse("it has counted more than a run can");
         }

@@ -4,9 +4,10 @@
 //! beginning by the exponential of a matrix that is built here from M, C, K, the directions of the
 //! contacts and their states. No series, no root and no Delassus block of the integrator is used.
 //!
-//! A step in which something changes is taken again from its beginning, as long as up to the change: the
-//! interval that holds it is halved until it is next to nothing. On both of its sides the law must hold,
-//! of forces on velocities and, where those vanish, of forces on accelerations; what happens in it is
+//! Where something changes in a step, the integrator is asked for steps of other lengths from where the last change was, and
+//! the interval that holds the next one is halved until it is next to nothing. On both of its sides the law must hold,
+//! of forces on velocities and, where those vanish, of forces on accelerations; what happens in it is nothing, or an
+//! impact under the law.
 
 mod law;
 mod motion;
@@ -27,7 +28,7 @@ const SHORTEST: f64 = 1.01e-6;
 const NEAR: f64 = 1e-13;
 /// The way that is judged and the step that was taken have come apart if their velocities differ by more than this part of
 /// the fastest.
-const FORK: f64 = 1e-6;
+const FORK: f64 = 1e-9;
 /// Contacts that throw each other off may be left with this part of the fastest velocity, or not.
 const SLOW: f64 = 1e-10;
 /// More changes in one step than this are not followed one by one.
@@ -123,16 +124,17 @@ impl Run {
             return;
         }
         let from = Look { t: 0.0, statistics, states, place: self.before.clone() };
-        if !span.is_straight && !from.is_same(&end) || self.turns(&span) {
+        if !from.is_same(&end) && (!span.is_straight || self.turns(&span)) {
             // Parts of the step would have the slider on other ways.
             self.let_off.bent += 1;
             return;
         }
         match self.judge_way(&span, from, &end) {
             Ok(Some(reached)) => {
-                let off = (&reached.place[1] - &end.place[1]).amax();
+                let off = |k: usize| (&reached.place[k] - &end.place[k]).amax();
                 let fastest = end.place[1].amax().max(self.scales.velocity);
-                self.let_off.forks += u64::from(off > FORK * fastest);
+                let is_other = off(1).max(self.fastest * off(0)) > FORK * fastest;
+                self.let_off.forks += u64::from(is_other);
             }
             Ok(None) => self.let_off.crowded += 1,
             Err(_) => self.let_off.forks += 1,
@@ -154,7 +156,11 @@ impl Run {
         let start = self.time() - self.h();
         let mut states = from.states.clone();
         for _ in 0..MOST_CHANGES {
-            let goal = if from.t > 0.0 { self.go(span, &from, end.t)? } else { end.clone() };
+            let goal = match end.t - from.t {
+                _ if from.t == 0.0 => end.clone(),
+                left if left <= self.near() => from.clone(),
+                _ => self.go(span, &from, end.t)?,
+            };
             if from.is_same(&goal) {
                 self.judge_segment(span, &from, &goal, &mut states)?;
                 return Ok(Some(goal));
@@ -162,6 +168,8 @@ impl Run {
             let [before, after] = self.bracket(span, &from, &goal)?;
             if before.t > from.t {
                 self.judge_segment(span, &from, &before, &mut states)?;
+            } else if from.t > 0.0 {
+                states.clone_from(&from.states);
             }
             self.judge_event(span, &before, &after, &states);
             self.changes.push(Change {
@@ -287,6 +295,7 @@ impl Run {
             // Nothing can happen in so short a time, and what goes on in it cannot be looked at.
             let (moved, allowed) = self.moved(span, from, to);
             assert!(moved <= allowed, "at {time} s velocities jump by {moved}");
+            last.clone_from(&to.states);
             return Ok(());
         }
         let states = self.states_between(span, from, to, last)?;

@@ -13,10 +13,11 @@ pub struct LetOff {
     pub changes: u64,
     pub impacts: u64,
     pub releases: u64,
-    /// Steps whose way was judged, but came apart from the one that was taken: rounding decided what followed on a change.
-    pub forks: u64,
-    /// Let off: steps within which the velocity of a slider bends while a contact changes its state.
+    /// Let off: steps within which the velocity of a slider bends, or turns round where friction has its direction, while a contact
+    /// changes its state.
     pub bent: u64,
+    /// Let off: steps that ended elsewhere than the way that was judged, since rounding decided what followed on a change.
+    pub forks: u64,
     /// Let off: what is left of a step after more changes than are followed.
     pub crowded: u64,
     /// Let off but for what happens at their ends: times in which redundant contacts share their load as they like, and the
@@ -32,7 +33,7 @@ pub struct LetOff {
 impl LetOff {
     /// All that was let off.
     pub fn total(&self) -> u64 {
-        self.bent + self.crowded + self.undetermined + self.coupled + self.ended
+        self.bent + self.forks + self.crowded + self.undetermined + self.coupled + self.ended
     }
 }
 

@@ -121,7 +121,7 @@ impl ContactProblem {
     }
 
     /// Solves for λ, of contacts that are in these states; returns the number of sweeps. The result depends on nothing
-    /// but the present. Redundant contacts (two that stick on one mass) have many solutions; the motion is the same
+    /// but the present, to which the signs of contacts that are held in both directions belong (`pulls`). Redundant contacts (two that stick on one mass) have many solutions; the motion is the same
     /// for all.
     ///
     /// The load of a contact depends on the contacts that slip beside it, so static friction comes first: all are
@@ -150,6 +150,7 @@ impl ContactProblem {
             match self.solve_one(contact, 1) {
                 Ok((force, state)) => {
                     (self.forces[contact], self.states[contact]) = (force, state);
+                    self.pulls[contact] = self.is_held(contact) && force[0] < 0.0;
                     if !self.let_go(contact) {
                         return Ok(());
                     }

@@ -34,8 +34,8 @@ impl<W: Witness> EventDriven<W> {
     /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
     /// there: else two that throw each other off would go on to do so. `speed` (m/s) is the fastest velocity before.
     ///
-    /// What touches and carries nothing takes its part at once, and not in a second impact. Where no impulses are found
-    /// with it, it is left to the second.
+    /// What touches and carries nothing takes its part at once, and not in a second impact: it lands, too. Where no impulses are
+    /// found with it, it is left to the second.
     pub(super) fn impact(
         &mut self,
         motion: &mut Motion,
@@ -48,26 +48,27 @@ impl<W: Witness> EventDriven<W> {
             }
         }
         self.kept.clone_from(&self.closed);
-        let length = largest(&motion.displacement).max(speed * self.shortest);
-        for (closed, contact) in self.closed.iter_mut().zip(&self.dynamics.contacts) {
-            if contact.normal.dot(&motion.displacement).abs() <= NOISE * length {
-                *closed = frictionless(true);
-            }
-        }
-        let sweeps = match self.solve_impact(motion, drive) {
+        self.close_what_touches(motion, speed);
+        let sweeps = match self.solve_impact(motion, drive, speed) {
             Err(_) if self.closed != self.kept => {
                 self.closed.clone_from(&self.kept);
-                self.solve_impact(motion, drive)
+                self.solve_impact(motion, drive, speed)
             }
             solved => solved,
         }?;
         let Dynamics { problem, responses, .. } = &mut self.dynamics;
         motion.statistics.count_sweeps(sweeps);
         motion.statistics.other_solutions += u64::from(problem.has_another_solution());
-        for (i, impulse) in problem.forces.iter().enumerate() {
-            let lands = self.events[i] == Some(Event::Touch);
-            if lands || self.kept[i] != self.closed[i] && *impulse != [0.0; 2] {
-                let was_open = motion.contacts[i] == ContactState::Detached;
+        for (i, [normal, tangential]) in problem.forces.iter().enumerate() {
+            let own = problem.delassus.own(i);
+            let is_something = own[0] * normal + own[1].abs() * tangential.abs() > NOISE * speed;
+            let was_open = motion.contacts[i] == ContactState::Detached;
+            let is_closed = self.closed[i] != ContactState::Detached;
+            if self.events[i].is_none() && was_open && is_closed && is_something {
+                self.events[i] = Some(Event::Touch);
+                self.repeats[i] += 1;
+            }
+            if self.events[i] == Some(Event::Touch) {
                 motion.statistics.touch_downs += u64::from(was_open);
                 self.landings[i] += 1;
             } else {
@@ -86,8 +87,32 @@ impl<W: Witness> EventDriven<W> {
         Ok(())
     }
 
-    /// Solves for the impulses of the closed contacts; the number of sweeps.
-    fn solve_impact(&mut self, motion: &Motion, drive: &Drive) -> Result<u64, StepFailure> {
+    /// Adds to the closed contacts those that share masses with one that lands, and whose gaps are nothing but rounding.
+    fn close_what_touches(&mut self, motion: &Motion, speed: f64) {
+        let Dynamics { contacts, problem, .. } = &self.dynamics;
+        for group in problem.delassus.groups() {
+            if !group.iter().any(|&i| self.events[i] == Some(Event::Touch)) {
+                continue;
+            }
+            for &i in group {
+                let normal = &contacts[i].normal;
+                let terms = normal.0.iter().map(|&(dof, n)| (n * motion.displacement[dof]).abs());
+                let length = terms.fold(speed * self.shortest, |sum, term| sum + term);
+                if normal.dot(&motion.displacement).abs() <= NOISE * length {
+                    self.closed[i] = frictionless(true);
+                }
+            }
+        }
+    }
+
+    /// Solves for the impulses of the closed contacts; the number of sweeps. There are none where contacts approach by rounding
+    /// only: beside a surface that moves, a solver finds impulses of any size for it.
+    fn solve_impact(
+        &mut self,
+        motion: &Motion,
+        drive: &Drive,
+        speed: f64,
+    ) -> Result<u64, StepFailure> {
         let Dynamics { contacts, problem, freedom_of, law, .. } = &mut self.dynamics;
         let surfaces = if law.is_frozen() { &self.heading } else { &self.surface };
         for (i, contact) in contacts.iter().enumerate() {
@@ -97,6 +122,13 @@ impl<W: Witness> EventDriven<W> {
                 _ => freedom_of(drive.friction[i], -tangential, surfaces[i], motion.contacts[i]),
             };
             problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
+        }
+        let nothing = NOISE * speed.max(largest(&self.surface));
+        let closed = |i: &usize| self.closed[*i] != ContactState::Detached;
+        if (0..contacts.len()).filter(closed).all(|i| problem.free[i][0] >= -nothing) {
+            problem.forces.fill([0.0; 2]);
+            problem.states.clone_from(&motion.contacts);
+            return Ok(0);
         }
         problem.solve(&motion.contacts)
     }

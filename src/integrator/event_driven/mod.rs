@@ -99,6 +99,8 @@ pub struct EventDriven<W = ()> {
     events: Vec<Option<Event>>,
     /// How often each contact has had one at the present instant.
     repeats: Vec<u32>,
+    /// The fastest velocity since the present instant began, m/s. Impacts may have taken it away, and left rounding of it.
+    fastest_here: f64,
     /// How often each contact has landed in the present internal step.
     landings: Vec<u32>,
     before: Vec<ContactState>,
@@ -175,6 +177,7 @@ impl<W: Witness> EventDriven<W> {
             surface_speed: vec![0.0; contacts],
             events: vec![None; contacts],
             repeats: vec![0; contacts],
+            fastest_here: 0.0,
             landings: vec![0; contacts],
             before: vec![ContactState::Detached; contacts],
             closed: vec![ContactState::Detached; contacts],
@@ -192,6 +195,7 @@ impl<W: Witness> EventDriven<W> {
         motion.statistics.steps += 1;
         let (mut left, mut events, mut standstill, mut expanded) = (h, 0, 0, 0);
         self.repeats.fill(0);
+        self.fastest_here = 0.0;
         self.landings.fill(0);
         if f64::from(MAX_SERIES) * Waves::reach(&drive.waves, h) < h {
             return Err(StepFailure::TooManySeries { most: MAX_SERIES.into() });
@@ -230,6 +234,7 @@ impl<W: Witness> EventDriven<W> {
             if passed > NOISE * h {
                 standstill = 0;
                 self.repeats.fill(0);
+                self.fastest_here = 0.0;
             }
             if passed > 0.0 {
                 let Self { witness, dynamics, series, force, surface, .. } = self;
@@ -434,8 +439,7 @@ impl<W: Witness> EventDriven<W> {
             let slipping = |direction| held.slipping(direction);
             let sliding = |state: ContactState| slipping(state.sliding_direction().unwrap_or(1.0));
             problem.freedom[i] = match (self.events[i], motion.contacts[i]) {
-                (Some(Event::Lift), _) => Freedom::Open,
-                (None, ContactState::Detached) if !landed => Freedom::Open,
+                (Some(Event::Lift), _) | (None, ContactState::Detached) => Freedom::Open,
                 // An impact may throw other contacts off, and changes the slip of all.
                 _ if landed && self.kept[i] == ContactState::Detached => Freedom::Open,
                 _ if landed && slip.abs() > still => slipping(slip.signum()),
@@ -471,7 +475,7 @@ impl<W: Witness> EventDriven<W> {
                 let ContactProblem { delassus, free, .. } = &mut self.dynamics.problem;
                 let sizes = delassus.group_of(i).iter().flat_map(|&other| free[other]);
                 let size = sizes.fold(0.0, |most: f64, free| most.max(free.abs()));
-                free[i][0] -= APPROACH * size;
+                free[i][0] = free[i][0].min(0.0) - APPROACH * size;
                 is_pressed = true;
             }
         }
@@ -553,7 +557,8 @@ impl<W: Witness> EventDriven<W> {
         self.before.clone_from(&motion.contacts);
         let touched = |event: &Option<Event>| matches!(event, Some(Event::Touch));
         let landed = self.events.iter().any(touched);
-        let speed = self.speed(motion);
+        let speed = self.speed(motion).max(self.fastest_here);
+        self.fastest_here = speed;
         self.stop(motion);
         if landed {
             self.impact(motion, drive, speed)?;

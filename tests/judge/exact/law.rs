@@ -202,7 +202,8 @@ impl Run {
         let own = own * self.scales.force;
         let scales = Scales { velocity: own, ..self.scales };
         // Where it lasts too short to be told from nothing, a slip may be at its end from the beginning.
-        let is_brief = self.lasts * slip_acceleration.abs() <= stands * self.scales.velocity;
+        let nothing = stands * self.scales.velocity;
+        let is_brief = slip_velocity.abs().max(self.lasts * slip_acceleration.abs()) <= nothing;
         let ends = (self.at.1 || is_brief) && friction_force != 0.0;
         let slips = own * if ends { friction_force } else { slips_now }.signum();
         let now = on([gap_acceleration, slips], scales);

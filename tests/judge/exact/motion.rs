@@ -106,7 +106,15 @@ impl Span {
                 moves: moves.collect(),
             }
         };
-        let mean = |i| (self.slider(i, to) - self.slider(i, from)) / (to - from);
+        // Not a difference of velocities, of which rounding is a part of them however short the time is.
+        let half = 0.5 * (to - from);
+        let mean = |i: usize| {
+            let swung = self.swings.iter().map(|swing| {
+                let phase = swing.pulsation * half;
+                swing.moves[i] * swing.at(from + half)[1] * phase.sin() / half
+            });
+            self.steady[i] + swung.sum::<f64>()
+        };
         Drive {
             force: force.as_slice().to_vec(),
             force_rate: self.rate.as_slice().to_vec(),
@@ -300,7 +308,7 @@ impl Run {
         let loads = self.model.load.iter().fold(0.0_f64, |most, load| most.max(load.abs()));
         let lost = largest(&start).max(largest(&end)).max(size * turns.min(1.0))
             // Where they grow, so do the roundings of what holds each other.
-            + t * loads * self.inverse_mass.amax() * self.memory.kept[place].1.amax().max(1.0);
+            + t * loads * self.inverse_mass.amax() * self.grown(place).max(1.0);
         // Times are known to the last digit of the time since the start, those at which contacts land as
         // near as their gaps are, which are differences of displacements.
         let gap = 4.0 * f64::EPSILON * from[0].amax();
@@ -320,6 +328,13 @@ impl Run {
         // Putting inclined contacts where they belong costs as much again.
         let often = if self.is_exact { 10.0 } else { 20.0 };
         (reached, often * ROUNDING * (1.0 + turns) * lost + late * fastest + left)
+    }
+
+    /// What velocities grow to in the exponential that is kept there, as a part of what they and the displacements (as
+    /// velocities) begin with.
+    fn grown(&self, place: usize) -> f64 {
+        let n = self.model.dofs();
+        self.memory.kept[place].1.view((n, 0), (n, 2 * n)).amax()
     }
 
     /// The force on the masses without that of contacts, and its rounding errors, N.
