@@ -85,7 +85,7 @@ impl Run {
     fn go(&mut self, span: &Span, from: &Look, t: f64) -> Result<Look, StepFailure> {
         let rest =
             span.force(from.t) - &self.stiffness * self.total(&DVector::zeros(self.model.dofs()));
-        let drive = span.drive(rest, [from.t, t]);
+        let drive = span.drive(&rest, [from.t, t]);
         let [x, v] = from.place.each_ref().map(|place| place.as_slice().to_vec());
         let mut motion = Motion::new(x, v, from.states.clone());
         motion.statistics = from.statistics;

@@ -92,7 +92,7 @@ impl Span {
     }
 
     /// What drives an integrator from one time of the step to another (s), under these outer forces (N) where it begins.
-    pub(super) fn drive(&self, force: DVector<f64>, [from, to]: [f64; 2]) -> Drive {
+    pub(super) fn drive(&self, force: &DVector<f64>, [from, to]: [f64; 2]) -> Drive {
         let contacts = 0..self.steady.len();
         let wave = |swing: &Swing| {
             let [sine, cosine] = swing.at(from);
