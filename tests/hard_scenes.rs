@@ -567,15 +567,6 @@ fn contacts_that_touch_without_a_load_take_their_part_of_an_impact_at_once() {
     assert!(run.let_off.impacts > 0, "{:?}", run.let_off);
 }
 
-/// Friction of contacts that cannot open follows |N|, so that the same states have forces of either sign. The steps took one
-/// solution and the reports another one, which missed Newton's law by 75 N.
-#[test]
-fn contacts_that_cannot_open_report_the_sign_that_the_motion_is_in() {
-    let scene = hard("held_contacts_press_or_pull");
-    let end = scene.experiment.stop_time;
-    judged(Run::new(scene, Method::ForwardIncrement), end);
-}
-
 /// A mass is thrown into a corner whose second surface moves, and stops at once. What rounding left of its velocity came to be
 /// impacts of its own, for which impulses of any size were found: it moved on at 0.4 m/s, or not, by the length of the step.
 #[test]

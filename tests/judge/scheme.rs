@@ -205,7 +205,17 @@ impl Run {
         }
         let pairs = reported.iter().flat_map(|force| [force.normal_force, force.friction_force]);
         let forces = DVector::from_iterator(2 * reported.len(), pairs);
-        let rest = (needed - &self.directions * &forces).amax();
+        let missing = &self.directions * &forces - needed;
+        // Forces that turn a slip round within the step are not those of the whole step.
+        let end = &self.now[1] + &self.inverse_mass * &missing * self.h();
+        let turns = reported.iter().enumerate().any(|(i, old)| {
+            let slip = velocities[0][i] - self.directions.column(2 * i + 1).dot(&end);
+            slip * old.slip_velocity < 0.0
+        });
+        if turns {
+            return;
+        }
+        let rest = missing.amax();
         // Where masses share contacts the multipliers stop at 1e-13 of the largest in a step, and what
         // that leaves, up to a hundred times as much where they converge slowly, comes in the next.
         let allowed = if self.is_exact {

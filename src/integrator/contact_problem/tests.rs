@@ -245,6 +245,48 @@ fn a_mass_that_two_surfaces_hold_and_cannot_open_from_is_solved_at_once() {
     assert!(solved > 10 && wedged > 10, "{solved} {wedged}");
 }
 
+/// Two surfaces, at −0.2 and 0.02 rad, hold a mass of 1 kg and move on in this direction under it. Under a pull, each presses or
+/// pulls, and two choices of signs may have forces.
+#[test]
+fn of_the_signs_of_held_contacts_that_have_forces_the_present_ones_stay() {
+    let (friction, directions) = (0.6, [-0.2_f64, 0.02].map(|angle| angle.sin_cos()));
+    let directions = directions.map(|(sin, cos)| [[-sin, cos], [cos, sin]]);
+    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
+    let all = directions.as_flattened();
+    let rows: Vec<f64> = all.iter().flat_map(|a| all.iter().map(|b| dot(*a, *b))).collect();
+    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+    let mut several = 0;
+    for (turn, velocity) in (0..24).flat_map(|turn| [-1.0, 1.0].map(|velocity| (turn, velocity))) {
+        let (sin, cos) = (f64::from(turn) * 0.27).sin_cos();
+        let pull = [20.0 * cos, 20.0 * sin];
+        // |N| of both where they have these signs.
+        let sizes = |signs: [f64; 2]| {
+            let [first, second] = [0, 1].map(|i| {
+                let [normal, tangent] = directions[i];
+                [0, 1].map(|k| signs[i] * normal[k] + velocity * friction * tangent[k])
+            });
+            let both = cross(first, second);
+            [cross(second, pull) / both, cross(pull, first) / both]
+        };
+        let choices = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+        let have_forces =
+            choices.into_iter().filter(|signs| sizes(*signs).iter().all(|n| *n > 1e-3));
+        let have_forces: Vec<[f64; 2]> = have_forces.collect();
+        several += usize::from(have_forces.len() > 1);
+        for signs in have_forces {
+            let mut problem = with_law(&rows, friction);
+            problem.freedom.fill(Freedom::HeldSlipping { direction: velocity, friction });
+            problem.free = directions.map(|[n, t]| [dot(n, pull), dot(t, pull)]).to_vec();
+            problem.pulls = signs.map(|sign| sign < 0.0).to_vec();
+            problem.solve(&[Slide; 2]).unwrap();
+            for ((force, sign), size) in problem.forces.iter().zip(signs).zip(sizes(signs)) {
+                assert!((force[0] - sign * size).abs() < 1e-9, "{signs:?}: {:?}", problem.forces);
+            }
+        }
+    }
+    assert!(several > 3, "{several}");
+}
+
 #[test]
 fn of_several_solutions_the_present_one_goes_on() {
     // A mass in a flat wedge of two surfaces that go opposite ways: sticking in one keeps it off the other.

@@ -2,7 +2,7 @@
 //! change of state, and on what is reported.
 
 use super::motion::{Place, Span};
-use super::{Look, SLOW};
+use super::{Look, SHORTEST, SLOW};
 use crate::judge::reduced::residual_under;
 use crate::judge::rule::{Before, Doing, state_of};
 use crate::judge::{ROUNDING, Run};
@@ -185,13 +185,15 @@ impl Run {
         }
         // Contacts that throw each other off come to rest in ever shorter bounces: however slow one is, it
         // may be open for as long as it takes to come back, or until another one lands. It has come back
-        // when its gap says so, a difference of displacements.
+        // when its gap says so, a difference of displacements. Where states lead to each other at one instant, a
+        // step that ends there decides later, but within a small part of itself.
         let is_free = normal_force == 0.0 && gap_acceleration < 0.0;
         let fall = -2.0 * gap_acceleration * (gap.max(0.0) + f64::EPSILON * x.amax());
         let root = (gap_velocity * gap_velocity + fall).sqrt();
         // A report does not know how long that is, and the judge of the next step does.
         let in_time = if self.lasts.is_finite() {
-            self.lasts * -gap_acceleration <= (1.0 + 1e-3) * (gap_velocity + root)
+            self.lasts < SHORTEST * self.internal_step()
+                || self.lasts * -gap_acceleration <= (1.0 + 1e-3) * (gap_velocity + root)
         } else {
             gap > 0.0
         };
