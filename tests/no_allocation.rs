@@ -1,6 +1,8 @@
 //! A step, a read and a write allocate nothing.
 #![allow(unsafe_code)]
 
+mod c;
+
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::catalogue::Kind;
 use amontons::simulation::{Simulation, Variable, fingerprint, variables};
@@ -126,53 +128,6 @@ fn a_contact_state_that_was_met_is_watched_without_allocating() {
     for row in 1..=100_u32 {
         simulation.advance_to(f64::from(row) * 1e-4).unwrap();
         assert_eq!(read(&mut simulation), 0);
-    }
-}
-
-/// The functions of the FMU's library, which this test links.
-mod c {
-    use std::ffi::{c_char, c_int, c_uint, c_void};
-
-    unsafe extern "C" {
-        pub fn fmi2Instantiate(
-            name: *const c_char,
-            kind: c_int,
-            guid: *const c_char,
-            resources: *const c_char,
-            callbacks: *const c_void,
-            visible: c_int,
-            logging_on: c_int,
-        ) -> *mut c_void;
-        pub fn fmi2SetupExperiment(
-            it: *mut c_void,
-            tolerance_defined: c_int,
-            tolerance: f64,
-            start: f64,
-            stop_defined: c_int,
-            stop: f64,
-        ) -> c_int;
-        pub fn fmi2EnterInitializationMode(it: *mut c_void) -> c_int;
-        pub fn fmi2ExitInitializationMode(it: *mut c_void) -> c_int;
-        pub fn fmi2DoStep(it: *mut c_void, now: f64, size: f64, no_return: c_int) -> c_int;
-        pub fn fmi2GetReal(
-            it: *mut c_void,
-            references: *const c_uint,
-            count: usize,
-            values: *mut f64,
-        ) -> c_int;
-        pub fn fmi2GetInteger(
-            it: *mut c_void,
-            references: *const c_uint,
-            count: usize,
-            values: *mut c_int,
-        ) -> c_int;
-        pub fn fmi2SetReal(
-            it: *mut c_void,
-            references: *const c_uint,
-            count: usize,
-            values: *const f64,
-        ) -> c_int;
-        pub fn fmi2FreeInstance(it: *mut c_void);
     }
 }
 

@@ -83,7 +83,7 @@ impl Run {
         format!("{}, step {:e} s", self.scene.method, self.scene.step)
     }
 
-    /// When one looks at it, s: so many times, equally far apart, the last one at the end.
+    /// The times (s) at which the motion is read: `count` of them, equally far apart, the last one at the end.
     pub fn times(&self, count: u32) -> impl Iterator<Item = f64> + use<> {
         let stop = self.scene.experiment.stop_time;
         (1..=count).map(move |i| stop * f64::from(i) / f64::from(count))

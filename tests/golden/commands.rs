@@ -1,4 +1,4 @@
-//! What the programs print and how they end.
+//! The commands whose output and exit code are kept.
 
 use crate::program::{folder, run, text};
 use amontons::package::model_description;
@@ -12,7 +12,7 @@ use zip::write::SimpleFileOptions;
 /// A command line, how many lines of what it prints are kept, and what of them.
 type Command = (&'static str, usize, View);
 
-/// What is kept of a line.
+/// Turns a line into the part of it that is kept.
 type View = fn(&str) -> String;
 
 /// No line: only how it ends.
@@ -189,7 +189,7 @@ pub fn page(commands: &[Command]) -> String {
     page
 }
 
-/// What a program prints, and how it ends: first lines of what it has to say of that, and its exit code.
+/// The text that a program prints, and then the first lines of its messages with its exit code.
 fn end(program: &str, folder: &Path, arguments: &[&str]) -> (String, String) {
     let output = run(program, folder, arguments);
     let mut end = String::new();

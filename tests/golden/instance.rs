@@ -1,52 +1,15 @@
 //! An FMU's instance, by the functions of its library, which this test links: only they have saved states as bytes.
 
+use crate::c;
 use amontons::scene::{Scene, Source};
 use amontons::simulation::catalogue::{Kind, fmu_variables};
 use amontons::simulation::fingerprint;
-use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use std::ffi::{CString, c_uint};
 use std::fs;
 use std::ptr::null_mut;
 
-type Handle = *mut c_void;
-
-unsafe extern "C" {
-    fn fmi2Instantiate(
-        name: *const c_char,
-        kind: c_int,
-        guid: *const c_char,
-        resources: *const c_char,
-        callbacks: *const c_void,
-        visible: c_int,
-        logging_on: c_int,
-    ) -> Handle;
-    fn fmi2SetupExperiment(
-        it: Handle,
-        tolerance_defined: c_int,
-        tolerance: f64,
-        start: f64,
-        stop_defined: c_int,
-        stop: f64,
-    ) -> c_int;
-    fn fmi2EnterInitializationMode(it: Handle) -> c_int;
-    fn fmi2ExitInitializationMode(it: Handle) -> c_int;
-    fn fmi2DoStep(it: Handle, now: f64, size: f64, no_return: c_int) -> c_int;
-    fn fmi2GetReal(it: Handle, references: *const c_uint, count: usize, values: *mut f64) -> c_int;
-    fn fmi2GetFMUstate(it: Handle, state: *mut Handle) -> c_int;
-    fn fmi2SetFMUstate(it: Handle, state: Handle) -> c_int;
-    fn fmi2FreeFMUstate(it: Handle, state: *mut Handle) -> c_int;
-    fn fmi2SerializedFMUstateSize(it: Handle, state: Handle, size: *mut usize) -> c_int;
-    fn fmi2SerializeFMUstate(it: Handle, state: Handle, bytes: *mut u8, size: usize) -> c_int;
-    fn fmi2DeSerializeFMUstate(
-        it: Handle,
-        bytes: *const u8,
-        size: usize,
-        state: *mut Handle,
-    ) -> c_int;
-    fn fmi2FreeInstance(it: Handle);
-}
-
 pub struct Instance {
-    it: Handle,
+    it: c::Handle,
     reals: Vec<c_uint>,
     _folder: tempfile::TempDir,
 }
@@ -66,11 +29,11 @@ impl Instance {
         // SAFETY: FMI's calls in FMI's order; every string is terminated.
         let it = unsafe {
             let (guid, location) = (guid.as_ptr(), location.as_ptr());
-            let it = fmi2Instantiate(c"one".as_ptr(), 1, guid, location, null_mut(), 0, 0);
+            let it = c::fmi2Instantiate(c"one".as_ptr(), 1, guid, location, null_mut(), 0, 0);
             assert!(!it.is_null(), "{} has no instance", scene.name);
-            assert_eq!(fmi2SetupExperiment(it, 0, 0.0, 0.0, 0, 0.0), 0);
-            assert_eq!(fmi2EnterInitializationMode(it), 0);
-            assert_eq!(fmi2ExitInitializationMode(it), 0);
+            assert_eq!(c::fmi2SetupExperiment(it, 0, 0.0, 0.0, 0, 0.0), 0);
+            assert_eq!(c::fmi2EnterInitializationMode(it), 0);
+            assert_eq!(c::fmi2ExitInitializationMode(it), 0);
             it
         };
         Self { it, reals: reals.map(|(reference, _)| reference).collect(), _folder: folder }
@@ -79,7 +42,8 @@ impl Instance {
     /// Goes on from one time to another, s.
     pub fn step(&mut self, from: f64, to: f64) {
         // SAFETY: it is one that has been initialized.
-        assert_eq!(unsafe { fmi2DoStep(self.it, from, to - from, 0) }, 0, "from {from} to {to} s");
+        let stepped = unsafe { c::fmi2DoStep(self.it, from, to - from, 0) };
+        assert_eq!(stepped, 0, "from {from} to {to} s");
     }
 
     /// The bits of all doubles that can be read.
@@ -87,7 +51,7 @@ impl Instance {
         let Self { it, reals, .. } = self;
         let mut values = vec![0.0; reals.len()];
         // SAFETY: both arrays are as long as said.
-        let read = unsafe { fmi2GetReal(*it, reals.as_ptr(), reals.len(), values.as_mut_ptr()) };
+        let read = unsafe { c::fmi2GetReal(*it, reals.as_ptr(), reals.len(), values.as_mut_ptr()) };
         assert_eq!(read, 0);
         values.into_iter().map(f64::to_bits).collect()
     }
@@ -96,11 +60,11 @@ impl Instance {
         let (it, mut state, mut size) = (self.it, null_mut(), 0);
         // SAFETY: the state is one of this instance until it is freed; the array is as long as said.
         unsafe {
-            assert_eq!(fmi2GetFMUstate(it, &raw mut state), 0);
-            assert_eq!(fmi2SerializedFMUstateSize(it, state, &raw mut size), 0);
+            assert_eq!(c::fmi2GetFMUstate(it, &raw mut state), 0);
+            assert_eq!(c::fmi2SerializedFMUstateSize(it, state, &raw mut size), 0);
             let mut bytes = vec![0; size];
-            assert_eq!(fmi2SerializeFMUstate(it, state, bytes.as_mut_ptr(), size), 0);
-            assert_eq!(fmi2FreeFMUstate(it, &raw mut state), 0);
+            assert_eq!(c::fmi2SerializeFMUstate(it, state, bytes.as_mut_ptr(), size), 0);
+            assert_eq!(c::fmi2FreeFMUstate(it, &raw mut state), 0);
             bytes
         }
     }
@@ -109,10 +73,10 @@ impl Instance {
         let (it, mut state) = (self.it, null_mut());
         // SAFETY: as above.
         unsafe {
-            let made = fmi2DeSerializeFMUstate(it, bytes.as_ptr(), bytes.len(), &raw mut state);
+            let made = c::fmi2DeSerializeFMUstate(it, bytes.as_ptr(), bytes.len(), &raw mut state);
             assert_eq!(made, 0);
-            assert_eq!(fmi2SetFMUstate(it, state), 0);
-            assert_eq!(fmi2FreeFMUstate(it, &raw mut state), 0);
+            assert_eq!(c::fmi2SetFMUstate(it, state), 0);
+            assert_eq!(c::fmi2FreeFMUstate(it, &raw mut state), 0);
         }
     }
 }
@@ -120,6 +84,6 @@ impl Instance {
 impl Drop for Instance {
     fn drop(&mut self) {
         // SAFETY: it is not used afterwards.
-        unsafe { fmi2FreeInstance(self.it) }
+        unsafe { c::fmi2FreeInstance(self.it) }
     }
 }

@@ -59,7 +59,7 @@ pub fn instant(simulation: &mut Simulation) -> String {
     text
 }
 
-/// What has been counted; what is not told is zero.
+/// All counts that are not zero.
 fn counts(statistics: Statistics) -> String {
     let Statistics { steps, entered, touch_downs, ended_hops, events, sweeps, .. } = statistics;
     let Statistics { most_sweeps, reversed_slips, pulled_contacts, other_solutions, .. } =

@@ -121,8 +121,8 @@ impl ContactProblem {
     }
 
     /// Solves for λ, of contacts that are in these states; returns the number of sweeps. The result depends on nothing
-    /// but the present, to which the signs of contacts that are held in both directions belong (`pulls`). Redundant contacts (two that stick on one mass) have many solutions; the motion is the same
-    /// for all.
+    /// but the present, to which the signs of contacts that are held in both directions belong (`pulls`). Redundant
+    /// contacts (two that stick on one mass) have many solutions; the motion is the same for all.
     ///
     /// The load of a contact depends on the contacts that slip beside it, so static friction comes first: all are
     /// solved with their ranges as the limit, then those that slip even so with µ_k against it, and all again.

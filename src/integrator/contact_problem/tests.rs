@@ -184,44 +184,73 @@ fn that_a_contact_jams_beside_too_many_others_proves_nothing() {
     assert_eq!(failure(40), StepFailure::NoneFound { contact: 0 });
 }
 
+/// A mass of 5 kg that surfaces at −0.2 and 0.02 rad hold, and that cannot open from them. Both move on, so that both contacts
+/// slip in the same direction (±1), whatever pulls at it.
+struct TwoSurfaces {
+    /// Normal and tangent of each.
+    directions: [[[f64; 2]; 2]; 2],
+}
+
+impl TwoSurfaces {
+    const MASS: f64 = 5.0;
+    /// Under this friction sweeps diverge, and no forces hold the mass against some pulls.
+    const FRICTION: f64 = 0.6;
+    /// Each of the two presses or pulls.
+    const SIGNS: [[f64; 2]; 4] = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
+
+    fn new() -> Self {
+        let along = |angle: f64| [[-angle.sin(), angle.cos()], [angle.cos(), angle.sin()]];
+        Self { directions: [-0.2, 0.02].map(along) }
+    }
+
+    /// Pulls (N) in all directions, each with both directions of slip.
+    fn pulls() -> impl Iterator<Item = ([f64; 2], f64)> {
+        let pull = |turn: i32| {
+            let (sin, cos) = (f64::from(turn) * 0.27).sin_cos();
+            [20.0 * cos, 20.0 * sin]
+        };
+        (0..24).flat_map(move |turn| [-1.0, 1.0].map(|slip| (pull(turn), slip)))
+    }
+
+    /// The contact problem under this pull, with surfaces of this acceleration (m/s²).
+    fn problem(&self, pull: [f64; 2], acceleration: f64) -> ContactProblem {
+        let dot = |a: [f64; 2], b: [f64; 2]| (a[0] * b[0] + a[1] * b[1]) / Self::MASS;
+        let all = self.directions.as_flattened();
+        let rows: Vec<f64> = all.iter().flat_map(|a| all.iter().map(|b| dot(*a, *b))).collect();
+        let mut problem = with_law(&rows, Self::FRICTION);
+        let free = |[normal, tangent]: [[f64; 2]; 2]| {
+            [dot(normal, pull), dot(tangent, pull) - acceleration]
+        };
+        problem.free = self.directions.map(free).to_vec();
+        problem
+    }
+
+    /// |N| of both contacts, if they press and pull as these signs have it; there are no such forces where one is negative.
+    fn sizes(&self, signs: [f64; 2], pull: [f64; 2], slip: f64) -> [f64; 2] {
+        let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+        let [first, second] = [0, 1].map(|i| {
+            let [normal, tangent] = self.directions[i];
+            [0, 1].map(|k| signs[i] * normal[k] + slip * Self::FRICTION * tangent[k])
+        });
+        let both = cross(first, second);
+        [cross(second, pull) / both, cross(pull, first) / both]
+    }
+}
+
 #[test]
 fn a_mass_that_two_surfaces_hold_and_cannot_open_from_is_solved_at_once() {
-    // Surfaces at −0.2 and 0.02 rad hold a mass of 5 kg, and move on: both contacts slip, whatever pulls at it. Under this
-    // friction sweeps diverge, and no forces hold it against some pulls.
-    let (mass, angles, friction) = (5.0, [-0.2_f64, 0.02], 0.6);
-    let directions = angles.map(|angle| [[-angle.sin(), angle.cos()], [angle.cos(), angle.sin()]]);
-    let directions = directions.as_flattened();
-    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-    let rows: Vec<f64> = directions
-        .iter()
-        .flat_map(|a| directions.iter().map(move |b| dot(*a, *b) / mass))
-        .collect();
+    let (held, friction) = (TwoSurfaces::new(), TwoSurfaces::FRICTION);
     let (mut solved, mut wedged) = (0, 0);
-    for (turn, velocity) in (0..24).flat_map(|turn| [-1.0, 1.0].map(|velocity| (turn, velocity))) {
-        let (sin, cos) = (f64::from(turn) * 0.27).sin_cos();
-        let pull = [20.0 * cos, 20.0 * sin];
+    for (pull, velocity) in TwoSurfaces::pulls() {
         for slips in [false, true] {
-            let mut problem = with_law(&rows, friction);
+            let mut problem = held.problem(pull, 100.0 * velocity);
             problem.freedom.fill(if slips {
                 Freedom::HeldSlipping { direction: velocity, friction }
             } else {
                 Freedom::Held(FrictionRange::of(friction))
             });
-            let free = |direction: [f64; 2]| dot(direction, pull) / mass;
-            let places = directions.chunks(2);
-            problem.free =
-                places.map(|pair| [free(pair[0]), free(pair[1]) - 100.0 * velocity]).collect();
-            // Each of the two presses or pulls: which signs have forces?
-            let has_forces = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]].map(|signs| {
-                let column = |i: usize| {
-                    let [normal, tangent] = [directions[2 * i], directions[2 * i + 1]];
-                    [0, 1].map(|k| signs[i] * normal[k] + velocity * friction * tangent[k])
-                };
-                let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
-                let [first, second] = [column(0), column(1)];
-                let sizes = [cross(second, pull), cross(pull, first)];
-                sizes.iter().all(|size| size / cross(first, second) >= 0.0)
-            });
+            let has_forces = TwoSurfaces::SIGNS
+                .map(|signs| held.sizes(signs, pull, velocity).iter().all(|size| *size >= 0.0));
             if has_forces == [false; 4] {
                 wedged += 1;
                 let failure = problem.solve(&[Stick; 2]).unwrap_err();
@@ -232,7 +261,7 @@ fn a_mass_that_two_surfaces_hold_and_cannot_open_from_is_solved_at_once() {
             problem.solve(&[Stick; 2]).unwrap();
             // All forces together are nothing, and friction is that of contacts which slip, pressed or pulled.
             let mut sum = pull;
-            for (force, pair) in problem.forces.iter().zip(directions.chunks(2)) {
+            for (force, pair) in problem.forces.iter().zip(held.directions) {
                 let [normal, tangential] = *force;
                 assert!((tangential - velocity * friction * normal.abs()).abs() < 1e-9);
                 for axis in 0..2 {
@@ -245,38 +274,18 @@ fn a_mass_that_two_surfaces_hold_and_cannot_open_from_is_solved_at_once() {
     assert!(solved > 10 && wedged > 10, "{solved} {wedged}");
 }
 
-/// Two surfaces, at −0.2 and 0.02 rad, hold a mass of 1 kg and move on in this direction under it. Under a pull, each presses or
-/// pulls, and two choices of signs may have forces.
 #[test]
 fn of_the_signs_of_held_contacts_that_have_forces_the_present_ones_stay() {
-    let (friction, directions) = (0.6, [-0.2_f64, 0.02].map(|angle| angle.sin_cos()));
-    let directions = directions.map(|(sin, cos)| [[-sin, cos], [cos, sin]]);
-    let dot = |a: [f64; 2], b: [f64; 2]| a[0] * b[0] + a[1] * b[1];
-    let all = directions.as_flattened();
-    let rows: Vec<f64> = all.iter().flat_map(|a| all.iter().map(|b| dot(*a, *b))).collect();
-    let cross = |a: [f64; 2], b: [f64; 2]| a[0] * b[1] - a[1] * b[0];
+    let (held, friction) = (TwoSurfaces::new(), TwoSurfaces::FRICTION);
     let mut several = 0;
-    for (turn, velocity) in (0..24).flat_map(|turn| [-1.0, 1.0].map(|velocity| (turn, velocity))) {
-        let (sin, cos) = (f64::from(turn) * 0.27).sin_cos();
-        let pull = [20.0 * cos, 20.0 * sin];
-        // |N| of both where they have these signs.
-        let sizes = |signs: [f64; 2]| {
-            let [first, second] = [0, 1].map(|i| {
-                let [normal, tangent] = directions[i];
-                [0, 1].map(|k| signs[i] * normal[k] + velocity * friction * tangent[k])
-            });
-            let both = cross(first, second);
-            [cross(second, pull) / both, cross(pull, first) / both]
-        };
-        let choices = [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]];
-        let have_forces =
-            choices.into_iter().filter(|signs| sizes(*signs).iter().all(|n| *n > 1e-3));
-        let have_forces: Vec<[f64; 2]> = have_forces.collect();
+    for (pull, velocity) in TwoSurfaces::pulls() {
+        let sizes = |signs: [f64; 2]| held.sizes(signs, pull, velocity);
+        let mut have_forces = TwoSurfaces::SIGNS.to_vec();
+        have_forces.retain(|signs| sizes(*signs).iter().all(|size| *size > 1e-3));
         several += usize::from(have_forces.len() > 1);
         for signs in have_forces {
-            let mut problem = with_law(&rows, friction);
+            let mut problem = held.problem(pull, 0.0);
             problem.freedom.fill(Freedom::HeldSlipping { direction: velocity, friction });
-            problem.free = directions.map(|[n, t]| [dot(n, pull), dot(t, pull)]).to_vec();
             problem.pulls = signs.map(|sign| sign < 0.0).to_vec();
             problem.solve(&[Slide; 2]).unwrap();
             for ((force, sign), size) in problem.forces.iter().zip(signs).zip(sizes(signs)) {

@@ -34,8 +34,8 @@ impl<W: Witness> EventDriven<W> {
     /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
     /// there: else two that throw each other off would go on to do so. `speed` (m/s) is the fastest velocity before.
     ///
-    /// What touches and carries nothing takes its part at once, and not in a second impact: it lands, too. Where no impulses are
-    /// found with it, it is left to the second.
+    /// A contact that touches without a force takes part in the impact, and counts as a landing. Where the solver finds no
+    /// impulses with such contacts, it solves without them; they then have an impact of their own.
     pub(super) fn impact(
         &mut self,
         motion: &mut Motion,

@@ -91,7 +91,8 @@ impl Span {
         self.start.slider_velocity[contact] + self.steady[contact] * t + swings.sum::<f64>()
     }
 
-    /// What drives an integrator from one time of the step to another (s), under these outer forces (N) where it begins.
+    /// The drive of an integrator for the part of the step between two times (s). `force` holds the outer forces (N) where the
+    /// part begins.
     pub(super) fn drive(&self, force: &DVector<f64>, [from, to]: [f64; 2]) -> Drive {
         let contacts = 0..self.steady.len();
         let wave = |swing: &Swing| {
@@ -330,8 +331,8 @@ impl Run {
         (reached, often * ROUNDING * (1.0 + turns) * lost + late * fastest + left)
     }
 
-    /// What velocities grow to in the exponential that is kept there, as a part of what they and the displacements (as
-    /// velocities) begin with.
+    /// The largest factor from a displacement (times the highest frequency) or a velocity at the beginning to a velocity at the
+    /// end, in the exponential that is kept at this place.
     fn grown(&self, place: usize) -> f64 {
         let n = self.model.dofs();
         self.memory.kept[place].1.view((n, 0), (n, 2 * n)).amax()
