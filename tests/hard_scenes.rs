@@ -584,3 +584,28 @@ fn a_mass_that_a_corner_stops_does_not_move_on_by_rounding() {
         );
     }
 }
+
+/// A mass rests in a corner on one surface and touches the other, which moves. At the end of the last step the friction that holds
+/// it gives way, and it begins to press the moving surface. The report said that this surface is open and gives no force.
+#[test]
+fn a_report_tells_the_force_of_a_moving_surface_that_a_mass_begins_to_press() {
+    let scene = hard("leaves_one_surface_of_a_corner_for_the_other");
+    let end = scene.experiment.stop_time;
+    let mut run = Run::new(scene, Method::EventDriven);
+    run.forgive(1e-8);
+    judge_parts(&mut run, end).unwrap();
+    let touching = run.forces().into_iter().filter(|force| force.normal_force > 1.0).count();
+    assert_eq!(touching, 3, "{:?}", run.forces());
+}
+
+/// The slider begins to carry two masses in different directions, between which contacts that cannot open hold three masses at a
+/// friction of 1.8. The equations of their states are singular but for rounding: the scheme took 10¹⁴ N for their forces.
+#[test]
+fn forces_that_are_nothing_but_rounding_end_a_run_of_the_scheme() {
+    let scene = hard("slider_carries_held_contacts_two_ways");
+    let end = scene.experiment.stop_time;
+    let mut run = Run::new(scene, Method::ForwardIncrement);
+    run.forgive(1e-8);
+    let failure = judge_parts(&mut run, end).unwrap_err();
+    assert!(failure.to_string().contains("friction wedges"), "{failure}");
+}

@@ -165,7 +165,10 @@ impl Run {
                 self.judge_segment(span, &from, &goal, &mut states)?;
                 return Ok(Some(goal));
             }
-            let [before, after] = self.bracket(span, &from, &goal)?;
+            let [mut before, after] = self.bracket(span, &from, &goal)?;
+            if self.turned_at_once(span, &from, &before, &after) {
+                before = from.clone();
+            }
             if before.t > from.t {
                 self.judge_segment(span, &from, &before, &mut states)?;
             } else if from.t > 0.0 {
@@ -242,6 +245,23 @@ impl Run {
             }
         }
         Ok([before, after])
+    }
+
+    /// `true` if a change that is found between two times happens where the way began, `from`.
+    ///
+    /// Where other contacts push a contact that has just begun to slip the wrong way, or press one that has just opened, its
+    /// slip or gap is nothing but rounding at first: shorter steps do not see it. A longer one does, and its motion is that of
+    /// the new states from the beginning, without an impact.
+    fn turned_at_once(&mut self, span: &Span, from: &Look, before: &Look, after: &Look) -> bool {
+        let passed = [from.t, after.t - from.t];
+        let (moved, allowed) = self.moved(span, before, after);
+        if before.t == from.t || moved <= allowed {
+            return false;
+        }
+        let held = self.held(&after.states, &span.start.friction);
+        let (expected, lost) = self.follow(held, &from.place, span, passed);
+        let off = |k: usize| (&expected[k] - &after.place[k]).amax();
+        off(1).max(self.fastest * off(0)) <= lost + self.forgiven * self.scales.velocity
     }
 
     /// A way that ends before this one and has found a change.

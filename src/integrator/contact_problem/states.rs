@@ -9,6 +9,10 @@ const CORRECTIONS: usize = 2;
 /// States that break the law are mended so often: mostly once or twice.
 const MENDS: usize = 20;
 
+/// Forces are no solution where rounding in the accelerations that they give is more than this part of those that they are to
+/// cancel. The equations of contacts that wedge each other may be singular but for rounding, and have forces of any size then.
+const BLURRED: f64 = 1e-4;
+
 /// How well forces have to obey the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Strictness {
@@ -205,8 +209,14 @@ impl ContactProblem {
             Strictness::Inside => value > 0.0,
             Strictness::UpTo(_) => value >= -rounding,
         };
-        self.delassus.groups()[group].iter().all(|&contact| {
+        let contacts = &self.delassus.groups()[group];
+        let sizes = contacts.iter().flat_map(|&contact| self.free[contact]);
+        let asked = sizes.fold(0.0, |most: f64, free| most.max(free.abs()));
+        contacts.iter().all(|&contact| {
             let Acceleration { value, terms } = self.accelerations[contact];
+            if missed * terms[0].max(terms[1]) > BLURRED * asked {
+                return false;
+            }
             let [normal, tangential] = self.forces[contact];
             let is_held = |row: usize| value[row].abs() <= missed * terms[row];
             // What rounding in the acceleration makes of the normal force.

@@ -77,7 +77,15 @@ impl<W: Witness> EventDriven<W> {
         for i in 0..motion.contacts.len() {
             self.likely[i] = motion.contacts[i];
             if self.likely[i] == ContactState::Detached && self.touches(i, motion, drive) {
-                self.likely[i] = ContactState::Stick;
+                let along = self.dynamics.contacts[i].tangent.dot(&motion.velocity);
+                let slip = drive.slider_velocity[i] - along;
+                self.likely[i] = match slip {
+                    slip if slip.abs() <= NOISE * self.fastest(motion, drive) => {
+                        ContactState::Stick
+                    }
+                    slip if slip > 0.0 => ContactState::Slide,
+                    _ => ContactState::ReverseSlide,
+                };
             }
         }
     }
@@ -87,21 +95,18 @@ impl<W: Witness> EventDriven<W> {
         largest(&motion.velocity).max(self.thrown(drive))
     }
 
-    /// Does a contact of those that hold more directions than there are touch, and neither approach, leave nor slip? Which of
-    /// them carry something while all stand is a matter of rounding, and the others are said to be open. One that slips may
-    /// be at the highest point of a hop as low as rounding, and is open there.
+    /// Does a contact of those that hold more directions than there are touch, and neither approach nor leave? Which of
+    /// them carry something while all stand is a matter of rounding, and the others are said to be open.
     fn touches(&self, contact: usize, motion: &Motion, drive: &Drive) -> bool {
         if !self.overheld[contact] {
             return false;
         }
-        let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
-        let slip = drive.slider_velocity[contact] - tangent.dot(&motion.velocity);
+        let Contact { normal, .. } = &self.dynamics.contacts[contact];
         let strained = self.shortest * self.thrown(drive);
         let still = NOISE * self.fastest(motion, drive);
         normal.dot(&motion.displacement).abs()
             <= NOISE * largest(&motion.displacement).max(strained)
             && normal.dot(&motion.velocity).abs() <= still
-            && slip.abs() <= still
     }
 
     /// Do open contacts that touch not close under these forces? Surfaces that begin to move may press them.

@@ -306,10 +306,13 @@ impl Run {
         let reached = [end.rows(0, n) / omega, end.rows(n, n).into_owned()];
         let largest = |z: &DVector<f64>| z.rows(0, 2 * n).amax();
         let turns = omega * t;
-        let loads = self.model.load.iter().fold(0.0_f64, |most, load| most.max(load.abs()));
+        // Loads and springs that hold each other are known to their rounding. A soft spring under a load stretches the
+        // stiff ones beside it by as much, so their forces may be far larger than the load.
+        let held = self.stiffness.abs() * self.total(&from[0]).abs()
+            + DVector::from_column_slice(&self.model.load).abs();
         let lost = largest(&start).max(largest(&end)).max(size * turns.min(1.0))
             // Where they grow, so do the roundings of what holds each other.
-            + t * loads * self.inverse_mass.amax() * self.grown(place).max(1.0);
+            + t * (self.inverse_mass.abs() * held).amax() * self.grown(place).max(1.0);
         // Times are known to the last digit of the time since the start, those at which contacts land as
         // near as their gaps are, which are differences of displacements.
         let gap = 4.0 * f64::EPSILON * from[0].amax();
