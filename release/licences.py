@@ -32,12 +32,13 @@ def third_party(target):
 def linked(target):
     """Name and version, folder, licence, authors of the crates that the programs for a target are linked with."""
     kinds = ["--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"]
-    tree = tools.output(["cargo", "tree", "--locked", "--target", target, *kinds])
+    tree = tools.output(["cargo", "tree", "--locked", "--package", "amontons", "--target", target, *kinds])
     names = {" ".join(line.split()[:2]) for line in tree.splitlines()}
     known = tools.output(["cargo", "metadata", "--locked", "--format-version", "1", "--filter-platform", target])
     for package in json.loads(known)["packages"]:
         name, version = package["name"], package["version"]
-        if f"{name} v{version}" in names and name != "amontons":
+        # Packages of this repository have no source.
+        if f"{name} v{version}" in names and package["source"]:
             terms = package["license"] or f"see {package['license_file']}"
             yield f"{name} {version}", Path(package["manifest_path"]).parent, terms, package["authors"]
 

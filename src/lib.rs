@@ -22,14 +22,11 @@
 //! | [`picture`] | charts, maps, moving mode shapes and structures as SVG or PNG (feature `tools`) |
 //! | [`report`] | claims, figures and tables as one HTML page (feature `tools`) |
 //! | [`documentation`] | what an FMU says of itself: its pages, its icon, a reference run (feature `tools`) |
-//! | [`check`] | what an FMU breaks, whoever made it (feature `tools`) |
 //!
 //! All quantities are in SI units.
 
 #[cfg(feature = "tools")]
 pub mod accuracy;
-#[cfg(feature = "tools")]
-pub mod check;
 pub mod contact;
 #[cfg(feature = "tools")]
 pub mod documentation;

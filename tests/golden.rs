@@ -24,12 +24,12 @@ mod page;
 #[allow(dead_code)]
 mod program;
 
-use amontons::check::Rule;
 use amontons::package;
 use amontons::simulation::Simulation;
 use cases::{CASES, Case, Run};
 use commands::COMMANDS;
 use description::{checksum, shortened};
+use fmu_check::Rule;
 use instance::Instance;
 use std::fmt::Write as _;
 use std::fs;

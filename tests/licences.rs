@@ -40,6 +40,8 @@ fn linked() -> Vec<(String, String)> {
         cargo(&[
             "tree",
             "--locked",
+            "--package",
+            env!("CARGO_PKG_NAME"),
             "--no-default-features",
             "--edges",
             "normal,no-proc-macro",

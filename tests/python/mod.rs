@@ -4,7 +4,8 @@ use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-const REQUIREMENTS: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/fmpy/requirements.txt");
+/// The packages, each with its version.
+const REQUIREMENTS: &str = include_str!("../fmpy/requirements.txt");
 
 /// The interpreter of the virtual environment; makes the environment where it is missing, or of
 /// other requirements or another Python.
@@ -14,7 +15,7 @@ pub fn interpreter() -> PathBuf {
     let environment = target.join("python");
     let interpreter = environment.join("bin").join("python");
     let stamp = environment.join("made-of.txt");
-    let wanted = format!("{}\n{}", version(), read(Path::new(REQUIREMENTS)));
+    let wanted = format!("{}\n{REQUIREMENTS}", version());
 
     fs::create_dir_all(target).expect("the target folder can be made");
     // Several test programs may come here at once; the lock falls with the file's end.
@@ -42,10 +43,14 @@ fn make(environment: &Path, interpreter: &Path) {
         "python3 makes no virtual environment; install its module venv (Debian, Ubuntu: \
          apt install python3-venv)",
     );
+    let requirements = environment.join("requirements.txt");
+    fs::write(&requirements, REQUIREMENTS)
+        .unwrap_or_else(|error| panic!("cannot write {}: {error}", requirements.display()));
     run(
         Command::new(interpreter)
             .args(["-m", "pip", "install", "--quiet", "--no-input", "--disable-pip-version-check"])
-            .args(["--requirement", REQUIREMENTS]),
+            .arg("--requirement")
+            .arg(&requirements),
         "pip cannot install tests/fmpy/requirements.txt; it needs Python 3.11 or later and a \
          package index (PIP_INDEX_URL names another one, PIP_FIND_LINKS a folder of wheels)",
     );
@@ -71,9 +76,4 @@ fn run(command: &mut Command, advice: &str) -> String {
         text(&output.stderr),
     );
     text(&output.stdout)
-}
-
-fn read(path: &Path) -> String {
-    fs::read_to_string(path)
-        .unwrap_or_else(|error| panic!("cannot read {}: {error}", path.display()))
 }

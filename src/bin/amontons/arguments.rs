@@ -39,10 +39,10 @@ pub enum Command {
         command: Study,
     },
     /// Examine an FMI 2.0 co-simulation FMU, whoever made it: archive, description, libraries, a run
-    Check(crate::check::Check),
+    Check(fmu_check::command::Arguments),
     /// Run the library of an unpacked FMU; `check` calls this
-    #[command(name = amontons::check::COMMAND, hide = true)]
-    RunLibrary(crate::check::RunLibrary),
+    #[command(name = fmu_check::COMMAND, hide = true)]
+    RunLibrary(fmu_check::command::LibraryRun),
     /// Compute the paper's figures and tables, its claims beside what comes out, as one HTML page
     Paper(crate::paper::Paper),
     /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files

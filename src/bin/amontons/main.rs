@@ -47,7 +47,7 @@ fn run(command: &Command) -> Result<(), Box<dyn std::error::Error>> {
         Command::Accuracy(arguments) => accuracy::run(arguments),
         Command::Effects(arguments) => effects::run(arguments),
         Command::Check(arguments) => check::run(arguments),
-        Command::RunLibrary(arguments) => check::run_library(arguments),
+        Command::RunLibrary(arguments) => Ok(fmu_check::command::run_in_process(arguments)?),
         Command::Paper(arguments) => paper::run(arguments),
         Command::Study { command } => study::run(command),
         Command::Scenes { command } => scenes::run(command.as_ref()),
@@ -58,7 +58,7 @@ fn exit_code(error: &(dyn std::error::Error + 'static)) -> u8 {
     if error.is::<Interrupted>() {
         return exit::INTERRUPTED;
     }
-    if let Some(failed) = error.downcast_ref::<check::Failed>() {
+    if let Some(failed) = error.downcast_ref::<fmu_check::command::Failed>() {
         return failed.exit_code();
     }
     match error.downcast_ref::<amontons::Error>() {

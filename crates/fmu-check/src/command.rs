@@ -1,0 +1,133 @@
+//! The command line of the checker. The program `fmu-check` is this command alone; `amontons check` is the same command
+//! as one of several.
+
+use crate::{Error, Glibc, Options, Rule, Run, Watch, check, run_library};
+use clap::Args;
+use std::fmt::Write as _;
+use std::io::{self, Write as _, stdout};
+use std::path::PathBuf;
+use std::time::Duration;
+
+const NOTES: &str = "Exit codes: 0 nothing found, 1 something found, 2 not readable as an FMU, 130 \
+interrupted. A finding is a line: its rule, the file (and line), what is wrong. Lines that begin with hint: \
+tell what is right on some hosts alone; with --strict they are findings. Lines that begin with note: say \
+what could not be examined.\n\nThe run takes place in a process of its own with limits of time, memory \
+and file size. That is no sandbox: a library can do what its user can. --no-run reads files only.";
+
+/// The arguments of an examination.
+#[derive(Args, Clone, Debug)]
+#[command(after_help = NOTES, after_long_help = format!("{NOTES}\n\nRules:\n{}", rules()))]
+pub struct Arguments {
+    /// The FMU
+    #[arg(required_unless_present = "rules")]
+    file: Option<PathBuf>,
+    /// List all rules
+    #[arg(long, conflicts_with = "file")]
+    rules: bool,
+    /// Read files only: nothing of the FMU is run
+    #[arg(long)]
+    no_run: bool,
+    /// How long the run may take, s
+    #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = clap::value_parser!(u64).range(1..=86400),
+        conflicts_with = "no_run")]
+    timeout: u64,
+    /// The newest glibc that a library for Linux may need; without it, needing a newer one than 2.17 is a hint
+    #[arg(long, value_name = "VERSION")]
+    glibc: Option<Glibc>,
+    /// Count hints as findings
+    #[arg(long)]
+    strict: bool,
+}
+
+/// The arguments of the processes in which a library runs: an examination starts them, no user does.
+#[derive(Args, Clone, Debug)]
+pub struct LibraryRun {
+    folder: PathBuf,
+    library: String,
+    timeout: u64,
+    #[arg(long)]
+    supervisor: Option<u32>,
+}
+
+/// Why the command does not end with exit code 0.
+#[derive(Debug, thiserror::Error)]
+pub enum Failed {
+    /// The FMU breaks rules: the number of findings.
+    #[error("{0} finding{plural}", plural = if *.0 == 1 { "" } else { "s" })]
+    Found(usize),
+    /// The file cannot be read, or is not an FMU.
+    #[error(transparent)]
+    Unreadable(#[from] Error),
+    /// The watch has ended the examination.
+    #[error("interrupted")]
+    Interrupted,
+    /// The report cannot be written to standard output.
+    #[error(transparent)]
+    Output(#[from] io::Error),
+}
+
+impl Failed {
+    /// The exit code of a program that ends so.
+    #[must_use]
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Found(_) | Self::Output(_) => 1,
+            Self::Unreadable(_) => 2,
+            Self::Interrupted => 130,
+        }
+    }
+}
+
+/// Examines an FMU and prints the report, or lists the rules. The library runs in this program, started anew with the
+/// subcommand [`COMMAND`](crate::COMMAND); the program must hand that to [`run_in_process`].
+///
+/// # Errors
+/// The FMU breaks a rule or cannot be read, or `watch` has ended the examination.
+pub fn run(arguments: &Arguments, watch: Watch<'_>) -> Result<(), Failed> {
+    let Some(file) = &arguments.file else {
+        stdout().lock().write_all(rules().as_bytes())?;
+        return Ok(());
+    };
+    let run = if arguments.no_run {
+        None
+    } else {
+        let program = std::env::current_exe().map_err(|error| {
+            Error::new(format!(
+                "cannot run the library, since this program's file is unknown: {error}"
+            ))
+        })?;
+        Some(Run { program, timeout: Duration::from_secs(arguments.timeout) })
+    };
+    let options = Options { glibc: arguments.glibc, run };
+    let report = check(file, &options, watch)?.ok_or(Failed::Interrupted)?;
+    write!(stdout().lock(), "{report}")?;
+    let (found, hints) = (report.count(), report.hints.len());
+    let failing = if arguments.strict { found + hints } else { found };
+    if failing > 0 {
+        return Err(Failed::Found(failing));
+    }
+    match hints {
+        0 => eprintln!("no findings"),
+        1 => eprintln!("no findings, 1 hint"),
+        hints => eprintln!("no findings, {hints} hints"),
+    }
+    Ok(())
+}
+
+/// Runs the library of an unpacked FMU: the subcommand [`COMMAND`](crate::COMMAND) of the program.
+///
+/// # Errors
+/// The journal of the run cannot be written, or its process cannot be started.
+pub fn run_in_process(arguments: &LibraryRun) -> Result<(), Error> {
+    let LibraryRun { folder, library, timeout, supervisor } = arguments;
+    run_library(folder, library, Duration::from_secs(*timeout), *supervisor)
+}
+
+/// All rules, a line each.
+fn rules() -> String {
+    let width = Rule::ALL.iter().map(|rule| rule.id().len()).max().unwrap_or(0);
+    Rule::ALL.iter().fold(String::new(), |mut text, rule| {
+        let _ = writeln!(text, "{:width$}  {}", rule.id(), rule.line());
+        text
+    })
+}

@@ -1,0 +1,127 @@
+//! Finds the mistakes in an FMU for co-simulation by FMI 2.0, whoever made it. The README says which rules there are.
+//!
+//! ```no_run
+//! use fmu_check::{Options, Rule, check};
+//! use std::ops::ControlFlow;
+//! use std::path::Path;
+//!
+//! // Without `run` in the options, nothing of the FMU is run.
+//! let report = check(Path::new("model.fmu"), &Options::default(), &mut |_stage| ControlFlow::Continue(()))?;
+//! let report = report.expect("the closure never ends the examination");
+//! for finding in &report.findings {
+//!     println!("{finding}");
+//! }
+//! assert!(report.findings.iter().all(|finding| finding.rule != Rule::GuidEmpty));
+//! # Ok::<(), fmu_check::Error>(())
+//! ```
+//!
+//! [`command`] is the command line as a module, for a program that has it among others.
+//!
+//! ## How an examination proceeds
+//!
+//! [`check`] reads the archive header by header (`archive`), then `modelDescription.xml` as a tree that is held against the
+//! schema (`xml`), then the rules that the schema cannot express (`declarations`, `variables`, `structure`), then the
+//! libraries as files (`binaries`), and at last it runs the library for this host (`run`). Nothing in an FMU is trusted: sizes
+//! are limited before anything is unpacked, files are written into a private folder only, and a library runs in a process of
+//! its own that ends with its time.
+
+mod archive;
+mod binaries;
+pub mod command;
+mod declarations;
+mod description;
+mod error;
+mod options;
+mod report;
+mod rules;
+mod run;
+mod structure;
+mod variables;
+mod xml;
+
+pub use error::Error;
+pub use options::{Glibc, Options, Run};
+pub use report::{Finding, Report};
+pub use rules::Rule;
+pub use run::{COMMAND, Watch, run_library};
+
+use archive::Archive;
+use description::Description;
+use std::collections::BTreeSet;
+use std::fs::File;
+use std::io::Read as _;
+use std::path::Path;
+
+/// A larger file is not read.
+const MOST_BYTES: u64 = 2 << 30;
+
+/// Examines an FMU; none where `watch` has ended it.
+///
+/// # Errors
+/// The file cannot be read, or is no zip archive.
+pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<Report>, Error> {
+    let failed = |error| Error::file(path, &error);
+    let mut bytes = Vec::new();
+    // What a file says of its size need not be what can be read of it.
+    File::open(path)
+        .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
+        .map_err(failed)?;
+    if bytes.len() as u64 > MOST_BYTES {
+        return Err(Error::new(format!(
+            "{} has more than {MOST_BYTES} bytes; FMUs of up to so many are read",
+            path.display()
+        )));
+    }
+    let archive = Archive::read(bytes)?;
+    let mut report = Report::default();
+    if !archive::examine(&archive, &mut report) {
+        report.note("only the archive is examined: it is not unpacked");
+        return Ok(Some(report));
+    }
+    let library = files(&archive, options.glibc, &mut report);
+    if let (Some(library), Some(run)) = (library, &options.run)
+        && run::examine(&archive, &library, run, watch, &mut report)?.is_none()
+    {
+        return Ok(None);
+    }
+    Ok(Some(report))
+}
+
+/// Why there is nothing for this host, whose folder this is.
+fn missing(archive: &Archive, folder: &str) -> String {
+    let folders: BTreeSet<&str> = (archive.entries.iter())
+        .filter_map(|entry| Some(entry.name.strip_prefix("binaries/")?.split_once('/')?.0))
+        .collect();
+    if folders.is_empty() || folders.contains(folder) {
+        return format!("there is no usable library in binaries/{folder}/");
+    }
+    let folders = Vec::from_iter(folders).join(", ");
+    format!("there is no library for this host ({folder}); those that there are: {folders}")
+}
+
+/// Examines the model description and the libraries; the library to run.
+fn files(archive: &Archive, floor: Option<Glibc>, report: &mut Report) -> Option<String> {
+    let entry = archive.find(xml::PATH)?;
+    // What is damaged has been told.
+    let content = archive.content(entry, xml::MOST_BYTES).ok()?;
+    let root = xml::read(&content, report)?;
+    let description = Description::new(&root);
+    declarations::examine(&description, archive, report);
+    variables::examine(&description, report);
+    structure::examine(&description, report);
+    if description.simulation.is_none() {
+        report.note("there is no CoSimulation element: libraries are not examined");
+        return None;
+    }
+    let library = binaries::examine(&description, archive, floor, report);
+    let note = match (&library, binaries::HOST) {
+        (Some(_), _) if description.can("needsExecutionTool") => {
+            "it needs another program (needsExecutionTool)"
+        }
+        (Some(_), _) => return library,
+        (None, Some(folder)) => &missing(archive, folder),
+        (None, None) => "FMI 2.0 has no folder for this host",
+    };
+    report.note(format!("nothing is run: {note}"));
+    None
+}

@@ -1,0 +1,129 @@
+//! The process between the one that asks for a run and the worker that runs the library: it ends the run in time, and
+//! with it all that the library began, also where the one that asked is there no more.
+
+use super::journal::{self, Journal};
+use super::{JOURNAL, OFTEN, process};
+use crate::rules::Rule;
+use std::fs::{self, File};
+use std::io;
+use std::path::Path;
+use std::process::{Child, ExitStatus, Stdio};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::{Duration, Instant};
+
+const OUTPUT: &str = "output";
+
+enum End {
+    Status(ExitStatus),
+    Late,
+    Large,
+    /// Nobody waits for it any more.
+    Unwanted,
+}
+
+/// Runs a worker to its end; how it ended goes into the journal.
+pub(super) fn run(
+    folder: &Path,
+    library: &str,
+    timeout: Duration,
+    journal: &Journal,
+) -> io::Result<()> {
+    process::adopt_orphans();
+    let mut worker = start(folder, library, timeout)?;
+    let end = wait(&mut worker, timeout);
+    if !matches!(end, End::Status(_)) {
+        process::end(&mut worker);
+    }
+    let left = process::end_rest(worker.id());
+    let output = fs::read(folder.join(OUTPUT)).unwrap_or_default();
+    let output = String::from_utf8_lossy(&output);
+    let state = journal::state(&journal::text(&folder.join(JOURNAL)));
+    if let Some((rule, message)) = judge(&end, &state, left, output.trim(), timeout) {
+        journal.finding(rule, &message);
+    }
+    Ok(())
+}
+
+fn start(folder: &Path, library: &str, timeout: Duration) -> io::Result<Child> {
+    let output = File::create(folder.join(OUTPUT))?;
+    let work = folder.join("work");
+    fs::create_dir(&work)?;
+    super::command(&std::env::current_exe()?, folder, library, timeout)
+        // What a thread keeps for its next request counts as in use; without it the heap is counted exactly.
+        .env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
+        .arg(format!("--supervisor={}", std::process::id()))
+        .current_dir(work)
+        .stdin(Stdio::null())
+        .stdout(output.try_clone()?)
+        .stderr(output)
+        .spawn()
+}
+
+fn wait(worker: &mut Child, timeout: Duration) -> End {
+    static UNWANTED: AtomicBool = AtomicBool::new(false);
+    // The one that asked holds the other end, which the system closes whatever becomes of it.
+    std::thread::spawn(|| {
+        let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
+        UNWANTED.store(true, Ordering::Relaxed);
+    });
+    let begin = Instant::now();
+    loop {
+        match worker.try_wait() {
+            Ok(Some(status)) => return End::Status(status),
+            Ok(None) => {}
+            Err(_) => return End::Unwanted,
+        }
+        if UNWANTED.load(Ordering::Relaxed) {
+            return End::Unwanted;
+        }
+        if begin.elapsed() > timeout {
+            return End::Late;
+        }
+        if process::memory(worker.id()).is_some_and(|bytes| bytes > process::MOST_MEMORY) {
+            return End::Large;
+        }
+        std::thread::sleep(OFTEN);
+    }
+}
+
+/// The rule that a worker's end breaks, and how.
+fn judge(
+    end: &End,
+    state: &journal::State,
+    left: bool,
+    output: &str,
+    timeout: Duration,
+) -> Option<(Rule, String)> {
+    let stage = &state.stage;
+    let said = || {
+        output.lines().next_back().map(|last| format!("; it printed: {last}")).unwrap_or_default()
+    };
+    Some(match end {
+        End::Unwanted => return None,
+        End::Late => {
+            let seconds = timeout.as_secs_f64();
+            (Rule::TimeLimit, format!("is not done after {seconds} s, in {stage}"))
+        }
+        End::Large => {
+            let gibibytes = process::MOST_MEMORY >> 30;
+            (Rule::MemoryLimit, format!("takes more than {gibibytes} GiB of memory, in {stage}"))
+        }
+        End::Status(status) => match process::signal(*status) {
+            Some(signal) if state.done => {
+                (Rule::Crash, format!("crashes at the end of the process ({signal}){}", said()))
+            }
+            Some(signal) => (Rule::Crash, format!("crashes in {stage} ({signal}){}", said())),
+            None if !state.done => {
+                let code = status.code().unwrap_or_default();
+                (Rule::Exit, format!("ends the process in {stage} (exit code {code}){}", said()))
+            }
+            None if left => {
+                (Rule::LeavesProcesses, "leaves a process running behind its end".to_owned())
+            }
+            None => {
+                let first = output.lines().next()?;
+                (Rule::Prints, format!("prints to standard output or error: {first}"))
+            }
+        },
+    })
+}

@@ -1,0 +1,43 @@
+//! The outputs of a run, and how those of two differ.
+
+use super::Subject;
+use crate::rules::Rule;
+
+/// Values of all outputs after each step, as bits.
+pub(super) type Course = Vec<Vec<u64>>;
+
+impl Subject<'_> {
+    pub(super) fn finite(&self, course: &Course) {
+        for (step, values) in (1..).zip(course) {
+            for ((name, _), bits) in self.plan.reals.iter().zip(values) {
+                let value = f64::from_bits(*bits);
+                if !value.is_finite() {
+                    let time = self.plan.start + f64::from(step) * self.plan.step;
+                    self.journal
+                        .finding(Rule::OutputNotFinite, &format!("{name} is {value} at {time} s"));
+                    return;
+                }
+            }
+        }
+    }
+
+    /// The first difference between two runs, in words.
+    pub(super) fn difference(&self, one: &[Vec<u64>], other: &[Vec<u64>]) -> String {
+        for (step, (one, other)) in (1..).zip(one.iter().zip(other)) {
+            let Some(at) = one.iter().zip(other).position(|(one, other)| one != other) else {
+                continue;
+            };
+            return match self.plan.reals.get(at) {
+                Some((name, _)) => {
+                    let [one, other] = [one[at], other[at]].map(f64::from_bits);
+                    format!("{name} is {other:?} after step {step} of the run, and was {one:?}")
+                }
+                None => format!(
+                    "an output is {} after step {step} of the run, and was {}",
+                    other[at], one[at]
+                ),
+            };
+        }
+        "the run has another length".to_owned()
+    }
+}

@@ -1,0 +1,72 @@
+//! `fmi2Instantiate` with what it must refuse, and with other ways to say the same.
+
+use super::library::{Library, heard};
+use super::location::uri;
+use super::plan::Plan;
+use super::{Subject, said};
+use crate::rules::Rule;
+
+impl Subject<'_> {
+    pub(super) fn refusals(&self, library: &Library) {
+        self.journal.at("fmi2FreeInstance(NULL)");
+        library.free_null();
+        if self.plan.once_per_process {
+            return;
+        }
+        self.journal.at("fmi2Instantiate with a wrong guid");
+        let guid = "{00000000-dead-4bad-8bad-000000000000}";
+        if library.instantiate(guid, &self.location(), true).is_some() {
+            let message = "makes an instance with a guid that is not the model description's; it should answer NULL";
+            self.journal.finding(Rule::WrongGuid, message);
+        }
+    }
+
+    pub(super) fn other_beginnings(&self, library: &Library) {
+        let resources = self.resources();
+        if resources.is_dir() {
+            self.locate(library, &uri(&resources, "/"));
+            #[cfg(unix)]
+            {
+                let spaced = self.fmu.with_file_name("with space");
+                if std::os::unix::fs::symlink(&self.fmu, &spaced).is_ok() {
+                    self.locate(library, &uri(&spaced.join("resources"), "///"));
+                }
+            }
+        }
+        if self.plan.needs_no_memory_callbacks {
+            heard();
+            self.journal.at("fmi2Instantiate with NULL for the memory callbacks");
+            if !self.comes_up(library, &self.location(), false) {
+                let message = format!(
+                    "with NULL for the memory callbacks no instance comes up, though canNotUseMemoryManagementFunctions is true{}",
+                    said()
+                );
+                self.journal.finding(Rule::NullCallbacks, &message);
+            }
+        }
+    }
+
+    fn locate(&self, library: &Library, location: &str) {
+        heard();
+        self.journal.at(&format!("fmi2Instantiate with the resource location {location}"));
+        if !self.comes_up(library, location, true) {
+            let message =
+                format!("with the resource location {location} no instance comes up{}", said());
+            self.journal.finding(Rule::ResourceLocation, &message);
+        }
+    }
+
+    /// Does an instance come to its first step, made this way?
+    fn comes_up(&self, library: &Library, location: &str, memory_callbacks: bool) -> bool {
+        let Some(instance) = library.instantiate(&self.plan.guid, location, memory_callbacks)
+        else {
+            return false;
+        };
+        let Plan { tolerance, start, stop, .. } = self.plan;
+        instance
+            .setup(tolerance, start, stop)
+            .and_then(|()| instance.enter_initialization())
+            .and_then(|()| instance.exit_initialization())
+            .is_ok()
+    }
+}

@@ -1,0 +1,92 @@
+//! Does memory grow from one instance to the next?
+
+use super::Subject;
+use super::library::{self, Library};
+use super::plan::Plan;
+use crate::rules::Rule;
+use crate::run::process;
+use std::time::{Duration, Instant};
+
+/// Rounds before counting (caches fill), then so many counts of so many rounds.
+struct Size {
+    before: u32,
+    counts: u32,
+    rounds: u32,
+}
+
+const SIZES: [Size; 2] =
+    [Size { before: 16, counts: 5, rounds: 8 }, Size { before: 8, counts: 4, rounds: 2 }];
+
+/// Bytes a round that are no chance.
+const LEAST: i64 = 100;
+/// Of address space, which comes in pages.
+const LEAST_ADDRESSES: i64 = 4096;
+
+/// Makes, runs and frees instances for no longer than `room`.
+pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
+    subject.journal.at("making and freeing instances");
+    let begin = Instant::now();
+    if round(subject).is_none() {
+        return;
+    }
+    let one = begin.elapsed();
+    let Some(size) =
+        SIZES.iter().find(|size| one * (size.before + size.counts * size.rounds) <= room)
+    else {
+        let note = format!(
+            "whether memory grows is not examined: one instance takes {:.1} s",
+            one.as_secs_f64()
+        );
+        subject.journal.note(&note);
+        return;
+    };
+    let run = |count: u32| (0..count).try_for_each(|_| round(subject));
+    let mut used = Vec::new();
+    let mut mapped = Vec::new();
+    let mut counted = || {
+        run(size.before)?;
+        for count in 0..=size.counts {
+            if count > 0 {
+                run(size.rounds)?;
+            }
+            used.extend(library::heap().and_then(|bytes| i64::try_from(bytes).ok()));
+            mapped.extend(process::addresses().and_then(|bytes| i64::try_from(bytes).ok()));
+        }
+        Some(())
+    };
+    if counted().is_none() {
+        return;
+    }
+    if used.is_empty() && mapped.is_empty() {
+        subject.journal.note("whether memory grows is not examined: this system does not tell");
+        return;
+    }
+    // A leak grows in every count; what grows in some only is the allocator's own.
+    let least = |bytes: &[i64]| {
+        bytes.windows(2).map(|pair| pair[1] - pair[0]).min().unwrap_or(0) / i64::from(size.rounds)
+    };
+    let (heap, addresses) = (least(&used), least(&mapped));
+    let (what, bytes) = if heap >= LEAST {
+        ("the heap", heap)
+    } else if addresses >= LEAST_ADDRESSES {
+        ("address space", addresses)
+    } else {
+        return;
+    };
+    let message = format!(
+        "{what} grows by {bytes} bytes with every instance that is made, run for a step and freed"
+    );
+    subject.journal.finding(Rule::MemoryGrowth, &message);
+}
+
+/// One instance from the library's loading to its end, as far as it goes.
+fn round(subject: &Subject<'_>) -> Option<()> {
+    let library = Library::load(&subject.path).ok()?;
+    let Plan { tolerance, start, stop, step, .. } = subject.plan;
+    let instance = library.instantiate(&subject.plan.guid, &subject.location(), true)?;
+    instance.setup(tolerance, start, stop).ok()?;
+    instance.enter_initialization().ok()?;
+    instance.exit_initialization().ok()?;
+    instance.step(start, step).ok()?;
+    instance.terminate().ok()
+}

@@ -1,0 +1,95 @@
+//! Runs that must give the same as the first: after a reset, of another instance, from saved states.
+
+use super::course::Course;
+use super::library::{Instance, Library, State};
+use super::{Subject, Told};
+use crate::rules::Rule;
+
+impl Subject<'_> {
+    /// The run that every importer makes, and the same again after a reset.
+    pub(super) fn plain(&self, library: &Library) -> Result<Course, Told> {
+        let instance = self.instance(library)?;
+        self.initialize(&instance)?;
+        self.starts(&instance)?;
+        let first = self.steps(&instance, 0, self.plan.steps)?;
+        self.finite(&first);
+        self.journal.at("fmi2Terminate");
+        self.called("fmi2Terminate", instance.terminate())?;
+        self.journal.at("fmi2Reset");
+        self.called("fmi2Reset", instance.reset())?;
+        self.initialize(&instance)?;
+        let again = self.steps(&instance, 0, self.plan.steps)?;
+        self.journal.at("fmi2FreeInstance");
+        drop(instance);
+        if again == first {
+            return Ok(first);
+        }
+        // Some models are random by intent: a reset is wrong only where a new instance is right.
+        let fresh = if self.plan.once_per_process { again.clone() } else { self.fresh(library)? };
+        if fresh == first {
+            let message = format!("after fmi2Reset {}", self.difference(&first, &again));
+            self.journal.finding(Rule::ResetDiffers, &message);
+        }
+        Ok(first)
+    }
+
+    fn fresh(&self, library: &Library) -> Result<Course, Told> {
+        let instance = self.instance(library)?;
+        self.initialize(&instance)?;
+        self.steps(&instance, 0, self.plan.steps)
+    }
+
+    /// Another instance, and saved states.
+    pub(super) fn repeated(&self, library: &Library, first: &Course) {
+        let Ok(again) = self.fresh(library) else { return };
+        if again != *first {
+            self.journal.note(
+                "two instances give two courses: whether saved states are right cannot be judged",
+            );
+        } else if self.plan.saves_states {
+            // What failed has been told.
+            let _ = self.states(library, first);
+        }
+    }
+
+    fn states(&self, library: &Library, first: &Course) -> Result<(), Told> {
+        let middle = self.plan.steps / 2;
+        let instance = self.instance(library)?;
+        self.initialize(&instance)?;
+        self.steps(&instance, 0, middle)?;
+        self.journal.at("fmi2GetFMUstate");
+        let state = self.called("fmi2GetFMUstate", instance.save())?;
+        self.steps(&instance, middle, self.plan.steps)?;
+        self.resume(&instance, &state, first, Rule::StateDiffers)?;
+        if self.plan.serializes_states {
+            self.journal.at("fmi2SerializeFMUstate");
+            let bytes = self.called("fmi2SerializeFMUstate", instance.serialize(&state))?;
+            self.journal.at("fmi2DeSerializeFMUstate");
+            let copy = self.called("fmi2DeSerializeFMUstate", instance.deserialize(&bytes))?;
+            self.resume(&instance, &copy, first, Rule::SerializedStateDiffers)?;
+            self.journal.at("fmi2FreeFMUstate");
+            self.called("fmi2FreeFMUstate", instance.free(copy))?;
+        }
+        self.journal.at("fmi2FreeFMUstate");
+        self.called("fmi2FreeFMUstate", instance.free(state))
+    }
+
+    fn resume(
+        &self,
+        instance: &Instance<'_>,
+        state: &State,
+        first: &Course,
+        rule: Rule,
+    ) -> Result<(), Told> {
+        let middle = self.plan.steps / 2;
+        self.journal.at("fmi2SetFMUstate");
+        self.called("fmi2SetFMUstate", instance.restore(state))?;
+        let again = self.steps(instance, middle, self.plan.steps)?;
+        let rest = &first[(middle as usize).min(first.len())..];
+        if again != rest {
+            let message = format!("after fmi2SetFMUstate {}", self.difference(rest, &again));
+            self.journal.finding(rule, &message);
+        }
+        Ok(())
+    }
+}

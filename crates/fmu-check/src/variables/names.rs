@@ -1,0 +1,122 @@
+//! Names of variables.
+
+use crate::description::Description;
+use crate::report::Report;
+use crate::rules::Rule;
+use std::collections::HashSet;
+
+pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
+    let structured = description.root.attribute("variableNamingConvention") == Some("structured");
+    let mut seen = HashSet::new();
+    for scalar in description.root.below("ModelVariables") {
+        let Some(name) = scalar.attribute("name") else { continue };
+        if !seen.insert(name) {
+            report.add(
+                Rule::NameDuplicate,
+                scalar.place(),
+                format!("there is another variable {name}"),
+            );
+        }
+        if structured && !is_structured(name) {
+            let message = format!(
+                "{name} is no structured name (such as a.b[1,2].c or der(a.b)), which variableNamingConvention promises"
+            );
+            report.add(Rule::NameStructured, scalar.place(), message);
+        } else if name.is_empty() || name.contains(['\t', '\n', '\r']) {
+            report.add(
+                Rule::NameFlat,
+                scalar.place(),
+                "the name is empty, or has a tab or a line end",
+            );
+        }
+    }
+}
+
+/// The grammar of FMI 2.0, section 2.2.9.
+fn is_structured(name: &str) -> bool {
+    let Some(inner) = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')) else {
+        return identifier(name) == Some("");
+    };
+    match identifier(inner) {
+        Some("") => true,
+        Some(rest) => {
+            rest.strip_prefix(',').is_some_and(|order| digits(order.trim_start()) == Some(""))
+        }
+        None => false,
+    }
+}
+
+/// Each of these takes what it knows from the beginning and gives back the rest.
+fn identifier(text: &str) -> Option<&str> {
+    let mut rest = part(text)?;
+    while let Some(next) = rest.strip_prefix('.') {
+        rest = part(next)?;
+    }
+    Some(rest)
+}
+
+fn part(text: &str) -> Option<&str> {
+    let rest = match text.strip_prefix('\'') {
+        Some(quoted) => quoted_end(quoted)?,
+        None => {
+            let letter = |c: char| c.is_ascii_alphabetic() || c == '_';
+            text.starts_with(letter).then_some(())?;
+            text.trim_start_matches(|c: char| letter(c) || c.is_ascii_digit())
+        }
+    };
+    let Some(indices) = rest.strip_prefix('[') else { return Some(rest) };
+    let mut rest = digits(indices)?;
+    while let Some(next) = rest.strip_prefix(',') {
+        rest = digits(next.trim_start())?;
+    }
+    rest.strip_prefix(']')
+}
+
+fn quoted_end(text: &str) -> Option<&str> {
+    let mut characters = text.char_indices();
+    while let Some((at, c)) = characters.next() {
+        match c {
+            '\'' => return (at > 0).then(|| &text[at + 1..]),
+            '\\' => {
+                let (_, escaped) = characters.next()?;
+                "'\"?\\abfnrtv".contains(escaped).then_some(())?;
+            }
+            c if c.is_ascii_graphic() && c != '"' && c != '`' || c == ' ' => {}
+            _ => return None,
+        }
+    }
+    None
+}
+
+fn digits(text: &str) -> Option<&str> {
+    let rest = text.trim_start_matches(|c: char| c.is_ascii_digit());
+    (rest.len() < text.len()).then_some(rest)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_structured;
+
+    #[test]
+    fn structured_names_are_those_of_the_grammar() {
+        for name in [
+            "a",
+            "_a1.b",
+            "a[1]",
+            "a[1,2].b[3].c",
+            "der(a.b[1])",
+            "der(a,2)",
+            "'a b'.c",
+            "'\\''",
+            "der",
+        ] {
+            assert!(is_structured(name), "{name}");
+        }
+        for name in [
+            "", "1a", "a.", ".a", "a b", "a[", "a[]", "a[1", "a[x]", "der(a", "der()", "'a", "''",
+            "a-b", "é",
+        ] {
+            assert!(!is_structured(name), "{name}");
+        }
+    }
+}

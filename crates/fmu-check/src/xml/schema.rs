@@ -1,0 +1,274 @@
+//! What the schema of FMI 2.0 says of elements: their attributes, and their children in order.
+
+use super::values::Type::{self, Boolean, Count, Counts, Double, Integer, Text, Word, Words};
+
+/// An element by its path's last names.
+pub(super) struct Kind {
+    /// `parent/name`, or the name alone where it is the same everywhere.
+    pub(super) name: &'static str,
+    /// Names, types, and whether they are required.
+    pub(super) attributes: &'static [(&'static str, Type, bool)],
+    /// Children in their order: those of one step may change places.
+    pub(super) children: &'static [Child],
+}
+
+/// A step in an element's order.
+pub(super) struct Child {
+    pub(super) names: &'static [&'static str],
+    /// Must one be there?
+    pub(super) required: bool,
+    /// May one name be there more than once?
+    pub(super) many: bool,
+    /// May no more than one of the names be there?
+    pub(super) either: bool,
+}
+
+const fn one(names: &'static [&'static str]) -> Child {
+    Child { names, required: true, many: false, either: false }
+}
+
+const fn maybe(names: &'static [&'static str]) -> Child {
+    Child { names, required: false, many: false, either: false }
+}
+
+const fn some(names: &'static [&'static str]) -> Child {
+    Child { names, required: true, many: true, either: false }
+}
+
+const fn any(names: &'static [&'static str]) -> Child {
+    Child { names, required: false, many: true, either: false }
+}
+
+const fn either(names: &'static [&'static str]) -> Child {
+    Child { names, required: true, many: false, either: true }
+}
+
+const KINDS: &[&str] = &["Real", "Integer", "Boolean", "String", "Enumeration"];
+
+pub(crate) const CAUSALITIES: &[&str] =
+    &["parameter", "calculatedParameter", "input", "output", "local", "independent"];
+pub(crate) const VARIABILITIES: &[&str] =
+    &["constant", "fixed", "tunable", "discrete", "continuous"];
+
+const UNKNOWN: &[(&str, Type, bool)] = &[
+    ("index", Count, true),
+    ("dependencies", Counts, false),
+    ("dependenciesKind", Words(&["dependent", "constant", "fixed", "tunable", "discrete"]), false),
+];
+
+pub(super) static ELEMENTS: &[Kind] = &[
+    Kind {
+        name: "fmiModelDescription",
+        attributes: &[
+            ("fmiVersion", Text, true),
+            ("modelName", Text, true),
+            ("guid", Text, true),
+            ("description", Text, false),
+            ("author", Text, false),
+            ("version", Text, false),
+            ("copyright", Text, false),
+            ("license", Text, false),
+            ("generationTool", Text, false),
+            ("generationDateAndTime", Text, false),
+            ("variableNamingConvention", Word(&["flat", "structured"]), false),
+            ("numberOfEventIndicators", Count, false),
+        ],
+        children: &[
+            one(&["ModelExchange", "CoSimulation"]),
+            maybe(&["UnitDefinitions"]),
+            maybe(&["TypeDefinitions"]),
+            maybe(&["LogCategories"]),
+            maybe(&["DefaultExperiment"]),
+            maybe(&["VendorAnnotations"]),
+            one(&["ModelVariables"]),
+            one(&["ModelStructure"]),
+        ],
+    },
+    Kind {
+        name: "ModelExchange",
+        attributes: &[
+            ("modelIdentifier", Text, true),
+            ("needsExecutionTool", Boolean, false),
+            ("completedIntegratorStepNotNeeded", Boolean, false),
+            ("canBeInstantiatedOnlyOncePerProcess", Boolean, false),
+            ("canNotUseMemoryManagementFunctions", Boolean, false),
+            ("canGetAndSetFMUstate", Boolean, false),
+            ("canSerializeFMUstate", Boolean, false),
+            ("providesDirectionalDerivative", Boolean, false),
+        ],
+        children: &[maybe(&["SourceFiles"])],
+    },
+    Kind {
+        name: "CoSimulation",
+        attributes: &[
+            ("modelIdentifier", Text, true),
+            ("needsExecutionTool", Boolean, false),
+            ("canHandleVariableCommunicationStepSize", Boolean, false),
+            ("canInterpolateInputs", Boolean, false),
+            ("maxOutputDerivativeOrder", Count, false),
+            ("canRunAsynchronuously", Boolean, false),
+            ("canBeInstantiatedOnlyOncePerProcess", Boolean, false),
+            ("canNotUseMemoryManagementFunctions", Boolean, false),
+            ("canGetAndSetFMUstate", Boolean, false),
+            ("canSerializeFMUstate", Boolean, false),
+            ("providesDirectionalDerivative", Boolean, false),
+        ],
+        children: &[maybe(&["SourceFiles"])],
+    },
+    Kind { name: "SourceFiles", attributes: &[], children: &[some(&["File"])] },
+    Kind { name: "File", attributes: &[("name", Text, true)], children: &[] },
+    Kind { name: "UnitDefinitions", attributes: &[], children: &[some(&["Unit"])] },
+    Kind {
+        name: "Unit",
+        attributes: &[("name", Text, true)],
+        children: &[maybe(&["BaseUnit"]), any(&["DisplayUnit"])],
+    },
+    Kind {
+        name: "BaseUnit",
+        attributes: &[
+            ("kg", Integer, false),
+            ("m", Integer, false),
+            ("s", Integer, false),
+            ("A", Integer, false),
+            ("K", Integer, false),
+            ("mol", Integer, false),
+            ("cd", Integer, false),
+            ("rad", Integer, false),
+            ("factor", Double, false),
+            ("offset", Double, false),
+        ],
+        children: &[],
+    },
+    Kind {
+        name: "DisplayUnit",
+        attributes: &[("name", Text, true), ("factor", Double, false), ("offset", Double, false)],
+        children: &[],
+    },
+    Kind { name: "TypeDefinitions", attributes: &[], children: &[some(&["SimpleType"])] },
+    Kind {
+        name: "SimpleType",
+        attributes: &[("name", Text, true), ("description", Text, false)],
+        children: &[either(KINDS)],
+    },
+    Kind {
+        name: "SimpleType/Real",
+        attributes: &[
+            ("quantity", Text, false),
+            ("unit", Text, false),
+            ("displayUnit", Text, false),
+            ("relativeQuantity", Boolean, false),
+            ("min", Double, false),
+            ("max", Double, false),
+            ("nominal", Double, false),
+            ("unbounded", Boolean, false),
+        ],
+        children: &[],
+    },
+    Kind {
+        name: "SimpleType/Integer",
+        attributes: &[("quantity", Text, false), ("min", Integer, false), ("max", Integer, false)],
+        children: &[],
+    },
+    Kind {
+        name: "SimpleType/Enumeration",
+        attributes: &[("quantity", Text, false)],
+        children: &[some(&["Item"])],
+    },
+    Kind {
+        name: "Item",
+        attributes: &[("name", Text, true), ("value", Integer, true), ("description", Text, false)],
+        children: &[],
+    },
+    Kind { name: "LogCategories", attributes: &[], children: &[some(&["Category"])] },
+    Kind {
+        name: "Category",
+        attributes: &[("name", Text, true), ("description", Text, false)],
+        children: &[],
+    },
+    Kind {
+        name: "DefaultExperiment",
+        attributes: &[
+            ("startTime", Double, false),
+            ("stopTime", Double, false),
+            ("tolerance", Double, false),
+            ("stepSize", Double, false),
+        ],
+        children: &[],
+    },
+    Kind { name: "VendorAnnotations", attributes: &[], children: &[some(&["Tool"])] },
+    Kind { name: "Annotations", attributes: &[], children: &[some(&["Tool"])] },
+    Kind { name: "Tool", attributes: &[("name", Text, true)], children: &[] },
+    Kind { name: "ModelVariables", attributes: &[], children: &[some(&["ScalarVariable"])] },
+    Kind {
+        name: "ScalarVariable",
+        attributes: &[
+            ("name", Text, true),
+            ("valueReference", Count, true),
+            ("description", Text, false),
+            ("causality", Word(CAUSALITIES), false),
+            ("variability", Word(VARIABILITIES), false),
+            ("initial", Word(&["exact", "approx", "calculated"]), false),
+            ("canHandleMultipleSetPerTimeInstant", Boolean, false),
+        ],
+        children: &[either(KINDS), maybe(&["Annotations"])],
+    },
+    Kind {
+        name: "ScalarVariable/Real",
+        attributes: &[
+            ("declaredType", Text, false),
+            ("quantity", Text, false),
+            ("unit", Text, false),
+            ("displayUnit", Text, false),
+            ("relativeQuantity", Boolean, false),
+            ("min", Double, false),
+            ("max", Double, false),
+            ("nominal", Double, false),
+            ("unbounded", Boolean, false),
+            ("start", Double, false),
+            ("derivative", Count, false),
+            ("reinit", Boolean, false),
+        ],
+        children: &[],
+    },
+    Kind {
+        name: "ScalarVariable/Integer",
+        attributes: &[
+            ("declaredType", Text, false),
+            ("quantity", Text, false),
+            ("min", Integer, false),
+            ("max", Integer, false),
+            ("start", Integer, false),
+        ],
+        children: &[],
+    },
+    Kind {
+        name: "ScalarVariable/Boolean",
+        attributes: &[("declaredType", Text, false), ("start", Boolean, false)],
+        children: &[],
+    },
+    Kind {
+        name: "ScalarVariable/String",
+        attributes: &[("declaredType", Text, false), ("start", Text, false)],
+        children: &[],
+    },
+    Kind {
+        name: "ScalarVariable/Enumeration",
+        attributes: &[
+            ("declaredType", Text, true),
+            ("quantity", Text, false),
+            ("min", Integer, false),
+            ("max", Integer, false),
+            ("start", Integer, false),
+        ],
+        children: &[],
+    },
+    Kind {
+        name: "ModelStructure",
+        attributes: &[],
+        children: &[maybe(&["Outputs"]), maybe(&["Derivatives"]), maybe(&["InitialUnknowns"])],
+    },
+    Kind { name: "Outputs", attributes: &[], children: &[some(&["Unknown"])] },
+    Kind { name: "Derivatives", attributes: &[], children: &[some(&["Unknown"])] },
+    Kind { name: "InitialUnknowns", attributes: &[], children: &[some(&["Unknown"])] },
+    Kind { name: "Unknown", attributes: UNKNOWN, children: &[] },
+];

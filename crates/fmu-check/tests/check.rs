@@ -1,0 +1,94 @@
+//! Sound FMUs pass, and each rule finds what breaks it, and nothing else.
+#![cfg(all(target_os = "linux", target_arch = "x86_64"))]
+
+#[path = "check/archive.rs"]
+mod archive;
+#[path = "check/description.rs"]
+mod description;
+#[path = "check/fmu.rs"]
+mod fmu;
+#[path = "check/formats.rs"]
+mod formats;
+#[path = "check/libraries.rs"]
+mod libraries;
+#[path = "check/processes.rs"]
+mod processes;
+#[path = "../../../tests/program/mod.rs"]
+mod program;
+#[path = "../../../tests/python/mod.rs"]
+mod python;
+
+use fmu::{KEEP, PROGRAM, check, sound};
+use fmu_check::Rule;
+use program::{assert_refused, folder, run, text};
+use std::fs;
+use std::process::Command;
+
+#[test]
+fn a_sound_fmu_of_another_maker_passes() {
+    assert_eq!(check(&sound().pack(), &[]), (0, String::new()));
+}
+
+#[test]
+fn all_rules_are_listed() {
+    let folder = folder();
+    let listed = text(&run(PROGRAM, folder.path(), &["--rules"]).stdout);
+    let help = text(&run(PROGRAM, folder.path(), &["--help"]).stdout);
+    assert_eq!(listed.lines().count(), Rule::ALL.len());
+    for (line, rule) in listed.lines().zip(Rule::ALL) {
+        let (id, what) = line.split_once(' ').unwrap();
+        assert_eq!((id, what.trim_start()), (rule.id(), rule.line()));
+        assert!(help.contains(line), "{line}");
+    }
+}
+
+#[test]
+fn every_rule_has_an_fmu_that_breaks_it() {
+    let tests = [
+        include_str!("check/archive.rs"),
+        include_str!("check/description.rs"),
+        include_str!("check/libraries.rs"),
+    ];
+    for rule in Rule::ALL {
+        let name = format!("\"{}\"", rule.id());
+        assert!(tests.iter().any(|test| test.contains(&name)), "no test breaks {name}");
+    }
+}
+
+#[test]
+fn what_cannot_be_read_is_said_on_standard_error() {
+    let folder = folder();
+    assert_refused(&run(PROGRAM, folder.path(), &["none.fmu"]), 2, &["none.fmu"]);
+    assert_refused(&run(PROGRAM, folder.path(), &["--strict"]), 2, &["FILE"]);
+    assert_refused(&run(PROGRAM, folder.path(), &["a.fmu", "--glibc", "x"]), 2, &["2.17"]);
+}
+
+#[test]
+#[ignore = "breaks all FMUs again, and installs FMPy"]
+fn the_readme_says_in_how_many_of_the_broken_fmus_fmpy_names_a_problem() {
+    const VALIDATE: &str = "
+import pathlib, sys
+from fmpy.validation import validate_fmu
+
+def is_named(path):
+    try:
+        return bool(validate_fmu(str(path)))
+    except Exception:
+        return True
+
+print(sum(map(is_named, pathlib.Path(sys.argv[1]).glob('*.fmu'))))
+";
+    let folder = folder();
+    let tests =
+        Command::new(std::env::current_exe().unwrap()).env(KEEP, folder.path()).output().unwrap();
+    assert!(tests.status.success(), "{}", text(&tests.stdout));
+    let all = fs::read_dir(folder.path()).unwrap().count();
+    let mut python = Command::new(python::interpreter());
+    let output = python.args(["-c", VALIDATE]).arg(folder.path()).output().unwrap();
+    assert!(output.status.success(), "{}", text(&output.stderr));
+    let named: usize = text(&output.stdout).trim().parse().unwrap();
+    let sentence = format!("names a problem in {named} of the {all} broken FMUs");
+    println!("FMPy {sentence}");
+    let readme = include_str!("../README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    assert!(readme.contains(&sentence), "README.md does not say: {sentence}");
+}
