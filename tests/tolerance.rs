@@ -1,5 +1,5 @@
 //! A tolerance in place of method and step: presets keep what they promise on scenes that the rule was not made
-//! on, and an export measures what it chooses.
+//! on.
 #![cfg(feature = "tools")]
 
 mod program;
@@ -243,9 +243,6 @@ fn what_contradicts_itself_is_refused() {
         assert_refused(&amontons(folder.path(), arguments), 2, words);
     };
     refused(&["simulate", "set1", "--preset", "design", "--step", "1e-6"], &["--preset", "--step"]);
-    refused(&["export", "set1", "--tolerance", "1e-4", "--preset", "design"], &["--tolerance"]);
-    refused(&["export", "set1", "--tolerance", "0"], &["above 0 and below 1"]);
-    refused(&["export", "set1", "--tolerance", "fine"], &["above 0 and below 1"]);
     refused(&["simulate", "set1", "--preset", "desing"], &["preview", "design", "reference"]);
     let shown = printed(folder.path(), &["scenes", "show", "set1"]);
     let auto = shown.replacen("step = 1.0e-6 ", "method = \"auto\" ", 1);
@@ -254,7 +251,7 @@ fn what_contradicts_itself_is_refused() {
     refused(&["simulate", "auto.toml", "--integrator", "event-driven"], &["--step"]);
     refused(&["simulate", "auto.toml", "--set", "integrator.step=1e-6"], &["chooses it", "auto"]);
     // Where nothing can be written, nothing is measured.
-    let nowhere = ["export", "set1", "--tolerance", "1e-4", "-o", "nowhere/set1.fmu"];
+    let nowhere = ["export", "set1", "--with-accuracy", "-o", "nowhere/set1.fmu"];
     assert_refused(&amontons(folder.path(), &nowhere), 1, &["there is no folder nowhere"]);
 }
 
@@ -270,33 +267,6 @@ fn file(fmu: &[u8], name: &str) -> String {
 fn export(folder: &Path, name: &str, arguments: &[&str]) -> (Vec<u8>, String) {
     let said = printed(folder, &[&["export"], arguments, &["-o", name]].concat());
     (std::fs::read(folder.join(name)).unwrap(), said)
-}
-
-#[test]
-fn an_export_takes_the_cheapest_that_it_has_measured_to_keep_the_tolerance() {
-    let folder = folder();
-    let taken = |tolerance: &str| {
-        let arguments = ["belt", "--tolerance", tolerance];
-        let (fmu, said) = export(folder.path(), "a.fmu", &arguments);
-        assert!(said.contains(": taken") && said.contains("operations"), "{said}");
-        assert_eq!(fmu, export(folder.path(), "b.fmu", &arguments).0);
-        let scene = parse("belt", &file(&fmu, "resources/scene.toml")).unwrap();
-        assert_eq!(scene.selection, Selection::Given);
-        let reference = rows(&scene.with_integrator(Method::EventDriven, 1e-3));
-        let error = error(&rows(&scene), &reference);
-        assert!(error <= tolerance.parse().unwrap(), "{error:e} {said}");
-        (scene.method, scene.step)
-    };
-    // The scheme with its longest step is off by 4e-3: good enough for the one, not for the other.
-    assert_eq!(taken("1e-2"), (Method::ForwardIncrement, 1e-2));
-    assert_eq!(taken("1e-5"), (Method::EventDriven, 1e-2));
-    // A step that is replaced is not looked at, be it above the critical one.
-    let shown = printed(folder.path(), &["scenes", "show", "belt"]);
-    let long = shown.replacen("step = 2.5e-4 ", "step = 9.0 ", 1);
-    assert_ne!(shown, long);
-    std::fs::write(folder.path().join("long.toml"), long).unwrap();
-    assert_refused(&amontons(folder.path(), &["export", "long.toml"]), 3, &["critical step"]);
-    export(folder.path(), "c.fmu", &["long.toml", "--tolerance", "1e-4"]);
 }
 
 #[test]

@@ -15,8 +15,6 @@ const EVENT_DRIVEN_ROWS: usize = 4;
 /// The most work of a row: steps times degrees of freedom, of which those of a network cost more.
 const MOST_WORK: f64 = 1e9;
 const NETWORK: f64 = 30.0;
-/// A step of the event-driven integrator is as much as so many of the paper's scheme.
-const EVENT_DRIVEN: f64 = 100.0;
 
 /// Equal intervals, at whose ends a run is looked at.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -25,8 +23,6 @@ pub struct Grid {
     pub interval: f64,
     /// How many.
     pub intervals: u64,
-    /// How many make an output interval of the scene.
-    pub per_output: u64,
 }
 
 /// A method with a step.
@@ -36,10 +32,8 @@ pub struct Rung {
     pub method: Method,
     /// Its step, s.
     pub step: f64,
-    /// How many of them make an interval, or several together.
+    /// The number of steps in an interval.
     pub steps: u64,
-    /// How many intervals those are.
-    pub intervals: u64,
 }
 
 impl Rung {
@@ -60,8 +54,7 @@ impl Grid {
         let parts = |whole: f64, part: f64| (whole / part * (1.0 - 1e-9)).ceil().max(1.0);
         let outputs = parts(stop, scene.experiment.output_interval);
         let longest = critical.unwrap_or(f64::INFINITY).min(stop / FEWEST as f64);
-        let per_output = parts(stop / outputs, longest);
-        let count = outputs * per_output;
+        let count = outputs * parts(stop / outputs, longest);
         let kept = count * scene.external_forces().count() as f64;
         if kept > MOST_KEPT {
             return Err(Error::argument(format!(
@@ -70,8 +63,7 @@ impl Grid {
                 Short(stop)
             )));
         }
-        let (intervals, per_output) = (count as u64, per_output as u64);
-        Ok(Self { interval: stop / count, intervals, per_output })
+        Ok(Self { interval: stop / count, intervals: count as u64 })
     }
 
     /// The end of an interval (from 1), s; 0 is the start.
@@ -85,17 +77,7 @@ impl Grid {
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
     pub fn rung(&self, method: Method, steps: u64) -> Rung {
-        Rung { method, step: self.interval / steps as f64, steps, intervals: 1 }
-    }
-
-    /// The grid whose intervals are so many of this one.
-    #[allow(clippy::cast_precision_loss)]
-    pub(super) fn coarser(&self, intervals: u64) -> Self {
-        Self {
-            interval: self.interval * intervals as f64,
-            intervals: self.intervals / intervals,
-            per_output: self.per_output / intervals,
-        }
+        Rung { method, step: self.interval / steps as f64, steps }
     }
 
     #[allow(clippy::cast_precision_loss)]
@@ -110,24 +92,6 @@ impl Grid {
             .take_while(|rung| work(rung) <= MOST_WORK)
             .take(SCHEME_ROWS);
         scheme.chain(rungs(Method::EventDriven).take(EVENT_DRIVEN_ROWS)).collect()
-    }
-
-    /// Steps of the event-driven integrator, from an output interval on, as far as they are not too much work.
-    #[allow(clippy::cast_precision_loss)]
-    pub(super) fn long_ladder(&self, scene: &Scene) -> Vec<Rung> {
-        let dofs = scene.external_forces().count() as f64;
-        let work = |steps: u64| EVENT_DRIVEN * (steps * self.intervals) as f64 * dofs;
-        let rungs = divisors().enumerate();
-        let few =
-            rungs.take_while(|(i, steps)| *i < EVENT_DRIVEN_ROWS || work(*steps) <= MOST_WORK);
-        let few = few.map(|(_, steps)| self.rung(Method::EventDriven, steps));
-        let parts = divisors().take_while(|parts| *parts < self.per_output);
-        let long = parts.filter(|parts| self.per_output.is_multiple_of(*parts)).map(|parts| {
-            let intervals = self.per_output / parts;
-            let step = self.interval * intervals as f64;
-            Rung { method: Method::EventDriven, step, steps: 1, intervals }
-        });
-        long.chain(few).collect()
     }
 }
 

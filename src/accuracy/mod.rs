@@ -10,16 +10,13 @@
 //! | `grid` | when a run is looked at, and which steps go with that |
 //! | `run` | one run: displacements over the window, changes of state with their times |
 //! | `cycle` | amplitude and frequency of what a run ends in |
-//! | `choice` | the cheapest method and step that keep a tolerance |
 //! | `table` | the table in words |
 
-mod choice;
 mod cycle;
 mod grid;
 mod run;
 mod table;
 
-pub use choice::{Choice, Compared};
 pub use cycle::Cycle;
 pub(crate) use cycle::half_range;
 pub use grid::{Grid, Rung};
@@ -27,7 +24,7 @@ pub use run::Change;
 pub use table::{COLUMNS, LEGEND, short};
 
 use crate::Error;
-use crate::integrator::{Cost, Statistics};
+use crate::integrator::Statistics;
 use crate::model::LumpedModel;
 use crate::scene::{Method, Scene, nearest};
 use crate::simulation::{self, Simulation};
@@ -178,7 +175,6 @@ pub struct Study {
     scene: Scene,
     grid: Grid,
     critical: Result<CriticalStep, Error>,
-    cost: Cost,
     dof: usize,
     reference: Run,
     reference_step: f64,
@@ -218,7 +214,6 @@ impl Study {
             scene: scene.clone(),
             grid,
             critical,
-            cost: Cost::of(&model).driven(&scene.signals),
             dof,
             cycle: Cycle::of(&reference.history(dof), grid.interval),
             reference_step: step,
@@ -321,35 +316,16 @@ impl Study {
         self.grid.ladder(&self.scene, critical)
     }
 
-    /// The steps of one method, longest first, down to much shorter ones than the ladder has of exact motion.
-    fn long_ladder(&self, method: Method) -> Vec<Rung> {
-        match method {
-            Method::ForwardIncrement => {
-                self.ladder().into_iter().filter(|rung| rung.method == method).collect()
-            }
-            Method::EventDriven => self.grid.long_ladder(&self.scene),
-        }
-    }
-
     /// What one method with one step does: `None` if the watch ended it.
     ///
     /// # Errors
     /// A run that fails: a step above the critical one, contact forces that do not converge.
     pub fn row(&self, rung: Rung, watch: Watch<'_>) -> Result<Option<Row>, Error> {
-        let grid = self.grid.coarser(rung.intervals);
-        let Some(run) = Run::of(&self.scene, grid, rung, watch)? else { return Ok(None) };
+        let Some(run) = Run::of(&self.scene, self.grid, rung, watch)? else { return Ok(None) };
         let raised = |error: Option<f64>, floor: Option<f64>| {
             error.zip(floor).map(|(error, floor)| error.max(floor))
         };
-        let errors = match rung.intervals {
-            1 => self.errors_of(&run),
-            // Like is compared with like: at the same times.
-            intervals => {
-                let reference = self.reference.thinned(intervals);
-                let cycle = Cycle::of(&reference.history(self.dof), grid.interval);
-                self.errors_between(&reference, cycle, &run, grid.interval)
-            }
-        };
+        let errors = self.errors_of(&run);
         let floor = self.floor;
         let more = |run: &Run| i64::try_from(run.statistics.state_changes()).unwrap_or(i64::MAX);
         let errors = Errors {
@@ -363,22 +339,18 @@ impl Study {
         Ok(Some(Row { rung, statistics: run.statistics, events_more, errors }))
     }
 
+    /// The differences between a run and the reference.
     fn errors_of(&self, run: &Run) -> Errors {
-        self.errors_between(&self.reference, self.cycle, run, self.grid.interval)
-    }
-
-    /// How far a run is from the reference with its cycle, both looked at after each `interval` (s).
-    fn errors_between(&self, reference: &Run, known: Cycle, run: &Run, interval: f64) -> Errors {
-        let cycle = Cycle::of(&run.history(self.dof), interval);
+        let cycle = Cycle::of(&run.history(self.dof), self.grid.interval);
         let relative = |value: Option<f64>, reference: Option<f64>| {
             value.zip(reference).map(|(value, reference)| (value / reference - 1.0).abs())
         };
-        let times = reference.event_times_apart(run);
-        let moving = self.scale.and(known.amplitude);
+        let times = self.reference.event_times_apart(run);
+        let moving = self.scale.and(self.cycle.amplitude);
         Errors {
-            rms: self.scale.map(|scale| reference.distance(run) / scale),
+            rms: self.scale.map(|scale| self.reference.distance(run) / scale),
             amplitude: relative(cycle.amplitude, moving),
-            frequency: relative(cycle.frequency, moving.and(known.frequency)),
+            frequency: relative(cycle.frequency, moving.and(self.cycle.frequency)),
             event_time: times.map(|[rms, _]| rms),
             largest_event_time: times.map(|[_, largest]| largest),
         }

@@ -73,18 +73,6 @@ impl Run {
         Ok(Some(Self { statistics: simulation.statistics(), dofs, displacements, changes }))
     }
 
-    /// The same run, looked at once in so many intervals.
-    pub(super) fn thinned(&self, intervals: u64) -> Self {
-        let stride = usize::try_from(intervals).unwrap_or(usize::MAX);
-        let rows = self.displacements.chunks(self.dofs.max(1)).step_by(stride);
-        Self {
-            statistics: self.statistics,
-            dofs: self.dofs,
-            displacements: rows.flatten().copied().collect(),
-            changes: self.changes.clone(),
-        }
-    }
-
     /// What the times of changes are known to, s, with the event-driven integrator at this step (s).
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn resolution(step: f64) -> f64 {

@@ -17,7 +17,7 @@ pub use event_driven::EventDriven;
 pub use forward_increment::{RingBatch, Width};
 pub use forward_increment::{RingForwardIncrement, dense, sparse};
 pub use ledger::{Energy, Ledger};
-pub use select::{Selected, select, tidy};
+pub use select::{Selected, select};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};

@@ -121,7 +121,6 @@ pub const COMMANDS: [(&str, &[Command]); 4] = [
             ("amontons scenes draw set1 -o a.svg", NONE, whole),
             ("amontons effects nope", NONE, whole),
             ("amontons accuracy set1 --of nope", NONE, whole),
-            ("amontons export set1 --tolerance 2", NONE, whole),
             ("amontons export set1 -o a.fmu", 4, whole),
             ("amontons check", NONE, whole),
             ("amontons check --rules", NONE, whole),

@@ -4,7 +4,7 @@ use crate::export::platforms;
 use crate::study::arguments::Study;
 use amontons::Error;
 use amontons::package::Library;
-use amontons::scene::{Method, Preset, Rule, Scene, Selection};
+use amontons::scene::{Method, Preset, Scene, Selection};
 use amontons::sweep::range::{self, assignment};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
@@ -61,10 +61,6 @@ pub struct Export {
     pub output: Option<PathBuf>,
     #[command(flatten)]
     pub integrator: Integrator,
-    /// The relative error that is accepted: method and step are chosen by runs of this scene
-    #[arg(long, value_name = "ERROR", value_parser = tolerance, allow_hyphen_values = true,
-        conflicts_with_all = ["step", "integrator", "preset"])]
-    pub tolerance: Option<f64>,
     /// Put the table of `amontons accuracy` into the FMU's documentation, without times
     #[arg(long)]
     pub with_accuracy: bool,
@@ -205,12 +201,6 @@ pub fn positive(text: &str) -> Result<f64, String> {
         Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
         _ => Err("must be a number above zero, in seconds".to_owned()),
     }
-}
-
-fn tolerance(text: &str) -> Result<f64, String> {
-    let wish = "must be a relative error above 0 and below 1, such as 1e-4".to_owned();
-    let value = text.parse().map_err(|_| wish.clone())?;
-    Rule::TOLERANCE.broken_by(value).map_or(Ok(value), |_| Err(wish))
 }
 
 /// Values of a parameter, ascending.

@@ -1,4 +1,4 @@
-//! The rule by which a tolerance chooses method and step, where nothing can be measured.
+//! The rule by which a tolerance chooses method and step, without runs of the scene.
 //!
 //! What it expects of a step h over a span T, with the frequency ω that no mode without friction exceeds:
 //!
@@ -114,8 +114,7 @@ fn most_accurate(all: &[Selected]) -> Option<Selected> {
 
 /// A step (s) without what rounding has left behind its digits: as an equal part of an interval it is known to
 /// far fewer.
-#[must_use]
-pub fn tidy(step: f64) -> f64 {
+fn tidy(step: f64) -> f64 {
     format!("{step:.11e}").parse().expect("a number as Rust writes it")
 }
 

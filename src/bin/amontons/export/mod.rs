@@ -1,15 +1,13 @@
 //! `amontons export`.
 
-mod measured;
+mod accuracy;
 mod written;
 
 use crate::arguments::Export;
 use crate::say::say;
 use crate::scenes;
 use amontons::Error;
-use amontons::accuracy::Choice;
 use amontons::documentation::{Subject, counted, documentation, first_forces};
-use amontons::integrator::tidy;
 use amontons::model::{Equilibrium, LumpedModel};
 use amontons::output::{check_folder, check_inputs_stay};
 use amontons::package::{self, Library};
@@ -17,7 +15,6 @@ use amontons::scene::{self, Method, Scene, Selection, Structure};
 use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::critical_step;
-use measured::Measured;
 use std::path::{Path, PathBuf};
 
 pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
@@ -26,19 +23,11 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     arguments.integrator.apply(&mut scene)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
-    // Before the work: what cannot be written, and what cannot be run. A step that is to be replaced may be
-    // what it likes.
+    // Before the work: what cannot be written, and what cannot be run.
     check_folder(&path)?;
     check_inputs_stay(&path, &[Path::new(&arguments.scene)])?;
-    if arguments.tolerance.is_none() {
-        scenes::check(&scene)?;
-    }
-    let Measured { choice, page } =
-        measured::measure(&scene, arguments.tolerance, arguments.with_accuracy)?;
-    if let Some(choice) = &choice {
-        let rung = choice.taken.row.rung;
-        scene = scene.with_integrator(rung.method, tidy(rung.step));
-    }
+    scenes::check(&scene)?;
+    let page = arguments.with_accuracy.then(|| accuracy::page(&scene)).transpose()?;
     if (scene.selection, scene.method, scene.step) != given {
         match scene.selection {
             Selection::Preset(preset) => source.set_preset(preset)?,
@@ -61,9 +50,6 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     say!("{}{colon}{}", scene.name, scene.description);
     print_contents(&scene, &simulation)?;
     say!("  platform       {}", platforms(&libraries));
-    if let (Some(choice), Some(tolerance)) = (&choice, arguments.tolerance) {
-        print_choice(choice, &scene, tolerance);
-    }
     print_equilibrium(&scene, simulation.reference());
     say!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
     let mut label = "reference";
@@ -92,22 +78,6 @@ fn libraries(asked: &[Library]) -> Vec<Library> {
 /// Their names, for people.
 pub fn platforms(libraries: &[Library]) -> String {
     libraries.iter().map(|library| library.platform).collect::<Vec<_>>().join(", ")
-}
-
-/// Why the method and the step were taken.
-fn print_choice(choice: &Choice, scene: &Scene, tolerance: f64) {
-    let mut label = "tolerance";
-    for line in measured::reasons(choice, scene, tolerance) {
-        say!("  {label:13}  {line}");
-        label = "";
-    }
-    if !choice.taken.keeps(tolerance) {
-        let best = choice.taken.error.map_or_else(String::new, |error| format!(": {error:.1e}"));
-        eprintln!(
-            "warning: no method and step keep a relative error of {tolerance:e}; taken is the most accurate \
-             one{best}"
-        );
-    }
 }
 
 /// What went in: structure, variables, critical step of the values that act at the start.
