@@ -233,49 +233,23 @@ fn derivatives_by_time_are_those_of_differences_along_exact_motion() {
     assert!(met.len() == 4 && compared > 10_000);
 }
 
-/// Blocks that touch nothing but the slider, each with two springs that couple its sliding with its normal force,
-/// and with friction of its own.
-fn blocks(names: &[&str]) -> Simulation {
-    let mut text =
-        "[slider]\nvelocity = 0.1\nangle = 0.0\n[effects]\nstability = true\n".to_owned();
-    for name in names {
-        text += &format!(
-            "[[mass]]\nname = \"{name}\"\nmass = 1.0\nforce = [0.0, -10.0]\n\
-             [[spring]]\nname = \"{name}1\"\nbetween = [\"{name}\", \"ground\"]\ndirection = 0.5\n\
-             stiffness = 300.0\n[[damper]]\nname = \"{name}d\"\nbetween = [\"{name}\", \"ground\"]\n\
-             direction = 0.9\ndamping = 3.0\n\
-             [[contact]]\nname = \"{name}\"\nmass = \"{name}\"\nfriction = 0.3\n"
-        );
-    }
-    let scene = parse("blocks", &(text + "[integrator]\nstep = 1e-4\n")).unwrap();
-    let mut simulation = Simulation::new(scene, 0.0).unwrap();
-    simulation.advance_to(1e-3).unwrap();
-    simulation
-}
-
-/// Each of two equal blocks has the eigenvalue of one. Where friction of one alone changes, its own moves and the other's
-/// stays, and the growth rate is the larger one.
 #[test]
-fn the_growth_rate_of_equal_parts_follows_the_one_that_grows_most() {
-    let by = |simulation: &mut Simulation, names: &[&str], change: f64| {
-        let variables = variables(simulation.scene());
-        let find = |name: &str| variables.iter().find(|variable| variable.name == name).unwrap();
-        let inputs: Vec<Variable> =
-            names.iter().map(|name| find(&format!("contact.{name}.friction")).clone()).collect();
-        let by: Vec<(&Variable, f64)> = inputs.iter().map(|input| (input, change)).collect();
-        let of = find("stability.growth_rate").clone();
-        simulation.directional_derivative(&[&of], &by).unwrap()[0]
-    };
-    let (mut one, mut two) = (blocks(&["a"]), blocks(&["a", "b"]));
-    let alone = by(&mut one, &["a"], 1.0);
-    assert!(alone.abs() > 1e-3, "{alone}");
-    for change in [1.0, -1.0] {
-        let moved = change * alone;
-        for (names, expected) in
-            [(&["a"][..], moved.max(0.0)), (&["b"], moved.max(0.0)), (&["a", "b"], moved)]
-        {
-            let found = by(&mut two, names, change);
-            assert!((found - expected).abs() < 1e-9, "{names:?} by {change}: {found} {expected}");
+fn growth_rate_and_frequency_have_no_derivatives() {
+    let scene = rubbing("coefficient = 0.4", "", "", 0.3);
+    let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
+    let inputs = inputs(&scene);
+    let by: Vec<(&Variable, f64)> = inputs.iter().map(|input| (input, 1.0)).collect();
+    for name in ["stability.growth_rate", "stability.frequency"] {
+        let of = variables(&scene).into_iter().find(|variable| variable.name == name).unwrap();
+        assert_eq!(of.variability, Variability::Discrete);
+        let answers = [
+            simulation.directional_derivative_at_start(&[&of], &by),
+            simulation.directional_derivative(&[&of], &by),
+            simulation.rates(&[&of]),
+        ];
+        for answer in answers {
+            let message = answer.unwrap_err().to_string();
+            assert!(message.contains(name) && message.contains("discrete"), "{message}");
         }
     }
 }

@@ -122,7 +122,7 @@ impl Simulation {
 
 /// Does something with the model linearised about the equilibrium, and with µ of contacts without one of their own.
 /// Nothing of that is left to whoever looks at the model next.
-pub(super) fn linearised<T>(
+fn linearised<T>(
     model: &mut LumpedModel,
     equilibrium: &Equilibrium,
     acting: &Scene,

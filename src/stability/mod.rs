@@ -10,7 +10,6 @@
 //! | `frequency_bound` | bounds over all contact states |
 //! | `oblique_projection` | how far friction leans motions in any contact state |
 //! | `eigenvalues` | the eigenvalues of a matrix |
-//! | `eigenvalue_change` | how an eigenvalue changes with friction |
 //! | `reduced_problem` | the eigenvalue problem of one contact state |
 //! | `damped_modes` | the full problem where there are single dampers |
 //! | `modes` | eigenvalues and shapes of one contact state |
@@ -51,14 +50,12 @@ pub fn highest_frequency(model: &LumpedModel) -> Option<f64> {
 }
 
 mod damped_modes;
-mod eigenvalue_change;
 mod eigenvalues;
 mod reduced_problem;
 mod singular_values;
 mod spectrum;
 mod symmetry;
 
-pub use eigenvalue_change::{SlidingChange, eigenvalue_change};
 pub use {eigenvalues::eigenvalues, spectrum::Spectrum, symmetry::Symmetry};
 
 #[cfg(feature = "tools")]

@@ -68,12 +68,8 @@ pub struct Falls {
     pub friction: fn(Friction, f64) -> f64,
     /// dµ/d|v_r|, s/m.
     pub slope: fn(Friction, f64) -> f64,
-    /// d²µ/d|v_r|², s²/m².
-    pub curvature: fn(Friction, f64) -> f64,
     /// ∂µ/∂µ_k and ∂µ/∂µ_s.
     pub by_coefficients: fn(Friction, f64) -> [f64; 2],
-    /// The same of dµ/d|v_r|, s/m.
-    pub slope_by_coefficients: fn(Friction, f64) -> [f64; 2],
     /// The most that µ can be in slip.
     pub most: fn(Friction) -> f64,
 }

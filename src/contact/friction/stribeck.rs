@@ -16,18 +16,9 @@ pub(super) const ABOUT: About = About {
             let Friction { kinetic, static_, stribeck_velocity: v_s } = friction;
             -(static_ - kinetic) * (libm::exp(-slip.abs() / v_s) / v_s)
         },
-        curvature: |friction, slip| {
-            let Friction { kinetic, static_, stribeck_velocity: v_s } = friction;
-            (static_ - kinetic) * (libm::exp(-slip.abs() / v_s) / (v_s * v_s))
-        },
         by_coefficients: |friction, slip| {
             let decay = libm::exp(-slip.abs() / friction.stribeck_velocity);
             [1.0 - decay, decay]
-        },
-        slope_by_coefficients: |friction, slip| {
-            let v_s = friction.stribeck_velocity;
-            let steepest = libm::exp(-slip.abs() / v_s) / v_s;
-            [steepest, -steepest]
         },
         most: |friction| friction.static_,
     }),
@@ -91,15 +82,6 @@ mod tests {
             for (difference, expected) in [change(kinetic), change(static_)].iter().zip(by) {
                 assert!((difference - expected).abs() < 1e-15, "{difference} {expected}");
             }
-            let change = |by: Friction| (FALLS.slope)(by, slip) - (FALLS.slope)(FRICTION, slip);
-            let by = (FALLS.slope_by_coefficients)(FRICTION, slip);
-            for (difference, expected) in [change(kinetic), change(static_)].iter().zip(by) {
-                assert!((difference - expected).abs() < 1e-13, "{difference} {expected}");
-            }
-            let slopes = [0.0, 2.0 * h].map(|h| (FALLS.slope)(FRICTION, slip.abs() + h));
-            let curvature = (FALLS.curvature)(FRICTION, slip.abs() + h);
-            let difference = (slopes[1] - slopes[0]) / (2.0 * h);
-            assert!((difference - curvature).abs() < 1e-8 * curvature);
         }
     }
 

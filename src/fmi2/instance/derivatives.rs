@@ -2,7 +2,6 @@
 
 use super::{Instance, Number};
 use crate::Error;
-use crate::simulation::catalogue::Quantity;
 use crate::simulation::{Variable, check_rate};
 
 impl Instance {
@@ -88,26 +87,15 @@ impl Instance {
         Ok(())
     }
 
-    /// Derivatives that importers can go on with. Where two modes coalesce the growth rate has none: the answer is
-    /// zero, with a warning.
-    fn answer(&mut self, mut found: Vec<f64>, of: &[usize]) -> Result<Vec<f64>, Error> {
-        for (value, &place) in found.iter_mut().zip(of) {
-            let variable = &self.variables[place];
-            let (name, quantity) = (&variable.name, variable.template.quantity);
-            let is_of_modes = matches!(quantity, Quantity::GrowthRate | Quantity::ModeFrequency);
-            if is_of_modes && value.is_nan() {
-                *value = 0.0;
-                self.warn(&format!(
-                    "{name} has no derivative where two modes coalesce; 0 is given"
-                ));
-                self.tolerated = true;
-            } else if !value.is_finite() {
-                return Err(Error::step(format!(
-                    "the derivative of {name} is not a finite number"
-                )));
-            }
+    /// Refuses derivatives that are not finite.
+    fn answer(&self, found: Vec<f64>, of: &[usize]) -> Result<Vec<f64>, Error> {
+        match found.iter().zip(of).find(|(value, _)| !value.is_finite()) {
+            None => Ok(found),
+            Some((_, &place)) => Err(Error::step(format!(
+                "the derivative of {} is not a finite number",
+                self.variables[place].name
+            ))),
         }
-        Ok(found)
     }
 
     /// The places of Real variables in the list.

@@ -12,12 +12,10 @@
 //! | `slope` | ±µ of a contact that slides, as a function |
 //! | `energy` | the changes of the parts of the energy |
 //! | `feedthrough` | which inputs have one at all |
-//! | `growth` | those of growth rate and frequency |
 
 mod energy;
 #[cfg(feature = "tools")]
 mod feedthrough;
-mod growth;
 mod inputs;
 mod slope;
 
@@ -55,15 +53,12 @@ struct Change {
 struct Outcome {
     forces: Vec<[f64; 2]>,
     slip: Vec<f64>,
-    /// Of growth rate and frequency, once asked for.
-    growth: Option<[f64; 2]>,
 }
 
 impl Simulation {
     /// What changes of inputs, `by` (each with its change), do to outputs at once, in the present contact states:
-    /// the product of the Jacobian ∂`of`/∂`by` and these changes. Growth rate and frequency have none where two modes
-    /// coalesce, and are not numbers there. Where contacts hold a mass twice over, what each of them takes is not
-    /// determined, and neither are its changes.
+    /// the product of the Jacobian ∂`of`/∂`by` and these changes. Where contacts hold a mass twice over, what each of them
+    /// takes is not determined, and neither are its changes.
     ///
     /// # Errors
     /// `of` has what is no output or `by` what is no input; contact forces that have no solution.
@@ -137,20 +132,16 @@ impl Simulation {
         change: &Change,
         present: &[ContactForce],
     ) -> Result<Vec<f64>, Error> {
-        let mut outcome = self.outcome(change, present)?;
-        let mut all = of.iter();
-        all.try_fold(Vec::with_capacity(of.len()), |mut found, variable| {
-            found.push(self.derivative(variable, change, &mut outcome, present)?);
-            Ok(found)
-        })
+        let outcome = self.outcome(change, present)?;
+        of.iter().map(|variable| self.derivative(variable, change, &outcome, present)).collect()
     }
 
     /// What one output changes by.
     fn derivative(
-        &mut self,
+        &self,
         variable: &Variable,
         change: &Change,
-        outcome: &mut Outcome,
+        outcome: &Outcome,
         present: &[ContactForce],
     ) -> Result<f64, Error> {
         let (i, name) = (variable.index, &variable.name);
@@ -172,17 +163,9 @@ impl Simulation {
             Quantity::NormalReaction => reaction(0),
             Quantity::TangentialReaction => reaction(1),
             Quantity::Energy => self.energy_change(change, present)[variable.template.component],
-            Quantity::GrowthRate | Quantity::ModeFrequency => {
-                let growth = match outcome.growth {
-                    Some(known) => known,
-                    None => self.growth_change(change)?,
-                };
-                outcome.growth = Some(growth);
-                growth[usize::from(variable.template.quantity == Quantity::ModeFrequency)]
-            }
             _ => {
                 return Err(Error::variable(format!(
-                    "{name} has no derivative: it changes in jumps alone"
+                    "{name} has no derivative: it is a discrete output"
                 )));
             }
         })
@@ -211,7 +194,7 @@ impl Simulation {
         for (force, own) in forces.iter_mut().zip(&weakened) {
             force[1] += own;
         }
-        Ok(Outcome { forces, slip, growth: None })
+        Ok(Outcome { forces, slip })
     }
 
     fn slopes(&self, present: &[ContactForce]) -> Vec<Slope> {
