@@ -3,9 +3,8 @@
 
 mod program;
 
-use amontons::scene::BUILTIN;
+use amontons::scene::{BUILTIN, builtin};
 use program::{assert_refused, folder, run, text};
-use std::path::Path;
 use std::process::Output;
 
 fn effects(scene: &str) -> Output {
@@ -73,9 +72,11 @@ fn every_built_in_scene_has_its_effects_listed() {
 
 #[test]
 fn a_wrong_scene_is_refused_with_what_is_wrong() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let scene = "tests/wrong_scenes/friction_no_such_law.toml";
-    let output = run(env!("CARGO_BIN_EXE_amontons"), folder, &["effects", scene]);
+    let folder = folder();
+    let set1 = builtin("set1").unwrap().text;
+    let wrong = set1.replacen("[friction]\n", "[friction]\nlaw = \"stribek\"\n", 1);
+    std::fs::write(folder.path().join("mine.toml"), wrong).unwrap();
+    let output = run(env!("CARGO_BIN_EXE_amontons"), folder.path(), &["effects", "mine.toml"]);
     assert_refused(&output, 3, &["friction.law = \"stribek\"", "did you mean \"stribeck\"?"]);
     assert_refused(&effects("nothing"), 1, &["no file nothing", "set1"]);
 }

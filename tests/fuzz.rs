@@ -1,6 +1,12 @@
 //! The fuzz targets in `fuzz/`, each over what it has met and then for a while beyond.
 #![cfg(feature = "tools")]
 
+// The messages are for another test.
+#[allow(dead_code)]
+#[path = "wrong_scenes/page.rs"]
+mod page;
+
+use page::{cases, pages};
 use std::path::Path;
 use std::process::Command;
 
@@ -49,7 +55,13 @@ fn fuzz(target: &str, runs: u32, folders: &[&str], more: &[&str]) {
 #[test]
 #[ignore = "long"]
 fn scene_files_of_any_bytes_are_read_or_refused() {
-    let folders = ["fuzz/corpus/scene", "scenes", "tests/wrong_scenes"];
+    let wrong = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    for (_, text) in pages() {
+        for (name, content) in cases(&text).into_iter().flat_map(|case| case.files) {
+            std::fs::write(wrong.path().join(name), content).unwrap();
+        }
+    }
+    let folders = ["fuzz/corpus/scene", "scenes", wrong.path().to_str().unwrap()];
     fuzz("scene", 8000, &folders, &["-dict=fuzz/scene.dict"]);
 }
 

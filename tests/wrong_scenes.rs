@@ -1,31 +1,89 @@
-//! What the reader says of scene files that are wrong: `tests/wrong_scenes/*.toml`, each beside the
-//! whole message that its user gets.
+//! The reader's messages on wrong scene files. Each page `tests/wrong_scenes/*.md` has scenes, each above the whole
+//! message that its user gets; `AMONTONS_WRITE=1 cargo test --release --locked --test wrong_scenes` writes the messages
+//! anew.
 #![cfg(feature = "tools")]
+
+#[path = "wrong_scenes/page.rs"]
+mod page;
 
 use amontons::scene::{BUILTIN, parse, read};
 use amontons::simulation::Simulation;
+use page::{cases, pages};
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
 
+/// The message on the first of these files, a wrong scene, with the names of files in place of their paths.
+#[track_caller]
+fn message(files: &[(String, impl AsRef<[u8]>)]) -> String {
+    let folder = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
+    for (name, content) in files {
+        fs::write(folder.path().join(name), content).unwrap();
+    }
+    let error = read(&folder.path().join(&files[0].0)).expect_err("the scene is wrong");
+    error.to_string().replace(&format!("{}/", folder.path().display()), "") + "\n"
+}
+
 #[test]
 fn every_wrong_scene_gets_its_message() {
-    let mut wrong = Vec::new();
-    let mut count = 0;
-    for entry in fs::read_dir("tests/wrong_scenes").unwrap() {
-        let path = entry.unwrap().path();
-        if path.extension().is_none_or(|extension| extension != "toml") {
-            continue;
+    let (mut wrong, mut count) = (Vec::new(), 0);
+    for (path, text) in pages() {
+        let mut sections: Vec<String> = text.split("\n## ").map(str::to_owned).collect();
+        for (case, section) in cases(&text).iter().zip(&mut sections[1..]) {
+            count += 1;
+            let (found, expected) = (message(&case.files), case.message);
+            if found != expected {
+                wrong.push(format!("{}\n{found}\nbut expected is\n{expected}", case.name));
+                let block = |message: &str| format!("```text\n{message}```");
+                *section = section.replacen(&block(expected), &block(&found), 1);
+            }
         }
-        count += 1;
-        let expected = fs::read_to_string(path.with_extension("txt")).unwrap_or_default();
-        let found = read(&path).expect_err("the scene is wrong").to_string() + "\n";
-        if found != expected {
-            wrong.push(format!("{}\n{found}\nbut expected is\n{expected}", path.display()));
+        if std::env::var_os("AMONTONS_WRITE").is_some() {
+            fs::write(path, sections.join("\n## ")).unwrap();
         }
     }
-    assert!(count >= 83, "{count}");
+    assert!(count >= 105, "{count}");
     assert!(wrong.is_empty(), "{}", wrong.join("\n\n"));
+}
+
+#[test]
+fn a_file_that_is_not_in_utf_8_is_refused_with_its_encoding() {
+    let utf_16: Vec<u8> = "\u{feff}[slider]\n".encode_utf16().flat_map(u16::to_le_bytes).collect();
+    let cases: [(&[u8], &str); 3] = [
+        (
+            b"\x7fELF\x02\x01\x01\0\0\0\xc3(",
+            "a.toml is not a text file; give a scene file (TOML)\n",
+        ),
+        (&utf_16, "a.toml is UTF-16; save it as UTF-8\n"),
+        (
+            b"[slider]\nvelocity = 0.025\nangle = 0.5 # in \xb0\n",
+            "a.toml:3:18: the byte 0xb0 is not UTF-8; save the file as UTF-8\n",
+        ),
+    ];
+    for (bytes, expected) in cases {
+        assert_eq!(message(&[("a.toml".to_owned(), bytes)]), expected);
+    }
+}
+
+#[test]
+fn carriage_returns_change_no_message() {
+    for (_, text) in pages() {
+        for mut case in cases(&text) {
+            let (name, scene) = case.files.remove(0);
+            let mut files = vec![(name, scene.replace('\n', "\r\n"))];
+            files.extend(case.files.into_iter().map(|(name, table)| (name, table.to_owned())));
+            assert_eq!(message(&files), case.message, "{}", case.name);
+        }
+    }
+}
+
+#[test]
+fn a_byte_order_mark_before_a_mistake_counts_as_a_column() {
+    let scene = "\u{feff}[slyder]\nvelocity = 0.025\n";
+    let found = message(&[("a.toml".to_owned(), scene)]);
+    let expected = "`slyder` is not a key of the file\n --> a.toml:1:2\n  |\n1 | [slyder]\n  |  ^^^^^^\n  |\n  = help: \
+                    did you mean `slider`?\n";
+    assert!(found.contains(expected), "{found}");
 }
 
 #[test]
