@@ -1,10 +1,8 @@
-//! What a step costs: `cargo bench --bench step` prints five small tables, all from one run.
+//! What a step costs: `cargo bench --bench step` prints four small tables, all from one run.
 //!
 //! * Set 1 at µ = 1.96 and h = 1 µs, on its limit cycle, against the same scheme written down
 //!   plainly in C with full matrices (`dense_loop.c`, compiled here with `cc -O3`). Both take model
 //!   and motion from the same place and must arrive at the same motion, or the run fails.
-//! * Many of them: Set 1 with as many friction coefficients as a vector has lanes, in one batch against each
-//!   by itself, for every width of vectors that the processor has.
 //! * Longer rings: time and memory of a module should hardly grow with the ring, until it is too large for the
 //!   processor's caches.
 //! * Event by event, with steps of 1 ms: a second of motion against the paper's scheme at the scene's
@@ -18,7 +16,7 @@
 #![allow(unsafe_code)] // The C loop comes from a shared library, and allocations are counted.
 
 use amontons::contact::ContactState;
-use amontons::integrator::{self, Drive, Integrator, Motion, RingBatch, Statistics, Width};
+use amontons::integrator::{self, Drive, Integrator, Motion, Statistics};
 use amontons::model::{self, LumpedModel};
 use amontons::package;
 use amontons::scene::{Builtin, Method, Scene, builtin};
@@ -66,7 +64,6 @@ static ALLOCATOR: Counting = Counting;
 
 fn main() {
     against_c();
-    batches();
     rings();
     event_by_event();
     paid_once();
@@ -123,43 +120,6 @@ fn check_agreement(ours: &Ring, theirs: &Ring) {
     };
     check(&a.velocity, &b.velocity, velocity);
     check(&a.displacement, &b.displacement, displacement);
-}
-
-fn batches() {
-    println!("Set 1 in batches    lanes   ns a step of one   alone / in a batch");
-    for width in Width::available() {
-        let ring = |lane: usize| {
-            let mut scene = set("set1").scene();
-            scene.modules_mut()[0].velocity = [0.01, 0.0, 0.0, 0.0];
-            scene.friction_coefficient = 1.9 + 0.12 * lane as f64 / width.lanes() as f64;
-            let mut ring = Ring::new(&scene);
-            ring.advance(5_000_000);
-            ring
-        };
-        let mut alone: Vec<Ring> = (0..width.lanes()).map(ring).collect();
-        let models = alone.iter().map(|ring| &ring.model);
-        let mut batch = RingBatch::new(models, width).expect("they are rings");
-        for (lane, Ring { motion, drive, model, .. }) in alone.iter().enumerate() {
-            batch.load(lane, motion, drive, model.damping);
-        }
-        let step = alone[0].step;
-        let times = shortest(
-            SLICES,
-            &mut [&mut || alone.iter_mut().for_each(|ring| ring.advance(STEPS / 4)), &mut || {
-                batch.advance(step, STEPS / 4);
-            }],
-        );
-        for (lane, ring) in alone.iter().enumerate() {
-            let mut motion = ring.motion.clone();
-            batch.store(lane, &mut motion);
-            assert_eq!(motion, ring.motion, "a lane does not move as the run by itself");
-        }
-        let lanes = width.lanes();
-        let time = nanoseconds(times[1], STEPS / 4 * lanes as u64);
-        let ratio = times[0].as_secs_f64() / times[1].as_secs_f64();
-        println!("{:15} {lanes:9} {time:18.2} {ratio:20.2}", format!("{width:?}"));
-    }
-    println!();
 }
 
 fn rings() {

@@ -448,32 +448,6 @@ fn what_an_importer_reads_is_the_ledger() {
     }
 }
 
-#[cfg(feature = "tools")]
-#[test]
-fn batches_write_the_ledgers_of_single_runs() {
-    use amontons::integrator::Width;
-    use amontons::simulation::Batch;
-
-    let simulation = |friction: f64| {
-        let mut scene = with_ledger(set1(), ForwardIncrement, 1e-6);
-        scene.friction_coefficient = friction;
-        Simulation::new(scene, 0.0).unwrap()
-    };
-    let frictions = [1.3, 1.4, 1.5];
-    let mut singles = frictions.map(simulation);
-    for single in &mut singles {
-        single.advance_to(0.01).unwrap();
-    }
-    for width in Width::available().into_iter().map(Some).chain([None]) {
-        assert_eq!(Batch::size(&singles[0], width), 1);
-        let mut batch = Batch::new(frictions.map(simulation).into(), width);
-        batch.advance_to(0.01);
-        for (single, run) in singles.iter().zip(batch.simulations()) {
-            assert!(single.save() == run.as_ref().unwrap().save());
-        }
-    }
-}
-
 #[test]
 fn the_shipped_scene_lands_sticks_at_once_and_then_lives_on_the_belt() {
     let scene = parse("energy", include_str!("../scenes/effects/energy.toml")).unwrap();

@@ -190,27 +190,3 @@ fn a_run_across_the_c_interface_allocates_nothing() {
         }
     }
 }
-
-#[cfg(feature = "tools")]
-#[test]
-fn steps_of_a_batch_allocate_nothing() {
-    use amontons::integrator::Width;
-    use amontons::simulation::Batch;
-
-    let simulation = |friction: f64| {
-        let mut scene = builtin("set1").unwrap().scene();
-        scene.friction_coefficient = friction;
-        Simulation::new(scene, 0.0).unwrap()
-    };
-    for width in Width::available().into_iter().map(Some).chain([None]) {
-        let mut batch = Batch::new([1.0, 1.5, 1.9].map(simulation).into(), width);
-        let before = ALLOCATIONS.get();
-        for row in 1..=100_u32 {
-            batch.advance_to(f64::from(row) * 1e-4);
-        }
-        assert_eq!(ALLOCATIONS.get() - before, 0, "{width:?}");
-        assert!(
-            batch.simulations().iter().all(|s| s.as_ref().unwrap().statistics().steps == 10_000)
-        );
-    }
-}

@@ -6,12 +6,10 @@
 //! a static coefficient besides, that one stands in the last of the three ([`friction`]).
 
 pub mod friction;
-mod lanes;
 mod local;
 pub mod residual;
 
 pub use friction::{Friction, FrictionLaw, FrictionRange, Law, UnderLaw};
-pub use lanes::Lanes;
 pub use local::{LocalProblem, LocalSolution};
 
 use crate::Error;

@@ -13,8 +13,6 @@ mod select;
 
 pub use cost::Cost;
 pub use event_driven::EventDriven;
-#[cfg(feature = "tools")]
-pub use forward_increment::{RingBatch, Width};
 pub use forward_increment::{RingForwardIncrement, dense, sparse};
 pub use ledger::{Energy, Ledger};
 pub use select::{Selected, select};

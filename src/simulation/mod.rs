@@ -1,8 +1,6 @@
 //! A model and its motion together: advance, read, write, save, restore.
 
 mod assumptions;
-#[cfg(feature = "tools")]
-mod batch;
 pub mod catalogue;
 mod clock;
 mod derivatives;
@@ -29,10 +27,6 @@ mod warning;
 #[cfg(feature = "tools")]
 pub use assumptions::broken_assumptions;
 pub(crate) use assumptions::newly_broken;
-#[cfg(feature = "tools")]
-pub use batch::Batch;
-#[cfg(feature = "tools")]
-pub(crate) use batch::attempt;
 pub use catalogue::{Variable, variables};
 #[cfg(feature = "tools")]
 pub use derivatives::feedthrough;

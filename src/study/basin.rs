@@ -3,8 +3,7 @@
 //! First a few points, spread over the plane, are followed until they are settled. What they end in has habits: how
 //! much each displacement and each velocity varies over short windows. Any other point is decided as soon as it has the
 //! habits of one attractor and of no other, or as it slides without a change of contact state and decays where nothing can grow; one
-//! that never does is followed until it is settled. Points move together in the lanes of a [`Batch`], and those that
-//! are decided make room.
+//! that never does is followed until it is settled.
 
 use super::attractor::attractors;
 use super::ending::{Ending, Kind};
@@ -15,10 +14,10 @@ use super::work::Work;
 use super::{Journal, Watch};
 use crate::Error;
 use crate::contact::ContactState;
-use crate::integrator::{EventDriven, Width};
+use crate::integrator::EventDriven;
 use crate::model::LumpedModel;
 use crate::scene::Scene;
-use crate::simulation::{Batch, Simulation, attempt};
+use crate::simulation::Simulation;
 use crate::spectral::Window;
 use crate::stability::Spectrum;
 use crate::stability::candidates::resting_state;
@@ -140,7 +139,7 @@ pub fn basin(
             names[0]
         )));
     }
-    let plane = Plane { scene, names, look, width: Width::available().into_iter().next(), watch };
+    let plane = Plane { scene, names, look, watch };
     let all = x.values.len() * y.values.len();
     let mut knowledge = Knowledge::default();
     let mut part = 0.0;
@@ -198,13 +197,11 @@ struct Plane<'a> {
     scene: &'a Scene,
     names: [String; 2],
     look: &'a Look,
-    width: Option<Width>,
     watch: Watch<'a>,
 }
 
 /// A point on its way.
 struct Traveller {
-    place: usize,
     settling: Settling,
     meter: Meter,
     changes: u64,
@@ -213,7 +210,6 @@ struct Traveller {
     kept: (Option<usize>, usize),
     /// The size over the last short window, where no contact changed its state and all rested.
     calm: Option<f64>,
-    found: Option<Found>,
 }
 
 impl Plane<'_> {
@@ -224,129 +220,90 @@ impl Plane<'_> {
         knowledge: &Knowledge,
         told: &dyn Fn(f64),
     ) -> Result<Option<Vec<Found>>, Error> {
-        let mut found: Vec<Option<Found>> = vec![None; points.len()];
-        let mut moving = Vec::new();
-        for (place, &[x, y]) in points.iter().enumerate() {
-            if let Some(known) = knowledge.points.get(&[x.to_bits(), y.to_bits()]) {
-                found[place] = Some(known.clone());
-                told(1.0);
-                continue;
-            }
-            let start = starting_from(self.scene, &[(&self.names[0], x), (&self.names[1], y)])
-                .and_then(|scene| Simulation::new(scene, 0.0))
-                .and_then(|simulation| Ok((Settling::new(&simulation, self.look)?, simulation)));
-            match start {
-                Ok((settling, simulation)) => {
-                    moving.push((simulation, Traveller::new(place, settling)));
-                }
-                Err(error) => found[place] = Some(Found::Failed(error.to_string())),
-            }
+        Ok(points.iter().map(|&point| self.ending(point, knowledge, told)).collect())
+    }
+
+    /// What a point ends in; `None` if the watch ended it.
+    fn ending(&self, point: [f64; 2], knowledge: &Knowledge, told: &dyn Fn(f64)) -> Option<Found> {
+        if let Some(known) = knowledge.points.get(&point.map(f64::to_bits)) {
+            told(1.0);
+            return Some(known.clone());
         }
-        let size = moving.first().map_or(1, |(first, _)| Batch::size(first, self.width));
+        self.follow(point, knowledge, told)
+            .unwrap_or_else(|error| Some(Found::Failed(error.to_string())))
+    }
+
+    /// Follows a point until it is decided; `None` if the watch ended it.
+    fn follow(
+        &self,
+        [x, y]: [f64; 2],
+        knowledge: &Knowledge,
+        told: &dyn Fn(f64),
+    ) -> Result<Option<Found>, Error> {
+        let scene = starting_from(self.scene, &[(&self.names[0], x), (&self.names[1], y)])?;
+        let mut simulation = Simulation::new(scene, 0.0)?;
+        let mut traveller = Traveller::new(Settling::new(&simulation, self.look)?);
         #[allow(clippy::cast_possible_truncation)]
         let rows = self.look.rows() as usize / SHORT_WINDOWS as usize;
         #[allow(clippy::cast_precision_loss)]
         let short = rows as f64 * self.look.interval;
         let weights = Window::Hann.weights(rows);
-        while !moving.is_empty() {
-            let mut going = Vec::new();
-            let mut left = std::mem::take(&mut moving).into_iter();
-            loop {
-                let (simulations, mut group): (Vec<_>, Vec<_>) = left.by_ref().take(size).unzip();
-                if group.is_empty() {
+        loop {
+            let mut found = None;
+            for (row, weight) in weights.iter().enumerate() {
+                if row % 256 == 0 && self.watch.is_over() {
+                    return Ok(None);
+                }
+                simulation.advance_to(traveller.settling.next_time())?;
+                found = traveller.note(&mut simulation, *weight, &|| self.watch.is_over())?;
+                if found.is_some() {
                     break;
                 }
-                let mut batch = Batch::new(simulations, self.width);
-                for (row, weight) in weights.iter().enumerate() {
-                    if row % 256 == 0 && self.watch.is_over() {
-                        return Ok(None);
-                    }
-                    // Those that have settled meanwhile move on with the others.
-                    let Some(time) = next_time(&group) else { break };
-                    batch.advance_to(time);
-                    for (simulation, traveller) in batch.simulations().iter_mut().zip(&mut group) {
-                        attempt(simulation, |simulation| {
-                            traveller.note(simulation, *weight, &|| self.watch.is_over())
-                        });
-                    }
-                }
-                for (simulation, mut traveller) in batch.into_simulations().into_iter().zip(group) {
-                    match simulation {
-                        Err(error) => {
-                            found[traveller.place] = Some(Found::Failed(error.to_string()));
-                        }
-                        Ok(simulation) => {
-                            if traveller.found.is_none() {
-                                traveller.judge(&simulation, knowledge);
-                            }
-                            match traveller.found.take() {
-                                None => {
-                                    told(short / self.look.longest);
-                                    going.push((simulation, traveller));
-                                }
-                                decided => {
-                                    told(1.0 - (simulation.time() - short) / self.look.longest);
-                                    found[traveller.place] = decided;
-                                }
-                            }
-                        }
-                    }
-                }
             }
-            moving = going;
+            if self.watch.is_over() {
+                return Ok(None);
+            }
+            if let Some(found) = found.or_else(|| traveller.judge(&simulation, knowledge)) {
+                told(1.0 - (simulation.time() - short) / self.look.longest);
+                return Ok(Some(found));
+            }
+            told(short / self.look.longest);
         }
-        if self.watch.is_over() {
-            return Ok(None);
-        }
-        Ok(found.into_iter().collect())
     }
 }
 
-/// When the next row is due, s; `None` if all are decided.
-fn next_time(group: &[Traveller]) -> Option<f64> {
-    let going = group.iter().find(|traveller| traveller.found.is_none());
-    going.map(|traveller| traveller.settling.next_time())
-}
-
 impl Traveller {
-    fn new(place: usize, settling: Settling) -> Self {
+    fn new(settling: Settling) -> Self {
         Self {
-            place,
             settling,
             meter: Meter::default(),
             changes: 0,
             sizes: VecDeque::new(),
             kept: (None, 0),
             calm: None,
-            found: None,
         }
     }
 
-    /// Takes note of a row, which has this weight in its short window.
+    /// Takes note of a row, which has this weight in its short window; the ending if the motion has now settled.
     fn note(
         &mut self,
         simulation: &mut Simulation,
         weight: f64,
         is_over: &dyn Fn() -> bool,
-    ) -> Result<(), Error> {
-        if self.found.is_some() {
-            return Ok(());
-        }
+    ) -> Result<Option<Found>, Error> {
         self.meter.note(simulation.displacement(), simulation.velocity(), weight);
-        if let Some(ending) = self.settling.note(simulation, is_over)? {
-            let last = if ending.kind == Kind::Periodic { OF_A_CYCLE } else { HABITUAL };
-            let habits = habits(self.sizes.iter().rev().take(last));
-            self.found = Some(Found::Settled(Box::new(ending), habits));
-        }
-        Ok(())
+        let Some(ending) = self.settling.note(simulation, is_over)? else { return Ok(None) };
+        let last = if ending.kind == Kind::Periodic { OF_A_CYCLE } else { HABITUAL };
+        let habits = habits(self.sizes.iter().rev().take(last));
+        Ok(Some(Found::Settled(Box::new(ending), habits)))
     }
 
-    /// At the end of a short window: is it decided?
+    /// Judges the motion at the end of a short window; the attractor if it is decided.
     fn judge(
         &mut self,
         simulation: &Simulation,
         Knowledge { attractors, resting, .. }: &Knowledge,
-    ) {
+    ) -> Option<Found> {
         let sizes = self.meter.take();
         let changes = simulation.statistics().state_changes();
         let is_calm = changes == self.changes
@@ -365,13 +322,11 @@ impl Traveller {
             alike
         };
         self.kept.0 = alike;
-        if self.kept.1 >= KEPT {
-            self.found = alike.map(Found::Early);
-        }
         self.sizes.push_back(sizes);
         if self.sizes.len() > HABITUAL {
             self.sizes.pop_front();
         }
+        alike.filter(|_| self.kept.1 >= KEPT).map(Found::Early)
     }
 }
 

@@ -1,6 +1,6 @@
 //! One scene over the values of one of its parameters or inputs: what each run ends in.
 //!
-//! Each value has the run that it would have by itself, to the last bit ([`Batch`]).
+//! Each value has the run that it would have by itself, to the last bit.
 
 pub mod observed;
 pub(crate) mod passage;
@@ -13,10 +13,9 @@ pub use possible::Possible;
 
 use crate::Error;
 use crate::accuracy::Cycle;
-use crate::integrator::Width;
 use crate::scene::{Experiment, Scene};
 use crate::simulation::catalogue::Kind;
-use crate::simulation::{Batch, Simulation, Variable, assign, attempt, variables};
+use crate::simulation::{Simulation, Variable, assign, variables};
 use crate::stability::parallel::collect;
 use observed::{frequencies_in_motion, interval};
 use passage::Passage;
@@ -152,69 +151,37 @@ pub fn sweep(
             )));
         }
     }
-    let width = Width::available().into_iter().next();
-    let start = |scene: &Scene| Simulation::new(scene.clone(), 0.0);
-    let first = scenes.iter().find_map(|scene| start(scene).ok());
-    let size = first.map_or(1, |simulation| Batch::size(&simulation, width));
-    // Runs whose rows are at the same times go on together.
-    let groups: Vec<&[Scene]> = scenes
-        .chunk_by(|a, b| a.experiment == b.experiment)
-        .flat_map(|alike| alike.chunks(size))
-        .collect();
-    let count = |group: &&[Scene]| group[0].experiment.row_times().count();
-    let (done, all) = (AtomicU64::new(0), groups.iter().map(count).sum::<usize>());
+    let count = |scene: &Scene| scene.experiment.row_times().count();
+    let (done, all) = (AtomicU64::new(0), scenes.iter().map(count).sum::<usize>());
     #[allow(clippy::cast_precision_loss)]
     let watch = || watch(done.fetch_add(1, Ordering::Relaxed) as f64 / all as f64);
-    let runs = |i: usize| {
-        let simulations = groups[i].iter().map(start).collect();
-        Ok(run(simulations, &groups[i][0].experiment, width, view, &watch))
-    };
-    Ok(collect(groups.len(), &runs, &|_| {})?.into_iter().flatten().collect())
+    let outcome = |i: usize| Ok(run(&scenes[i], view, &watch).transpose());
+    collect(scenes.len(), &outcome, &|_| {})
 }
 
-/// Runs a few simulations together, as far as they can start; none if the watch ended them.
+/// Runs a scene to its stop time; `None` if the watch ended the run.
 fn run(
-    starts: Vec<Result<Simulation, Error>>,
-    experiment: &Experiment,
-    width: Option<Width>,
+    scene: &Scene,
     view: &View,
     watch: &dyn Fn() -> ControlFlow<()>,
-) -> Vec<Option<Result<Summary, Error>>> {
-    let (count, mut simulations, mut failures) = (starts.len(), Vec::new(), Vec::new());
-    for start in starts {
-        match start {
-            Ok(simulation) => {
-                simulations.push(simulation);
-                failures.push(None);
-            }
-            Err(error) => failures.push(Some(error)),
-        }
-    }
+) -> Result<Option<Summary>, Error> {
+    let mut simulation = Simulation::new(scene.clone(), 0.0)?;
+    let experiment = &scene.experiment;
     let begin = view.begin(experiment);
+    // A row at the end that closes no whole interval would be out of step with the others.
     let is_seen = |(time, is_whole): &(f64, bool)| *is_whole && *time >= begin;
     let rows = experiment.row_times().filter(is_seen).count();
-    let mut records: Vec<Record> =
-        simulations.iter().map(|one| Record::new(view, rows, one.scene())).collect();
-    let mut batch = Batch::new(simulations, width);
+    let mut record = Record::new(view, rows, simulation.scene());
     for row in experiment.row_times() {
         if watch().is_break() {
-            return vec![None; count];
+            return Ok(None);
         }
-        batch.advance_to(row.0);
-        // A row at the end that closes no whole interval would be out of step with the others.
+        simulation.advance_to(row.0)?;
         if is_seen(&row) {
-            for (simulation, record) in batch.simulations().iter_mut().zip(&mut records) {
-                attempt(simulation, |simulation| record.note(simulation, view));
-            }
+            record.note(&mut simulation, view)?;
         }
     }
-    let summary = |(simulation, record): (Result<Simulation, Error>, Record)| {
-        simulation.map(|simulation| record.summary(&simulation, experiment.output_interval))
-    };
-    let mut ends = batch.into_simulations().into_iter().zip(records).map(summary);
-    let outcome =
-        |failure: Option<Error>| failure.map_or_else(|| ends.next(), |error| Some(Err(error)));
-    failures.into_iter().map(outcome).collect()
+    Ok(Some(record.summary(&simulation, experiment.output_interval)))
 }
 
 /// The size of a motion, m, below which rounding moves what rests.

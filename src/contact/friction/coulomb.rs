@@ -1,7 +1,6 @@
 //! Coulomb's law with one coefficient: |T| ≤ µ N where the contact sticks, T = ±µ N where it slips.
 
 use super::{About, Friction, FrictionLaw, Frozen};
-use crate::contact::Lanes;
 
 pub(super) const ABOUT: About = About {
     name: "coulomb",
@@ -13,18 +12,18 @@ pub(super) const ABOUT: About = About {
 
 /// Coulomb's law with one coefficient µ.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Coulomb<V = f64>(pub V);
+pub struct Coulomb(pub f64);
 
-impl<V: Lanes> FrictionLaw<V> for Coulomb<V> {
-    type Frozen = Frozen<V, Self>;
+impl FrictionLaw for Coulomb {
+    type Frozen = Frozen<Self>;
 
     #[inline(always)]
-    fn new(friction: Friction<V>, _: V) -> Self {
+    fn new(friction: Friction, _: f64) -> Self {
         Self(friction.kinetic)
     }
 
     #[inline(always)]
-    fn limit(self, normal: V) -> V {
+    fn limit(self, normal: f64) -> f64 {
         self.0 * normal
     }
 }

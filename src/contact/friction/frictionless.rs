@@ -1,33 +1,33 @@
 //! No friction: T = 0.
 
 use super::{About, Friction, FrictionLaw};
-use crate::contact::{ContactState, Lanes};
+use crate::contact::ContactState;
 
 pub(super) const ABOUT: About =
     About { name: "none", keys: &[], equation: "T = 0", falls: None, sticks: false };
 
 /// Nothing holds a contact but its normal. Slip has no direction then: a closed contact is said to slide.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frictionless<V = f64>(V);
+pub struct Frictionless;
 
-impl<V: Lanes> FrictionLaw<V> for Frictionless<V> {
+impl FrictionLaw for Frictionless {
     const STICKS: bool = false;
     const HAS_DIRECTION: bool = false;
 
     type Frozen = Self;
 
     #[inline(always)]
-    fn new(_: Friction<V>, surface: V) -> Self {
-        Self(surface.splat(0.0))
+    fn new(_: Friction, _: f64) -> Self {
+        Self
     }
 
     #[inline(always)]
-    fn limit(self, _: V) -> V {
-        self.0
+    fn limit(self, _: f64) -> f64 {
+        0.0
     }
 
     #[inline(always)]
-    fn slip(self, _: V, _: V) -> (V, V::States) {
-        (self.0, self.0.in_state(ContactState::Slide))
+    fn slip(self, _: f64, _: f64) -> (f64, ContactState) {
+        (0.0, ContactState::Slide)
     }
 }

@@ -2,38 +2,38 @@
 //! the mass moves.
 
 use super::{Friction, FrictionLaw};
-use crate::contact::Lanes;
+use crate::contact::ContactState;
 
 /// A law without sticking: what the linearised analysis of uniform sliding assumes. Friction follows N with
 /// its sign, so a contact that is held in both directions has linear motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Frozen<V, L> {
+pub struct Frozen<L> {
     law: L,
-    surface: V,
+    surface: f64,
 }
 
-impl<V: Lanes, L: FrictionLaw<V>> FrictionLaw<V> for Frozen<V, L> {
+impl<L: FrictionLaw> FrictionLaw for Frozen<L> {
     const STICKS: bool = false;
 
     type Frozen = Self;
 
     #[inline(always)]
-    fn new(friction: Friction<V>, surface: V) -> Self {
+    fn new(friction: Friction, surface: f64) -> Self {
         Self { law: L::new(friction, surface), surface }
     }
 
     #[inline(always)]
-    fn at(self, slip: V, before: V::States) -> Self {
+    fn at(self, slip: f64, before: ContactState) -> Self {
         Self { law: self.law.at(slip, before), ..self }
     }
 
     #[inline(always)]
-    fn limit(self, normal: V) -> V {
+    fn limit(self, normal: f64) -> f64 {
         self.law.limit(normal)
     }
 
     #[inline(always)]
-    fn slip(self, _: V, normal: V) -> (V, V::States) {
+    fn slip(self, _: f64, normal: f64) -> (f64, ContactState) {
         self.law.slip(self.surface, normal)
     }
 }

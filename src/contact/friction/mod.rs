@@ -9,17 +9,17 @@ mod range;
 pub use frozen::Frozen;
 pub use range::FrictionRange;
 
-use super::{ContactState, Lanes};
+use super::ContactState;
 
 /// The numbers that a contact's friction is made of. Laws that do not know one of them have no use for it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Friction<V = f64> {
+pub struct Friction {
     /// µ_k ≥ 0, of a contact that slips.
-    pub kinetic: V,
+    pub kinetic: f64,
     /// µ_s ≥ µ_k, of one that does not.
-    pub static_: V,
+    pub static_: f64,
     /// v_s > 0, m/s: the slip velocity over which µ falls from µ_s towards µ_k.
-    pub stribeck_velocity: V,
+    pub stribeck_velocity: f64,
 }
 
 /// One coefficient for all that a contact does.
@@ -74,9 +74,8 @@ pub struct Falls {
     pub most: fn(Friction) -> f64,
 }
 
-/// A law that says what friction is on a closed contact. For several simulations at once it says so of each
-/// by itself ([`Lanes`]).
-pub trait FrictionLaw<V: Lanes = f64>: Copy {
+/// A law that says what friction is on a closed contact.
+pub trait FrictionLaw: Copy {
     /// Can friction hold a contact? Where not, nothing is asked of [`holds`](Self::holds).
     const STICKS: bool = true;
 
@@ -84,54 +83,55 @@ pub trait FrictionLaw<V: Lanes = f64>: Copy {
     const HAS_DIRECTION: bool = true;
 
     /// The same law with its direction frozen.
-    type Frozen: FrictionLaw<V>;
+    type Frozen: FrictionLaw;
 
     /// The law with these numbers, on a surface that moves with velocity `surface` (m/s) along the tangent.
-    fn new(friction: Friction<V>, surface: V) -> Self;
+    fn new(friction: Friction, surface: f64) -> Self;
 
     /// The law over a step that begins with this slip velocity, m/s, in this state.
     #[inline(always)]
     #[must_use]
-    fn at(self, _slip: V, _before: V::States) -> Self {
+    fn at(self, _slip: f64, _before: ContactState) -> Self {
         self
     }
 
     /// Can friction be `holding` (N) on a contact that was in state `before` and presses with `normal` (N)?
     #[inline(always)]
-    fn holds(self, holding: V, normal: V, _before: V::States) -> V::Mask {
-        holding.abs().is_at_most(self.limit(normal))
+    fn holds(self, holding: f64, normal: f64, _before: ContactState) -> bool {
+        holding.abs() <= self.limit(normal)
     }
 
     /// The size of T on a contact that slips and presses with `normal`, N.
     #[must_use]
-    fn limit(self, normal: V) -> V;
+    fn limit(self, normal: f64) -> f64;
 
     /// T on a contact that friction does not hold, N, and its state.
     #[inline(always)]
     #[must_use]
-    fn slip(self, holding: V, normal: V) -> (V, V::States) {
+    fn slip(self, holding: f64, normal: f64) -> (f64, ContactState) {
         let limit = self.limit(normal);
-        let forward = holding.splat(0.0).is_below(holding);
-        let slide = limit.in_state(ContactState::Slide);
-        let reverse = limit.in_state(ContactState::ReverseSlide);
-        (V::select(forward, limit, -limit), V::select_states(forward, slide, reverse))
+        if holding > 0.0 {
+            (limit, ContactState::Slide)
+        } else {
+            (-limit, ContactState::ReverseSlide)
+        }
     }
 
     /// How far T may go on a contact that was in state `before`, over N.
     #[inline(always)]
     #[must_use]
-    fn range(self, _before: V::States, one: V) -> FrictionRange<V> {
-        FrictionRange::of(self.limit(one))
+    fn range(self, _before: ContactState) -> FrictionRange {
+        FrictionRange::of(self.limit(1.0))
     }
 }
 
 /// Something that is done under a law that is known when it is compiled.
-pub trait UnderLaw<V: Lanes = f64> {
+pub trait UnderLaw {
     /// What comes of it.
     type Output;
 
     /// Does it.
-    fn under<L: FrictionLaw<V>>(self) -> Self::Output;
+    fn under<L: FrictionLaw>(self) -> Self::Output;
 }
 
 macro_rules! register {
@@ -159,11 +159,11 @@ macro_rules! register {
 
             /// Does something under this law, or under the same with its direction frozen.
             #[inline(always)]
-            pub fn apply<V: Lanes, W: UnderLaw<V>>(self, sticking: bool, work: W) -> W::Output {
+            pub fn apply<W: UnderLaw>(self, sticking: bool, work: W) -> W::Output {
                 match (self, sticking) {
                     $(
-                        (Self::$law, true) => work.under::<$law<V>>(),
-                        (Self::$law, false) => work.under::<<$law<V> as FrictionLaw<V>>::Frozen>(),
+                        (Self::$law, true) => work.under::<$law>(),
+                        (Self::$law, false) => work.under::<<$law as FrictionLaw>::Frozen>(),
                     )+
                 }
             }

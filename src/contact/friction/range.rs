@@ -1,29 +1,25 @@
 //! How far friction may go where it holds.
 
-use crate::contact::Lanes;
-
 /// What friction is on a contact, over its normal force: −`backward` ≤ T/N ≤ `forward` where it
 /// holds, ±`kinetic` where it slips.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct FrictionRange<V = f64> {
+pub struct FrictionRange {
     /// Against the tangent.
-    pub backward: V,
+    pub backward: f64,
     /// Along the tangent.
-    pub forward: V,
+    pub forward: f64,
     /// µ_k, no more than the other two.
-    pub kinetic: V,
-}
-
-impl<V: Copy> FrictionRange<V> {
-    /// The range of Coulomb's law: one coefficient in both directions and for what slips.
-    #[inline(always)]
-    #[must_use]
-    pub fn of(coefficient: V) -> Self {
-        Self { backward: coefficient, forward: coefficient, kinetic: coefficient }
-    }
+    pub kinetic: f64,
 }
 
 impl FrictionRange {
+    /// The range of Coulomb's law: one coefficient in both directions and for what slips.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(coefficient: f64) -> Self {
+        Self { backward: coefficient, forward: coefficient, kinetic: coefficient }
+    }
+
     /// The most that T/N may be in this direction (±1).
     #[must_use]
     pub fn limit(&self, direction: f64) -> f64 {
@@ -41,14 +37,11 @@ impl FrictionRange {
     pub fn limit_mut(&mut self, direction: f64) -> &mut f64 {
         if direction > 0.0 { &mut self.forward } else { &mut self.backward }
     }
-}
 
-impl<V: Lanes> FrictionRange<V> {
     /// Can friction be T under the normal force N (both N)?
     #[inline(always)]
     #[must_use]
-    pub fn holds(&self, tangential: V, normal: V) -> V::Mask {
-        (-(self.backward * normal)).is_at_most(tangential)
-            & tangential.is_at_most(self.forward * normal)
+    pub fn holds(&self, tangential: f64, normal: f64) -> bool {
+        -(self.backward * normal) <= tangential && tangential <= self.forward * normal
     }
 }

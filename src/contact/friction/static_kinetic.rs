@@ -4,7 +4,7 @@
 //! µ_s N against slipping the other way. A touch-down has slipped.
 
 use super::{About, Coulomb, Friction, FrictionLaw, FrictionRange, Frozen};
-use crate::contact::{ContactState, Lanes};
+use crate::contact::ContactState;
 
 pub(super) const ABOUT: About = About {
     name: "static",
@@ -16,41 +16,40 @@ pub(super) const ABOUT: About = About {
 
 /// Two coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct StaticKinetic<V = f64> {
-    kinetic: V,
-    static_: V,
+pub struct StaticKinetic {
+    kinetic: f64,
+    static_: f64,
 }
 
-impl<V: Lanes> FrictionLaw<V> for StaticKinetic<V> {
-    // What never sticks knows no static friction.
-    type Frozen = Frozen<V, Coulomb<V>>;
+impl FrictionLaw for StaticKinetic {
+    // A contact that never sticks has no use for µ_s.
+    type Frozen = Frozen<Coulomb>;
 
     #[inline(always)]
-    fn new(friction: Friction<V>, _: V) -> Self {
+    fn new(friction: Friction, _: f64) -> Self {
         Self { kinetic: friction.kinetic, static_: friction.static_ }
     }
 
     #[inline(always)]
-    fn holds(self, holding: V, normal: V, before: V::States) -> V::Mask {
-        self.range(before, normal).holds(holding, normal)
+    fn holds(self, holding: f64, normal: f64, before: ContactState) -> bool {
+        self.range(before).holds(holding, normal)
     }
 
     #[inline(always)]
-    fn limit(self, normal: V) -> V {
+    fn limit(self, normal: f64) -> f64 {
         self.kinetic * normal
     }
 
     #[inline(always)]
-    fn range(self, before: V::States, _: V) -> FrictionRange<V> {
+    fn range(self, before: ContactState) -> FrictionRange {
         let Self { kinetic, static_ } = self;
-        let stuck = kinetic.are(before, ContactState::Stick);
-        let slid = stuck | kinetic.are(before, ContactState::Slide);
-        let slid_back = stuck | kinetic.are(before, ContactState::ReverseSlide);
-        FrictionRange {
-            backward: V::select(slid, static_, kinetic),
-            forward: V::select(slid_back, static_, kinetic),
-            kinetic,
-        }
+        let (backward, forward) = match before {
+            ContactState::Stick => (static_, static_),
+            ContactState::Slide => (static_, kinetic),
+            ContactState::ReverseSlide => (kinetic, static_),
+            ContactState::Detached => (kinetic, kinetic),
+        };
+        FrictionRange { backward, forward, kinetic }
     }
 }
 
@@ -83,7 +82,7 @@ mod tests {
         {
             assert_eq!(friction(Coulomb(0.5), holding, 6.0, Slide), expected);
             // One law, whichever way it is written.
-            let alike: StaticKinetic = StaticKinetic::new(0.5.into(), 1.0);
+            let alike = StaticKinetic::new(0.5.into(), 1.0);
             assert_eq!(friction(alike, holding, 6.0, Slide), expected);
         }
     }

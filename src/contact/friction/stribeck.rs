@@ -4,7 +4,7 @@
 //! Over a step µ is that of the slip velocity at its beginning, as damping is: of the scheme's first order.
 
 use super::{About, Falls, Friction, FrictionLaw, Frozen};
-use crate::contact::{ContactState, Lanes};
+use crate::contact::ContactState;
 
 pub(super) const ABOUT: About = About {
     name: "stribeck",
@@ -27,30 +27,32 @@ pub(super) const ABOUT: About = About {
 
 /// µ(v_r), and what it is now.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stribeck<V = f64> {
-    friction: Friction<V>,
-    now: V,
+pub struct Stribeck {
+    friction: Friction,
+    now: f64,
 }
 
-impl<V: Lanes> FrictionLaw<V> for Stribeck<V> {
-    type Frozen = Frozen<V, Self>;
+impl FrictionLaw for Stribeck {
+    type Frozen = Frozen<Self>;
 
     #[inline(always)]
-    fn new(friction: Friction<V>, _: V) -> Self {
+    fn new(friction: Friction, _: f64) -> Self {
         Self { friction, now: friction.static_ }
     }
 
     #[inline(always)]
-    fn at(self, slip: V, before: V::States) -> Self {
+    fn at(self, slip: f64, before: ContactState) -> Self {
         let Friction { kinetic, static_, stribeck_velocity } = self.friction;
-        let decay = slip.abs().zip(stribeck_velocity, |slip, v_s| libm::exp(-slip / v_s));
-        // What sticks has no slip, though its surface may be faster by the end of the step.
-        let sticks = kinetic.are(before, ContactState::Stick);
-        Self { now: V::select(sticks, static_, kinetic + (static_ - kinetic) * decay), ..self }
+        // A contact that sticks has no slip, though its surface may be faster by the end of the step.
+        if before == ContactState::Stick {
+            return Self { now: static_, ..self };
+        }
+        let decay = libm::exp(-slip.abs() / stribeck_velocity);
+        Self { now: kinetic + (static_ - kinetic) * decay, ..self }
     }
 
     #[inline(always)]
-    fn limit(self, normal: V) -> V {
+    fn limit(self, normal: f64) -> f64 {
         self.now * normal
     }
 }
@@ -87,11 +89,11 @@ mod tests {
 
     #[test]
     fn what_sticks_is_held_by_static_friction_and_lets_go_without_a_jump() {
-        let law: Stribeck = Stribeck::new(FRICTION, 1.0).at(0.0, Slide);
+        let law = Stribeck::new(FRICTION, 1.0).at(0.0, Slide);
         assert!(law.holds(5.0, 10.0, Stick) && !law.holds(5.01, 10.0, Stick));
         assert_eq!(law.slip(5.01, 10.0), (5.0, Slide));
         let law = law.at(0.1, Slide);
-        let (friction, state): (f64, ContactState) = law.slip(5.01, 10.0);
+        let (friction, state) = law.slip(5.01, 10.0);
         assert!((friction - 10.0 * mu(0.1)).abs() < 1e-15 && state == Slide);
         // A surface that speeds up under it has not moved on yet.
         assert!(law.at(0.1, Stick).holds(5.0, 10.0, Stick));

@@ -126,7 +126,7 @@ fn freedom<L: FrictionLaw, const DETACHMENT: bool>(
 ) -> Freedom {
     let law = L::new(friction, surface).at(slip, before);
     if L::STICKS {
-        let range = law.range(before, 1.0);
+        let range = law.range(before);
         return if DETACHMENT { Freedom::Law(range) } else { Freedom::Held(range) };
     }
     let (slope, state) = law.slip(slip, 1.0);

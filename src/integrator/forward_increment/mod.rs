@@ -25,8 +25,6 @@ pub(super) use general::faster;
 pub use general::{dense, sparse};
 pub(super) use ledger::WithLedger;
 pub use ring::RingForwardIncrement;
-#[cfg(feature = "tools")]
-pub use ring::batch::{RingBatch, Width};
 
 /// All kernels of the scheme.
 pub(super) fn kernels() -> Vec<Kernel> {

@@ -38,7 +38,7 @@ pub struct Common {
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
     /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method. A basin
-    /// takes the scene's own method, with which rings move several at once
+    /// takes the scene's own method
     #[command(flatten)]
     pub integrator: Integrator,
     /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's, here,

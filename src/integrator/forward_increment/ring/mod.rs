@@ -1,10 +1,6 @@
 //! The scheme on a ring of modules: diagonal mass, one contact a module, links to the neighbours.
 
-#[cfg(feature = "tools")]
-pub(super) mod batch;
 mod step;
-#[cfg(feature = "tools")]
-mod wide;
 
 use crate::contact::{
     ContactForce, ContactLaw, ContactState, Friction, FrictionLaw, Law, UnderLaw,
@@ -31,10 +27,10 @@ type Kernel = fn(&mut Rings, &mut Motion, &Drive, f64, u64);
 /// A ring, and what its steps are taken with.
 struct Rings {
     law: ContactLaw,
-    blocks: Vec<Block<f64>>,
+    blocks: Vec<Block>,
     damping: Damping,
     /// x + β ẋ, on which K acts for springs and dampers at once.
-    strained: Vec<Vector<f64>>,
+    strained: Vec<Vector>,
 }
 
 /// Surfaces as the drive has them, with a law of this kind.
@@ -44,11 +40,11 @@ struct OfDrive<'a, L> {
     law: PhantomData<L>,
 }
 
-impl<L: FrictionLaw> Surfaces<f64> for OfDrive<'_, L> {
+impl<L: FrictionLaw> Surfaces for OfDrive<'_, L> {
     type Law = L;
 
     #[inline(always)]
-    fn of(&self, module: usize) -> Surface<f64, L> {
+    fn of(&self, module: usize) -> Surface<L> {
         let velocity = self.velocities[module];
         Surface { velocity, law: L::new(self.frictions[module], velocity) }
     }
@@ -130,7 +126,7 @@ impl RingForwardIncrement {
 impl Rings {
     /// The kernel for what this ring has.
     fn kernel(&self) -> Kernel {
-        let has_link = |block: &Block<f64>| block.before != [0.0; 2] || block.after != [0.0; 2];
+        let has_link = |block: &Block| block.before != [0.0; 2] || block.after != [0.0; 2];
         let choice = Choice {
             detachment: self.law.detachment,
             damping: self.damping != Damping::default(),
@@ -174,14 +170,14 @@ impl Rings {
             v: motion.velocity.as_chunks_mut().0,
             strained: &mut self.strained,
             contacts: &mut motion.contacts,
-            statistics: std::slice::from_mut(&mut motion.statistics),
+            statistics: &mut motion.statistics,
         };
-        constants.steps::<E, _, _, _, _>(&fixed, &mut moving, count);
+        constants.steps::<E, _>(&fixed, &mut moving, count);
     }
 }
 
 /// The modules of a model whose matrices have the pattern of a ring of them.
-fn blocks(model: &LumpedModel) -> Option<Vec<Block<f64>>> {
+fn blocks(model: &LumpedModel) -> Option<Vec<Block>> {
     let mass = model.mass.as_diagonal()?;
     let count = model.contacts.len();
     if count == 0 || model.dofs() != MODULE_DOFS * count || !model.dampers.is_empty() {
@@ -194,7 +190,7 @@ fn blocks(model: &LumpedModel) -> Option<Vec<Block<f64>>> {
     if !model.contacts.iter().enumerate().all(in_place) {
         return None;
     }
-    let mut blocks: Vec<Block<f64>> = mass
+    let mut blocks: Vec<Block> = mass
         .as_chunks::<MODULE_DOFS>()
         .0
         .iter()
