@@ -3,9 +3,10 @@
 
 mod program;
 
+use Coverage::{EveryPoint, EveryPointSettled, Traced};
 use amontons::scene::{Scene, builtin, parse};
 use amontons::simulation::assign;
-use amontons::study::basin::{Axis, Basin, basin};
+use amontons::study::basin::{Axis, Basin, Coverage, basin};
 use amontons::study::perturbation::{Direction, perturbation};
 use amontons::study::{Journal, Kind, Look, Watch, Wish};
 use program::{assert_refused, folder, run, text};
@@ -33,9 +34,9 @@ fn axis(name: &str, last: f64, count: u32) -> Axis {
     Axis { name: name.to_owned(), values: (0..count).map(at).collect() }
 }
 
-fn of(scene: &Scene, axes: [&Axis; 2], early: bool) -> Basin {
+fn of(scene: &Scene, axes: [&Axis; 2], coverage: Coverage) -> Basin {
     let look = Look::of(scene, &Wish::default()).unwrap();
-    basin(scene, axes, &look, early, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
+    basin(scene, axes, &look, coverage, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
 /// The kind of motion of each cell, in rows.
@@ -49,7 +50,7 @@ fn kinds(basin: &Basin) -> Vec<Vec<Kind>> {
 fn what_is_decided_early_is_what_settling_says() {
     let scene = set2();
     let axes = [&axis(V1, 0.3, 12), &axis(V2, 0.25, 11)];
-    let (early, settled) = (of(&scene, axes, true), of(&scene, axes, false));
+    let (early, settled) = (of(&scene, axes, EveryPoint), of(&scene, axes, EveryPointSettled));
     let cells = || early.rows.iter().zip(&settled.rows).flat_map(|(a, b)| a.iter().zip(b));
     for (a, b) in cells() {
         assert_eq!((a.attractor, &a.failure), (b.attractor, &b.failure));
@@ -83,7 +84,8 @@ fn a_motion_on_its_way_to_one_cycle_is_not_taken_for_another_of_nearly_its_size_
     .unwrap();
     let x = axis("initial.mass.m.x", 0.012, 13);
     let y = axis("initial.mass.p.vx", 0.3, 2);
-    let (early, settled) = (of(&scene, [&x, &y], true), of(&scene, [&x, &y], false));
+    let [early, settled] =
+        [EveryPoint, EveryPointSettled].map(|coverage| of(&scene, [&x, &y], coverage));
     let amplitude = |basin: &Basin, row: usize, column: usize| {
         basin.attractors[basin.rows[row][column].attractor.unwrap()].amplitude
     };
@@ -102,7 +104,7 @@ fn a_motion_on_its_way_to_one_cycle_is_not_taken_for_another_of_nearly_its_size_
 fn a_row_of_the_plane_ends_as_its_points_do_by_themselves() {
     let mut scene = set2();
     let (x, y) = (axis(V1, 0.3, 7), axis(V2, 0.25, 3));
-    let plane = of(&scene, [&x, &y], true);
+    let plane = of(&scene, [&x, &y], EveryPoint);
     assign(&mut scene, V2, y.values[2]).unwrap();
     let direction =
         Direction { name: x.name.clone(), amplitudes: x.values.clone(), resolution: 0.99 };
@@ -115,10 +117,25 @@ fn a_row_of_the_plane_ends_as_its_points_do_by_themselves() {
     }
 }
 
+#[test]
+fn a_plane_that_is_traced_is_the_plane_of_all_points() {
+    let scene = set2();
+    let axes = [&axis(V1, 0.3, 26), &axis(V2, 0.25, 23)];
+    let [traced, every] = [Traced, EveryPoint].map(|coverage| of(&scene, axes, coverage));
+    assert_eq!(traced.attractors, every.attractors);
+    let (mut run, mut all) = (0, 0);
+    for (traced, every) in traced.rows.iter().flatten().zip(every.rows.iter().flatten()) {
+        assert_eq!(traced.attractor, every.attractor);
+        assert!(every.run && (traced.run || (!traced.early && traced.attractor.is_some())));
+        (run, all) = (run + u32::from(traced.run), all + 1);
+    }
+    assert!(2 * run < all, "{run} of {all}");
+}
+
 /// The modules of Set 2 are equal: to push one instead of the other changes names alone.
 #[test]
 fn exchanging_the_modules_of_set_2_mirrors_the_plane() {
-    let plane = of(&set2(), [&axis(V1, 0.3, 8), &axis(V2, 0.3, 8)], true);
+    let plane = of(&set2(), [&axis(V1, 0.3, 8), &axis(V2, 0.3, 8)], EveryPoint);
     let kinds = kinds(&plane);
     for (row, cells) in kinds.iter().enumerate() {
         for (column, kind) in cells.iter().enumerate() {
@@ -136,7 +153,7 @@ fn exchanging_the_modules_of_set_2_mirrors_the_plane() {
 fn a_plane_without_a_cycle_is_all_rest() {
     let mut scene = set2();
     scene.friction_coefficient = 0.5;
-    let plane = of(&scene, [&axis(V1, 0.3, 4), &axis("module[1].x2", 1e-3, 3)], true);
+    let plane = of(&scene, [&axis(V1, 0.3, 4), &axis("module[1].x2", 1e-3, 3)], EveryPoint);
     assert!(plane.rows.iter().flatten().all(|cell| cell.attractor == Some(0)));
     assert_eq!((plane.attractors.len(), plane.attractors[0].kind), (1, Kind::Equilibrium));
 }
@@ -188,13 +205,29 @@ fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
     }
     let printed = |output: &Output, of: &str| text(&output.stdout).replace(of, "");
     assert_eq!(printed(&again, "cut"), printed(&whole, "whole"));
-    // Six pieces of the first points and 24 of rows, after the head.
-    assert!(kept < 31 && lines() == 30, "{kept} {}", lines());
+    let pieces = fs::read_to_string(folder.path().join("whole/journal.jsonl")).unwrap();
+    assert!(kept < lines() && lines() == pieces.lines().count(), "{kept} {}", lines());
     let csv = fs::read_to_string(folder.path().join("cut/results.csv")).unwrap();
     assert_eq!(
         (csv.lines().next(), csv.lines().count()),
         (Some("x,y,attractor,kind,decided"), 1 + 24 * 24)
     );
+    // What is not run is told, and every point is run where that is asked for.
+    let filled_in = csv.lines().filter(|line| line.ends_with(",filled in")).count();
+    let said =
+        |output: &Output| text(&output.stdout).contains(&format!("{filled_in} were not run"));
+    assert!(filled_in > 100 && said(&whole), "{}", text(&whole.stdout));
+    let json = fs::read_to_string(folder.path().join("whole/study.json")).unwrap();
+    let json: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let points = serde_json::json!({ "run": 24 * 24 - filled_in, "filled_in": filled_in });
+    assert_eq!(json["results"]["points"], points);
+    let every = amontons(folder.path(), &all("every", &["--every-point"]));
+    let full = fs::read_to_string(folder.path().join("every/results.csv")).unwrap();
+    let ends = |csv: &str| -> Vec<String> {
+        csv.lines().map(|line| line.rsplit_once(',').unwrap().0.to_owned()).collect()
+    };
+    assert!(!full.contains("filled in") && !text(&every.stdout).contains("were not run"));
+    assert_eq!(ends(&full), ends(&csv));
 }
 
 #[test]

@@ -4,8 +4,12 @@
 //! much each displacement and each velocity varies over short windows. Any other point is decided as soon as it has the
 //! habits of one attractor and of no other, or as it slides without a change of contact state and decays where nothing can grow; one
 //! that never does is followed until it is settled.
+//!
+//! Unless all points are asked for, every fourth one along both axes is run, and all those between which basins meet; the
+//! others are filled in ([`Coverage`]).
 
 use super::attractor::attractors;
+use super::blocks::trace;
 use super::ending::{Ending, Kind};
 use super::initial::{initial_value, starting_from};
 use super::look::Look;
@@ -23,7 +27,7 @@ use crate::stability::Spectrum;
 use crate::stability::candidates::resting_state;
 use crate::stability::parallel::collect;
 use serde::{Deserialize, Serialize};
-use std::collections::{HashMap, VecDeque};
+use std::collections::VecDeque;
 
 /// Points along each axis that are followed until they are settled, first of all.
 const FIRST: usize = 6;
@@ -39,8 +43,23 @@ const ALIKE: f64 = 2e-3;
 const KEPT: usize = 2;
 /// The part of the longest time that a point takes which is decided early, as a guess for what is left.
 const EARLY: f64 = 0.05;
-/// Points of a row that are one piece of work.
-const PIECE: usize = 64;
+/// Points that are one piece of work.
+const PIECE: usize = 8;
+/// The part of the points that a traced plane runs, and the rounds that it runs them in, as guesses for what is left.
+const TRACED: f64 = 0.2;
+const ROUNDS: f64 = 3.0;
+
+/// Which points of a plane are run, and for how long.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Coverage {
+    /// Every fourth point along both axes is run, and all points between which basins meet; the others are filled in. A part
+    /// of a basin that is less than four points wide or high can be missed.
+    Traced,
+    /// Every point is run.
+    EveryPoint,
+    /// Every point is run until it has settled; none is decided early.
+    EveryPointSettled,
+}
 
 /// An initial value along an axis of the plane.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -56,7 +75,10 @@ pub struct Axis {
 pub struct Cell {
     /// Which attractor; `None` if it has not settled, or failed.
     pub attractor: Option<usize>,
-    /// Was it decided before it had settled?
+    /// `true` if the point was run; `false` if it is filled in, since all points around it that were run end in its
+    /// attractor.
+    pub run: bool,
+    /// `true` if it was decided before it had settled.
     pub early: bool,
     /// Why it failed.
     pub failure: Option<String>,
@@ -91,9 +113,7 @@ struct Known {
 /// What is known before a point is followed.
 #[derive(Default)]
 struct Knowledge {
-    /// The first points, by the bits of their values, and what they end in.
-    points: HashMap<[u64; 2], Found>,
-    /// What attractors they end in.
+    /// The attractors that the first points end in.
     attractors: Vec<Known>,
     /// The states of all contacts at rest, where they end there and it is stable.
     resting: Option<Vec<ContactState>>,
@@ -116,9 +136,8 @@ pub fn check_points([x, y]: [&Axis; 2]) -> Result<(), Error> {
     }
 }
 
-/// Finds what each point of the plane ends in. The scene's other initial values stay as they are. With
-/// `early` false all points are followed until they are settled. `None` if the watch ended it: what was finished
-/// is in the journal.
+/// Finds what each point of the plane ends in. The scene's other initial values stay as they are. `None` if the watch
+/// ended it: what was finished is in the journal, which continues with the same coverage.
 ///
 /// # Errors
 /// No such initial value, one for both axes, a plane without a point that can run, or a journal that cannot be
@@ -127,7 +146,7 @@ pub fn basin(
     scene: &Scene,
     [x, y]: [&Axis; 2],
     look: &Look,
-    early: bool,
+    coverage: Coverage,
     journal: &Journal,
     watch: Watch<'_>,
 ) -> Result<Option<Basin>, Error> {
@@ -139,64 +158,54 @@ pub fn basin(
             names[0]
         )));
     }
-    let plane = Plane { scene, names, look, watch };
-    let all = x.values.len() * y.values.len();
+    let plane = Plane { scene, names, axes: [x, y], look, journal, watch };
+    let mut found: Vec<Option<Found>> = vec![None; x.values.len() * y.values.len()];
     let mut knowledge = Knowledge::default();
     let mut part = 0.0;
-    if early {
-        let (columns, rows) = (spread(x.values.len()), spread(y.values.len()));
-        let points: Vec<[f64; 2]> = rows
-            .iter()
-            .flat_map(|&row| columns.iter().map(move |&column| [column, row]))
-            .map(|[column, row]| [x.values[column], y.values[row]])
-            .collect();
-        let pieces: Vec<&[[f64; 2]]> = points.chunks(8).collect();
+    if coverage != Coverage::EveryPointSettled {
+        let first = plane.first_points();
+        let others = if coverage == Coverage::Traced { TRACED } else { 1.0 };
         #[allow(clippy::cast_precision_loss)]
-        let first = points.len() as f64;
-        #[allow(clippy::cast_precision_loss)]
-        let others = EARLY * all as f64;
-        part = first / (first + others);
-        let meter = Work::of(points.len(), [0.0, part], watch);
-        let work = |i: usize| {
-            meter.piece(pieces[i].len(), |told| {
-                journal.piece(&format!("first {:?}", pieces[i]), || {
-                    plane.endings(pieces[i], &Knowledge::default(), told)
-                })
-            })
+        let [own, all] = [first.len(), found.len()].map(|count| count as f64);
+        part = own / (own + EARLY * others * all);
+        let Some(()) = plane.run("first", &first, &knowledge, [0.0, part], &mut found)? else {
+            return Ok(None);
         };
-        let found: Option<Vec<_>> = collect(pieces.len(), &work, &|_| {})?.into_iter().collect();
-        let Some(found) = found else { return Ok(None) };
-        knowledge = Knowledge::of(scene, &points, found.into_iter().flatten().collect());
+        let ends: Vec<&Found> = first.iter().filter_map(|&place| found[place].as_ref()).collect();
+        knowledge = Knowledge::of(scene, &ends);
     }
-
-    let rows = y.values.iter().map(|&y| x.values.iter().map(move |&x| [x, y]).collect());
-    let rows: Vec<Vec<[f64; 2]>> = rows.collect();
-    let pieces: Vec<&[[f64; 2]]> = rows.iter().flat_map(|row| row.chunks(PIECE)).collect();
-    let meter = Work::of(all, [part, 1.0], watch);
-    let work = |i: usize| {
-        let [first, .., last] = [pieces[i][0], pieces[i][pieces[i].len() - 1]];
-        let way = if early { "from" } else { "all from" };
-        let key = format!("{way} {first:?} to {last:?}, {}", pieces[i].len());
-        meter.piece(pieces[i].len(), |told| {
-            journal.piece(&key, || plane.endings(pieces[i], &knowledge, told))
-        })
+    let filled = if coverage == Coverage::Traced {
+        plane.trace(&knowledge, part, &mut found)?
+    } else {
+        let all: Vec<usize> = (0..found.len()).collect();
+        let done = plane.run("all", &all, &knowledge, [part, 1.0], &mut found)?;
+        done.map(|()| vec![None; found.len()])
     };
-    let found: Option<Vec<_>> = collect(pieces.len(), &work, &|_| {})?.into_iter().collect();
-    let Some(found) = found else { return Ok(None) };
-    let found: Vec<Found> = found.into_iter().flatten().collect();
-    if let Some(Found::Failed(reason)) =
-        found.first().filter(|_| found.iter().all(|found| matches!(found, Found::Failed(_))))
-    {
+    let Some(filled) = filled else { return Ok(None) };
+    let failure = |found: &Found| match found {
+        Found::Failed(reason) => Some(reason.clone()),
+        _ => None,
+    };
+    let failures: Option<Vec<String>> = found.iter().flatten().map(failure).collect();
+    if let Some(reason) = failures.as_ref().and_then(|failures| failures.first()) {
         return Err(Error::scene(format!("no point of the plane can run: {reason}")));
     }
-    Ok(Some(told(&knowledge.attractors, &found, x.values.len())))
+    let (attractors, cells) = cells(&knowledge.attractors, &found);
+    let filled_in = |attractor| Cell { attractor, run: false, early: false, failure: None };
+    let cells = cells.into_iter().zip(filled);
+    let cells = cells.map(|(cell, attractor)| cell.unwrap_or_else(|| filled_in(attractor)));
+    let cells: Vec<Cell> = cells.collect();
+    let rows = cells.chunks(x.values.len()).map(<[Cell]>::to_vec).collect();
+    Ok(Some(Basin { attractors, rows }))
 }
 
 /// The plane and how its points are followed.
 struct Plane<'a> {
     scene: &'a Scene,
     names: [String; 2],
+    axes: [&'a Axis; 2],
     look: &'a Look,
+    journal: &'a Journal,
     watch: Watch<'a>,
 }
 
@@ -213,22 +222,76 @@ struct Traveller {
 }
 
 impl Plane<'_> {
-    /// What each of these points ends in; `None` if the watch ended it.
-    fn endings(
+    /// The places of the first points, row by row from 0 on.
+    fn first_points(&self) -> Vec<usize> {
+        let [columns, rows] = self.axes.map(|axis| axis.values.len());
+        let of_row =
+            |row: usize| spread(columns).into_iter().map(move |column| row * columns + column);
+        spread(rows).into_iter().flat_map(of_row).collect()
+    }
+
+    /// Runs those of these points that were not run before, and notes what they end in; `None` if the watch ended it.
+    /// The work is told to go from one part of all work to another.
+    fn run(
         &self,
-        points: &[[f64; 2]],
+        name: &str,
+        places: &[usize],
         knowledge: &Knowledge,
-        told: &dyn Fn(f64),
-    ) -> Result<Option<Vec<Found>>, Error> {
-        Ok(points.iter().map(|&point| self.ending(point, knowledge, told)).collect())
+        parts: [f64; 2],
+        found: &mut [Option<Found>],
+    ) -> Result<Option<()>, Error> {
+        let [x, y] = self.axes;
+        let point =
+            |place: usize| [x.values[place % x.values.len()], y.values[place / x.values.len()]];
+        let due = places.iter().copied().filter(|place| found[*place].is_none());
+        let (due, points): (Vec<usize>, Vec<[f64; 2]>) =
+            due.map(|place| (place, point(place))).unzip();
+        let pieces: Vec<&[[f64; 2]]> = points.chunks(PIECE).collect();
+        let meter = Work::of(points.len(), parts, self.watch);
+        let work = |i: usize| {
+            let (points, count) = (pieces[i], pieces[i].len());
+            let key = format!("{name}, {:?} to {:?}, {count}", points[0], points[count - 1]);
+            meter.piece(count, |told| {
+                self.journal.piece(&key, || {
+                    Ok(points.iter().map(|&point| self.ending(point, knowledge, told)).collect())
+                })
+            })
+        };
+        let ends: Option<Vec<Vec<Found>>> =
+            collect(pieces.len(), &work, &|_| {})?.into_iter().collect();
+        let Some(ends) = ends else { return Ok(None) };
+        for (place, end) in due.into_iter().zip(ends.into_iter().flatten()) {
+            found[place] = Some(end);
+        }
+        Ok(Some(()))
+    }
+
+    /// Runs points between which basins meet; the attractors that the others are filled in with, or `None` if the watch
+    /// ended it. This part of all work is done before.
+    fn trace(
+        &self,
+        knowledge: &Knowledge,
+        mut part: f64,
+        found: &mut [Option<Found>],
+    ) -> Result<Option<Vec<Option<usize>>>, Error> {
+        let mut round = 0;
+        trace(self.axes.map(|axis| axis.values.len()), &mut |places| {
+            round += 1;
+            // The expected rounds are told as equal parts; of any further one nobody knows whether it is the last.
+            let begin = part;
+            part += (1.0 - part) / f64::max(ROUNDS + 1.0 - f64::from(round), 2.0);
+            let name = format!("round {round}");
+            let done = self.run(&name, places, knowledge, [begin, part], found)?;
+            let ends = || {
+                let (_, cells) = cells(&knowledge.attractors, found);
+                cells.into_iter().map(|cell| cell.map(|cell| cell.attractor)).collect()
+            };
+            Ok(done.map(|()| ends()))
+        })
     }
 
     /// What a point ends in; `None` if the watch ended it.
     fn ending(&self, point: [f64; 2], knowledge: &Knowledge, told: &dyn Fn(f64)) -> Option<Found> {
-        if let Some(known) = knowledge.points.get(&point.map(f64::to_bits)) {
-            told(1.0);
-            return Some(known.clone());
-        }
         self.follow(point, knowledge, told)
             .unwrap_or_else(|error| Some(Found::Failed(error.to_string())))
     }
@@ -389,21 +452,16 @@ fn habits<'a>(windows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<[f64; 2]> {
 }
 
 impl Knowledge {
-    /// What these points tell that end so.
-    fn of(scene: &Scene, points: &[[f64; 2]], found: Vec<Found>) -> Self {
-        let attractors = what_is_known(&found);
+    /// What points tell that end so.
+    fn of(scene: &Scene, found: &[&Found]) -> Self {
+        let attractors = what_is_known(found);
         let rests = attractors.iter().any(|known| known.ending.kind == Kind::Equilibrium);
-        let points = points.iter().map(|point| point.map(f64::to_bits));
-        Self {
-            points: points.zip(found).collect(),
-            attractors,
-            resting: rests.then(|| stable_rest(scene)).flatten(),
-        }
+        Self { attractors, resting: rests.then(|| stable_rest(scene)).flatten() }
     }
 }
 
 /// The attractors that points have ended in, with the habits of all that ended in each.
-fn what_is_known(found: &[Found]) -> Vec<Known> {
+fn what_is_known(found: &[&Found]) -> Vec<Known> {
     let settled = found.iter().filter_map(|found| match found {
         Found::Settled(ending, habits) => Some((&**ending, habits)),
         _ => None,
@@ -441,20 +499,22 @@ fn spread(count: usize) -> Vec<usize> {
     (0..some).map(|i| (2 * i + 1) * count / (2 * some)).collect()
 }
 
-/// All attractors, and the cells in rows.
-fn told(known: &[Known], found: &[Found], columns: usize) -> Basin {
+/// All attractors, and the cell of each point that was run.
+fn cells(known: &[Known], found: &[Option<Found>]) -> (Vec<Ending>, Vec<Option<Cell>>) {
     let first = known.iter().map(|known| Some(&known.ending));
     let settled = found.iter().map(|found| match found {
-        Found::Settled(ending, _) => Some(&**ending),
+        Some(Found::Settled(ending, _)) => Some(&**ending),
         _ => None,
     });
     let (attractors, places) = attractors(first.chain(settled));
     let (first, settled) = places.split_at(known.len());
-    let cells = found.iter().zip(settled).map(|(found, &place)| match found {
-        Found::Early(known) => Cell { attractor: first[*known], early: true, failure: None },
-        Found::Settled(..) => Cell { attractor: place, early: false, failure: None },
-        Found::Failed(why) => Cell { attractor: None, early: false, failure: Some(why.clone()) },
+    let cell = |attractor, early, failure| Cell { attractor, run: true, early, failure };
+    let cells = found.iter().zip(settled).map(|(found, &place)| {
+        found.as_ref().map(|found| match found {
+            Found::Early(known) => cell(first[*known], true, None),
+            Found::Settled(..) => cell(place, false, None),
+            Found::Failed(why) => cell(None, false, Some(why.clone())),
+        })
     });
-    let cells: Vec<Cell> = cells.collect();
-    Basin { attractors, rows: cells.chunks(columns).map(<[Cell]>::to_vec).collect() }
+    (attractors, cells.collect())
 }

@@ -32,6 +32,7 @@ mod attractor;
 pub mod basin;
 mod basis;
 mod beat;
+mod blocks;
 pub mod confirm;
 mod continuation;
 mod difference;

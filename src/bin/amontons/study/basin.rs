@@ -8,7 +8,9 @@ use crate::arguments::{Values, named_values};
 use crate::say::say;
 use amontons::picture::{Class, Map};
 use amontons::scene::Scene;
-use amontons::study::basin::{Axis, Basin as Found, Cell, SHORT_WINDOWS, basin, check_points};
+use amontons::study::basin::{
+    Axis, Basin as Found, Cell, Coverage, SHORT_WINDOWS, basin, check_points,
+};
 use amontons::study::{Look, initial_value};
 use clap::Args;
 use serde_json::json;
@@ -27,10 +29,14 @@ pub struct Basin {
     /// Values from A to B of another initial value, up
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
     y: (String, Values),
+    /// Run every point; else every fourth one along both axes is run and all between which basins meet, and the others are
+    /// filled in
+    #[arg(long)]
+    every_point: bool,
 }
 
 pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
-    let Basin { common, looking, x, y } = arguments;
+    let Basin { common, looking, x, y, every_point } = arguments;
     let (scene, source, look) = prepared_with(common, looking, |_, _| {})?;
     let axis = |(name, values): &(String, Values)| {
         Ok::<_, amontons::Error>(Axis {
@@ -45,9 +51,10 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
             eprintln!("note: {} takes the values of its axis, not that of --set", axis.name);
         }
     }
-    let settings = json!({ "x": x, "y": y, "look": look });
+    let coverage = if *every_point { Coverage::EveryPoint } else { Coverage::Traced };
+    let settings = json!({ "x": x, "y": y, "look": look, "every_point": every_point });
     let folder = Folder::open(common, "basin", (&scene, &source), settings)?;
-    let found = watched(|watch| basin(&scene, [&x, &y], &look, true, folder.journal(), watch))?;
+    let found = watched(|watch| basin(&scene, [&x, &y], &look, coverage, folder.journal(), watch))?;
     let Some(found) = found else { return Err(interrupted(&folder)) };
     let points = y.values.iter().zip(&found.rows);
     let points = points.flat_map(|(y, row)| x.values.iter().zip(row).map(move |(x, c)| (x, y, c)));
@@ -56,6 +63,7 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
         points.map(|(x, y, cell)| {
             let kind = class(&found, cell);
             let decided = match cell {
+                Cell { run: false, .. } => "filled in",
                 Cell { early: true, .. } => "early",
                 Cell { attractor: Some(_), .. } => "settled",
                 Cell { .. } => "no",
@@ -65,12 +73,19 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
         }),
     )?;
     // Where each point ends is in the table.
-    folder.write_json(json!({ "attractors": found.attractors }))?;
+    let [run, filled_in] = [true, false].map(|run| count(&found, |cell| cell.run == run));
+    let points = json!({ "run": run, "filled_in": filled_in });
+    folder.write_json(json!({ "attractors": found.attractors, "points": points }))?;
     print(&scene, [&x, &y], &look, &found);
     let map = map(&scene, [&x, &y], &look, &found);
     map.write(&folder.picture("basin"))?;
     say!("\nresults and pictures are in {}", folder.path().display());
     Ok(())
+}
+
+/// How many points are such.
+fn count(found: &Found, is_such: impl Fn(&Cell) -> bool) -> usize {
+    found.rows.iter().flatten().filter(|cell| is_such(cell)).count()
 }
 
 /// The kind of motion that a point ends in, or why it has none.
@@ -87,25 +102,30 @@ fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
     say!("{}: {}, {}, and {}, {}", scene.name, x.name, units[0], y.name, units[1]);
     say!("{}", heading(&[(scene, look)]));
     attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
-    let cells = || found.rows.iter().flatten();
-    let count = |is: &dyn Fn(&Cell) -> bool| cells().filter(|cell| is(cell)).count();
     say!("\npoints  end in");
     for place in 0..found.attractors.len() {
-        say!("{:>6}  {}", count(&|cell| cell.attractor == Some(place)), place + 1);
+        say!("{:>6}  {}", count(found, |cell| cell.attractor == Some(place)), place + 1);
     }
     for rest in ["unsettled", "failed"] {
-        let number = count(&|cell| class(found, cell) == rest);
+        let number = count(found, |cell| class(found, cell) == rest);
         if number > 0 {
             say!("{number:>6}  {rest}");
         }
     }
     say!(
         "{} of {} were decided early, by windows of {} s",
-        count(&|cell| cell.early),
-        cells().count(),
+        count(found, |cell| cell.early),
+        count(found, |cell| cell.run),
         look.window / f64::from(SHORT_WINDOWS)
     );
-    if let Some(failure) = cells().find_map(|cell| cell.failure.as_ref()) {
+    let filled_in = count(found, |cell| !cell.run);
+    if filled_in > 0 {
+        say!(
+            "{filled_in} were not run and are filled in, as all points around each that were run end alike; \
+             --every-point runs them"
+        );
+    }
+    if let Some(failure) = found.rows.iter().flatten().find_map(|cell| cell.failure.as_ref()) {
         eprintln!("note: the first that failed: {failure}");
     }
 }
