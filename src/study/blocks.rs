@@ -16,6 +16,9 @@ const LARGEST: usize = 4;
 /// How a point of the plane ends, if it was run: in which attractor, or in none that is known.
 pub(super) type End = Option<Option<usize>>;
 
+/// Runs the points at these places; the end of each point of the plane then, or `None` if the watch ended it.
+type Runner<'a> = &'a mut dyn FnMut(&[usize]) -> Result<Option<Vec<End>>, Error>;
+
 /// The points from a first to a last one along both axes.
 #[derive(Clone, Debug, PartialEq)]
 struct Block {
@@ -33,7 +36,7 @@ struct Block {
 /// An error of `run`.
 pub(super) fn trace(
     [columns, rows]: [usize; 2],
-    run: &mut dyn FnMut(&[usize]) -> Result<Option<Vec<End>>, Error>,
+    run: Runner<'_>,
 ) -> Result<Option<Vec<Option<usize>>>, Error> {
     let place = |[column, row]: [usize; 2]| row * columns + column;
     let mut blocks = cover(columns, rows);
