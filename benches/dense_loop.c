@@ -1,5 +1,6 @@
-/* The forward increment Lagrange scheme on Set 1, as one writes it down from the paper: full
- * matrices, one loop. What benches/step.rs measures Amontons against. */
+/* The forward increment Lagrange scheme on Set 1 as plain loops with full matrices, which
+ * benches/step.rs measures Amontons against: dense_loop as one writes it down from the paper, and
+ * effective_loop, which multiplies K once, by x + beta v, since C = beta K. */
 
 #include <math.h>
 #include <stdint.h>
@@ -12,29 +13,34 @@ struct problem {
     double stiffness[DOFS][DOFS];
     double damping[DOFS][DOFS];
     double force[DOFS];
-    double slider_velocity, friction, step;
+    double slider_velocity, friction, step, beta;
 };
 
 static const int tangent[CONTACTS] = {2, 6};
 static const int normal[CONTACTS] = {3, 7};
 
 /* Takes `steps` steps; returns how often a contact changed its state. */
-uint64_t dense_loop(const struct problem *restrict problem, double x[restrict DOFS],
-                    double v[restrict DOFS], int state[restrict CONTACTS], uint64_t steps)
+static inline __attribute__((always_inline)) uint64_t
+loop(const struct problem *restrict problem, double x[restrict DOFS], double v[restrict DOFS],
+     int state[restrict CONTACTS], uint64_t steps, int effective)
 {
     const struct problem p = *problem;
     const double h = p.step;
     uint64_t changes = 0;
-    double inverse_mass[DOFS], a[DOFS];
+    double inverse_mass[DOFS], a[DOFS], w[DOFS];
     for (int i = 0; i < DOFS; i++)
         inverse_mass[i] = 1.0 / p.mass[i];
 
     for (uint64_t n = 0; n < steps; n++) {
         /* Predictor, eq. (13). */
+        if (effective)
+            for (int j = 0; j < DOFS; j++)
+                w[j] = x[j] + p.beta * v[j];
         for (int i = 0; i < DOFS; i++) {
             double force = p.force[i];
             for (int j = 0; j < DOFS; j++)
-                force -= p.damping[i][j] * v[j] + p.stiffness[i][j] * x[j];
+                force -= effective ? p.stiffness[i][j] * w[j]
+                                   : p.damping[i][j] * v[j] + p.stiffness[i][j] * x[j];
             a[i] = inverse_mass[i] * force;
         }
         for (int i = 0; i < DOFS; i++)
@@ -70,4 +76,16 @@ uint64_t dense_loop(const struct problem *restrict problem, double x[restrict DO
             x[i] += h * v[i];
     }
     return changes;
+}
+
+uint64_t dense_loop(const struct problem *restrict problem, double x[restrict DOFS],
+                    double v[restrict DOFS], int state[restrict CONTACTS], uint64_t steps)
+{
+    return loop(problem, x, v, state, steps, 0);
+}
+
+uint64_t effective_loop(const struct problem *restrict problem, double x[restrict DOFS],
+                        double v[restrict DOFS], int state[restrict CONTACTS], uint64_t steps)
+{
+    return loop(problem, x, v, state, steps, 1);
 }

@@ -1,8 +1,9 @@
 //! What a step costs: `cargo bench --bench step` prints four small tables, all from one run.
 //!
 //! * Set 1 at µ = 1.96 and h = 1 µs, on its limit cycle, against the same scheme written down
-//!   plainly in C with full matrices (`dense_loop.c`, compiled here with `cc -O3`). Both take model
-//!   and motion from the same place and must arrive at the same motion, or the run fails.
+//!   plainly in C with full matrices (`dense_loop.c`, compiled here with `cc -O3`): once with C and K as the
+//!   paper has them, once with K alone on x + β ẋ, as C = β K allows. All take model and motion from the same place
+//!   and must arrive at the same motion, or the run fails.
 //! * Longer rings: time and memory of a module should hardly grow with the ring, until it is too large for the
 //!   processor's caches.
 //! * Event by event, with steps of 1 ms: a second of motion against the paper's scheme at the scene's
@@ -72,10 +73,12 @@ fn main() {
 fn against_c() {
     let mut scene = set("set1").scene();
     scene.modules_mut()[0].velocity = [0.01, 0.0, 0.0, 0.0];
-    let [mut ours, mut theirs] = [Ring::new(&scene), Ring::new(&scene)];
+    let [mut ours, mut theirs, mut once] = [(); 3].map(|()| Ring::new(&scene));
+    assert!(ours.model.damping.alpha == 0.0, "the second loop has C = β K");
     ours.advance(5_000_000); // Five seconds: up to the fourth its amplitude still changes.
     ours.motion.statistics = Statistics::default();
     theirs.motion = ours.motion.clone();
+    once.motion = ours.motion.clone();
 
     println!("Set 1 on its limit cycle      ns a step   million steps/s   state changes");
     let row = |name: &str, time: Duration, ring: &Ring| {
@@ -83,25 +86,35 @@ fn against_c() {
         let changes = ring.motion.statistics.state_changes();
         println!("{name:26} {time:12.2} {:17.1} {changes:15}", 1e3 / time);
     };
-    let Some(dense) = DenseLoop::compile() else {
+    let Some(plain) = PlainLoops::compile() else {
         let times = shortest(SLICES, &mut [&mut || ours.advance(STEPS)]);
         row("Amontons", times[0], &ours);
         println!("no C compiler (cc) here, so nothing to compare with\n");
         return;
     };
     ours.advance(SHORT_RUN.into());
-    dense.advance(&mut theirs, SHORT_RUN.into());
+    plain.advance("dense_loop", &mut theirs, SHORT_RUN.into());
+    plain.advance("effective_loop", &mut once, SHORT_RUN.into());
     check_agreement(&ours, &theirs);
+    check_agreement(&ours, &once);
     let times = shortest(
         SLICES,
-        &mut [&mut || ours.advance(STEPS), &mut || dense.advance(&mut theirs, STEPS)],
+        &mut [
+            &mut || ours.advance(STEPS),
+            &mut || plain.advance("dense_loop", &mut theirs, STEPS),
+            &mut || plain.advance("effective_loop", &mut once, STEPS),
+        ],
     );
     row("Amontons", times[0], &ours);
     row("plain C loop, cc -O3", times[1], &theirs);
-    println!("C loop / Amontons {:21.2}\n", times[1].as_secs_f64() / times[0].as_secs_f64());
+    row("the same, K on x + β ẋ", times[2], &once);
+    let [first, second] = [1, 2].map(|i| times[i].as_secs_f64() / times[0].as_secs_f64());
+    println!("C loops / Amontons {first:20.2} {second:17.2}\n");
     // Rounding may push the last event over the end of the run.
-    let [ours, theirs] = [ours, theirs].map(|ring| ring.motion.statistics.state_changes());
-    assert!(ours.abs_diff(theirs) <= 1, "the two loops do not change state equally often");
+    let [ours, theirs, once] =
+        [ours, theirs, once].map(|ring| ring.motion.statistics.state_changes());
+    let alike = ours.abs_diff(theirs) <= 1 && ours.abs_diff(once) <= 1;
+    assert!(alike, "the loops do not change state equally often");
 }
 
 /// Are the two motions the same, but for rounding?
@@ -290,6 +303,7 @@ struct Problem {
     slider_velocity: f64,
     friction: f64,
     step: f64,
+    beta: f64,
 }
 
 impl From<&Ring> for Problem {
@@ -304,14 +318,15 @@ impl From<&Ring> for Problem {
             slider_velocity: ring.drive.slider_velocity[0],
             friction: ring.drive.friction[0].kinetic,
             step: ring.step,
+            beta: damping.beta,
         }
     }
 }
 
-/// The loop of `dense_loop.c`.
-struct DenseLoop(Library);
+/// The loops of `dense_loop.c`.
+struct PlainLoops(Library);
 
-impl DenseLoop {
+impl PlainLoops {
     /// `None` where there is no C compiler.
     fn compile() -> Option<Self> {
         let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("benches/dense_loop.c");
@@ -324,13 +339,13 @@ impl DenseLoop {
         Some(Self(unsafe { Library::new(&library) }.expect("it was just made")))
     }
 
-    /// As [`Ring::advance`]; of the statistics it counts the state changes alone.
-    fn advance(&self, ring: &mut Ring, steps: u64) {
+    /// Takes as many steps of a ring with the loop of this name; of the statistics it counts the state changes alone.
+    fn advance(&self, name: &str, ring: &mut Ring, steps: u64) {
         type Function =
             unsafe extern "C" fn(&Problem, *mut f64, *mut f64, &mut [i32; 2], u64) -> u64;
         let problem = Problem::from(&*ring);
-        // SAFETY: this is the function's type in the C file.
-        let function = unsafe { self.0.get::<Function>("dense_loop") }.expect("it is in there");
+        // SAFETY: this is the type of both functions in the C file.
+        let function = unsafe { self.0.get::<Function>(name) }.expect("it is in there");
         let Motion { displacement: x, velocity: v, contacts, statistics, .. } = &mut ring.motion;
         assert!(x.len() == 8 && v.len() == 8);
         let mut states: [i32; 2] = from_fn(|i| contacts[i] as i32);

@@ -2,18 +2,12 @@
 
 mod step;
 
-use crate::contact::{
-    ContactForce, ContactLaw, ContactState, Friction, FrictionLaw, Law, UnderLaw,
-};
+use crate::contact::{ContactForce, ContactLaw, ContactState, FrictionLaw, Law, UnderLaw};
 use crate::integrator::Kernel as Listed;
 use crate::integrator::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Contact, Damping, LumpedModel};
-use std::marker::PhantomData;
-use step::{
-    Block, Effects, Fixed, Moving, NORMAL, StepConstants, Surface, Surfaces, TANGENT, Vector, With,
-    linked,
-};
+use step::{Block, NORMAL, Scheme, TANGENT, Vector, linked, set_effective};
 
 /// Forward increment Lagrange multipliers on a ring of modules.
 pub struct RingForwardIncrement {
@@ -21,36 +15,19 @@ pub struct RingForwardIncrement {
     kernel: Kernel,
 }
 
-/// Takes steps of a ring with the effects that it was made for.
+/// Takes `count` steps of length `step` (s) of a ring: the loop of [`Scheme`] that is compiled for what the ring has.
 type Kernel = fn(&mut Rings, &mut Motion, &Drive, f64, u64);
 
-/// A ring, and what its steps are taken with.
+/// A ring and the room for its steps.
 struct Rings {
     law: ContactLaw,
     blocks: Vec<Block>,
     damping: Damping,
-    /// x + β ẋ, on which K acts for springs and dampers at once.
-    strained: Vec<Vector>,
+    /// x + β ẋ, on which K acts for springs and dampers at once; one item for each module.
+    effective: Vec<Vector>,
 }
 
-/// Surfaces as the drive has them, with a law of this kind.
-struct OfDrive<'a, L> {
-    velocities: &'a [f64],
-    frictions: &'a [Friction],
-    law: PhantomData<L>,
-}
-
-impl<L: FrictionLaw> Surfaces for OfDrive<'_, L> {
-    type Law = L;
-
-    #[inline(always)]
-    fn of(&self, module: usize) -> Surface<L> {
-        let velocity = self.velocities[module];
-        Surface { velocity, law: L::new(self.frictions[module], velocity) }
-    }
-}
-
-/// The kernel for these effects besides the law of friction.
+/// The effects besides the law of friction that a kernel is chosen by.
 struct Choice {
     detachment: bool,
     damping: bool,
@@ -62,14 +39,14 @@ impl UnderLaw for Choice {
 
     fn under<L: FrictionLaw>(self) -> Kernel {
         match (self.detachment, self.damping, self.links) {
-            (true, true, true) => Rings::run::<With<true, true, true>, L>,
-            (true, true, false) => Rings::run::<With<true, true, false>, L>,
-            (true, false, true) => Rings::run::<With<true, false, true>, L>,
-            (true, false, false) => Rings::run::<With<true, false, false>, L>,
-            (false, true, true) => Rings::run::<With<false, true, true>, L>,
-            (false, true, false) => Rings::run::<With<false, true, false>, L>,
-            (false, false, true) => Rings::run::<With<false, false, true>, L>,
-            (false, false, false) => Rings::run::<With<false, false, false>, L>,
+            (true, true, true) => Rings::run::<L, true, true, true>,
+            (true, true, false) => Rings::run::<L, true, true, false>,
+            (true, false, true) => Rings::run::<L, true, false, true>,
+            (true, false, false) => Rings::run::<L, true, false, false>,
+            (false, true, true) => Rings::run::<L, false, true, true>,
+            (false, true, false) => Rings::run::<L, false, true, false>,
+            (false, false, true) => Rings::run::<L, false, false, true>,
+            (false, false, false) => Rings::run::<L, false, false, false>,
         }
     }
 }
@@ -81,7 +58,7 @@ impl UnderLaw for Named {
     type Output = String;
 
     fn under<L: FrictionLaw>(self) -> String {
-        let path = std::any::type_name::<L>().replace("f64", "");
+        let path = std::any::type_name::<L>();
         let is_end = |c: char| !c.is_alphanumeric();
         let names = path.split(is_end).filter(|part| part.starts_with(char::is_uppercase));
         names.collect::<Vec<_>>().join(" ")
@@ -117,8 +94,8 @@ impl RingForwardIncrement {
     #[must_use]
     pub fn new(model: &LumpedModel) -> Option<Self> {
         let blocks = blocks(model)?;
-        let strained = vec![[0.0; MODULE_DOFS]; blocks.len()];
-        let rings = Rings { law: model.law, blocks, damping: model.damping, strained };
+        let effective = vec![[0.0; MODULE_DOFS]; blocks.len()];
+        let rings = Rings { law: model.law, blocks, damping: model.damping, effective };
         Some(Self { kernel: rings.kernel(), rings })
     }
 }
@@ -135,44 +112,16 @@ impl Rings {
         self.law.friction.apply(self.law.sticking, choice)
     }
 
-    fn strain(&mut self, motion: &Motion) {
-        // As `step::strain`, number by number: of one step this is a good part.
-        let moving = motion.displacement.iter().zip(&motion.velocity);
-        for (strained, (x, v)) in self.strained.as_flattened_mut().iter_mut().zip(moving) {
-            *strained = x + self.damping.beta * v;
-        }
-    }
-
-    /// Takes the steps with these effects under this law of friction.
-    fn run<E: Effects, L: FrictionLaw>(
+    /// Takes the steps under this law of friction with these effects.
+    fn run<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool>(
         &mut self,
         motion: &mut Motion,
         drive: &Drive,
         step: f64,
         count: u64,
     ) {
-        if E::DAMPING {
-            self.strain(motion);
-        }
-        let modules = self.blocks.len();
-        let surfaces = OfDrive {
-            velocities: &drive.slider_velocity[..modules],
-            frictions: &drive.friction[..modules],
-            law: PhantomData::<L>,
-        };
-        let Damping { alpha, beta } = self.damping;
-        let constants =
-            StepConstants { step, per_step: 1.0 / step, retained: 1.0 - step * alpha, beta };
-        let load = drive.force.as_chunks().0;
-        let fixed = Fixed { blocks: &self.blocks[..], load, surfaces };
-        let mut moving = Moving {
-            x: motion.displacement.as_chunks_mut().0,
-            v: motion.velocity.as_chunks_mut().0,
-            strained: &mut self.strained,
-            contacts: &mut motion.contacts,
-            statistics: &mut motion.statistics,
-        };
-        constants.steps::<E, _>(&fixed, &mut moving, count);
+        let scheme = Scheme::<L, DETACHMENT, DAMPING, LINKS>::new(step, self.damping);
+        scheme.steps(&self.blocks, &mut self.effective, motion, drive, count);
     }
 }
 
@@ -238,9 +187,9 @@ impl Integrator for RingForwardIncrement {
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure> {
         let rings = &mut self.rings;
-        rings.strain(motion);
         let load = drive.force.as_chunks().0;
-        let w = &rings.strained;
+        set_effective(&mut rings.effective, motion, rings.damping.beta);
+        let w = &rings.effective;
         let last = w.len() - 1;
         for (i, out) in forces.iter_mut().enumerate() {
             let (tangent, normal) = (MODULE_DOFS * i + TANGENT, MODULE_DOFS * i + NORMAL);
@@ -248,7 +197,7 @@ impl Integrator for RingForwardIncrement {
             let after = if i == last { 0 } else { i + 1 };
             let links = [linked(&w[before]), linked(&w[after])];
             let block = &rings.blocks[i];
-            let force = block.force::<With<true, true, true>>(&load[i], &w[i], false, links);
+            let force = block.force::<false, true>(&load[i], &w[i], links);
             let [tangent_mass, normal_mass] = block.mass;
             let damped = |place: usize, mass: f64, dof: usize| {
                 force[place] - rings.damping.alpha * mass * motion.velocity[dof]

@@ -1,368 +1,299 @@
-//! The scheme's arithmetic on a ring.
+//! The time step of the paper on a ring of modules, eqs. (13) to (18).
+//!
+//! The paper keeps x_n and x_{n−1}; this file keeps x_n and ẋ_n = (x_n − x_{n−1})/h. A displacement of eqs. (13) to
+//! (18) is then x_n + h ẋ, and the equations are, for the velocities:
+//!
+//! * predictor, eq. (13): ẋ* = ẋ_n + h M⁻¹ (F_n − C ẋ_n − K x_n);
+//! * multipliers, eqs. (15) and (16): λ = (N, T) such that x*_N + h² M⁻¹ N = 0 and ẋ*_T + h M⁻¹ T is the surface's
+//!   velocity, as far as N ≥ 0 and the law of friction allow;
+//! * corrector, eqs. (17) and (18): ẋ_{n+1} = ẋ* + h M⁻¹ Gᵀ λ and x_{n+1} = x_n + h ẋ_{n+1}.
+//!
+//! Each contact has degrees of freedom of its own and M is diagonal, so G M⁻¹ Gᵀ is diagonal too: one iteration of
+//! Gauss–Seidel, eqs. (19) to (23), solves all contacts. N ≥ 0 is compressive here; the paper's N is −N.
+//!
+//! C = α M + β K. The term with α multiplies ẋ_n by 1 − h α; the term with β makes K act on x_n + β ẋ_n.
 
 use crate::contact::{ContactState, FrictionLaw};
-use crate::integrator::Statistics;
+use crate::integrator::{Drive, Motion};
+use crate::model::Damping;
 use crate::model::ring::MODULE_DOFS;
+use std::marker::PhantomData;
 
-/// Places of the tangential and the normal degree of freedom in a module.
+/// The tangential degree of freedom of a module.
 pub(super) const TANGENT: usize = 2;
+/// The normal degree of freedom of a module.
 pub(super) const NORMAL: usize = 3;
 
-/// One value a degree of freedom of a module.
+/// One value for each degree of freedom of a module.
 pub(super) type Vector = [f64; MODULE_DOFS];
 
-/// A module's rows of M and K.
+/// The rows of M and K that belong to one module.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Block {
-    /// Of the mass that rubs: along the tangent and the normal.
+    /// The mass in contact, along the tangent and along the normal, kg.
     pub(super) mass: [f64; 2],
+    /// The diagonal of M⁻¹, 1/kg.
     pub(super) inverse_mass: Vector,
-    /// Columns of the module's own block of K.
+    /// The columns of the module's own block of K, N/m.
     pub(super) own: [Vector; MODULE_DOFS],
-    /// Links of x1 and x2 to the same coordinate of the module before and of the one after.
+    /// The entries of K between x1, x2 and the same coordinates of the module before, N/m.
     pub(super) before: [f64; 2],
+    /// The entries of K between x1, x2 and the same coordinates of the module after, N/m.
     pub(super) after: [f64; 2],
 }
 
-/// What a step needs, worked out once for all steps of a call.
-#[derive(Clone, Copy)]
-pub(super) struct StepConstants {
-    pub(super) step: f64,
-    pub(super) per_step: f64,
-    /// 1 − h α.
-    pub(super) retained: f64,
-    pub(super) beta: f64,
-}
-
-/// What a mass rubs on: v and the law of friction of its contact.
-#[derive(Clone, Copy, PartialEq)]
-pub(super) struct Surface<L> {
-    pub(super) velocity: f64,
-    pub(super) law: L,
-}
-
-/// What the masses of all modules rub on.
-pub(super) trait Surfaces {
-    type Law: FrictionLaw;
-
-    fn of(&self, module: usize) -> Surface<Self::Law>;
-}
-
-/// What changes the arithmetic of a step besides the law of friction: what is off is not compiled.
-pub(super) trait Effects {
-    /// Can contacts open?
-    const DETACHMENT: bool;
-    /// Is there Rayleigh damping?
-    const DAMPING: bool;
-    /// Are modules linked?
-    const LINKS: bool;
-}
-
-/// The effects that there are.
-pub(super) struct With<const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool>;
-
-impl<const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool> Effects
-    for With<DETACHMENT, DAMPING, LINKS>
-{
-    const DETACHMENT: bool = DETACHMENT;
-    const DAMPING: bool = DAMPING;
-    const LINKS: bool = LINKS;
-}
-
-/// What does not move: one item a module.
-pub(super) struct Fixed<'a, S> {
-    pub(super) blocks: &'a [Block],
-    /// F, N.
-    pub(super) load: &'a [Vector],
-    pub(super) surfaces: S,
-}
-
-/// What does: one item a module.
-pub(super) struct Moving<'a> {
-    pub(super) x: &'a mut [Vector],
-    pub(super) v: &'a mut [Vector],
-    /// x + β ẋ, on which K acts for springs and dampers at once; not in use without damping.
-    pub(super) strained: &'a mut [Vector],
-    pub(super) contacts: &'a mut [ContactState],
-    pub(super) statistics: &'a mut Statistics,
-}
-
-/// x + β ẋ of a module.
+/// Writes x + β ẋ (m) of as many modules as `effective` has room for.
 #[inline(always)]
-pub(super) fn strain(x: &Vector, v: &Vector, beta: f64) -> Vector {
+pub(super) fn set_effective(effective: &mut [Vector], motion: &Motion, beta: f64) {
+    // Number by number, which the compiler does faster than module by module: this is a good part of a call for one
+    // step.
+    let moving = motion.displacement.iter().zip(&motion.velocity);
+    for (w, (x, v)) in effective.as_flattened_mut().iter_mut().zip(moving) {
+        *w = x + beta * v;
+    }
+}
+
+/// x + β ẋ of a module, m.
+#[inline(always)]
+fn effective_displacement(x: &Vector, v: &Vector, beta: f64) -> Vector {
     [x[0] + beta * v[0], x[1] + beta * v[1], x[2] + beta * v[2], x[3] + beta * v[3]]
 }
 
-/// What links act on: x1 and x2.
+/// The coordinates of a module that links join: x1 and x2.
 #[inline(always)]
 pub(super) fn linked(vector: &Vector) -> [f64; 2] {
     [vector[0], vector[1]]
 }
 
 impl Block {
-    /// F − K (x + β ẋ), N: all but the mass-proportional damping and the contact. Where the mass rests on the
-    /// slider, its normal column is left out, for that acts on zero.
+    /// F − K w with w = x + β ẋ, N. With `RESTING` the normal column is left out, which then acts on zero; without `LINKS`
+    /// the links, which are then zero.
     #[inline(always)]
-    pub(super) fn force<E: Effects>(
+    pub(super) fn force<const RESTING: bool, const LINKS: bool>(
         &self,
         load: &Vector,
-        own: &Vector,
-        rests: bool,
+        w: &Vector,
         [before, after]: [[f64; 2]; 2],
     ) -> Vector {
-        let [first, second] = [self.row(0, load, own, rests), self.row(1, load, own, rests)];
+        let row = |r: usize| {
+            let upper = self.own[0][r] * w[0] + self.own[1][r] * w[1];
+            let tangential = self.own[2][r] * w[2];
+            let lower = if RESTING { tangential } else { tangential + self.own[3][r] * w[3] };
+            load[r] - (upper + lower)
+        };
+        let link = |r: usize| self.before[r] * before[r] + self.after[r] * after[r];
+        let [first, second] = [row(0), row(1)];
         [
-            if E::LINKS { first - self.link(0, before, after) } else { first },
-            if E::LINKS { second - self.link(1, before, after) } else { second },
-            self.row(2, load, own, rests),
-            self.row(3, load, own, rests),
+            if LINKS { first - link(0) } else { first },
+            if LINKS { second - link(1) } else { second },
+            row(2),
+            row(3),
         ]
     }
-
-    #[inline(always)]
-    fn row(&self, r: usize, load: &Vector, own: &Vector, rests: bool) -> f64 {
-        let upper = self.own[0][r] * own[0] + self.own[1][r] * own[1];
-        let tangential = self.own[2][r] * own[2];
-        let lower = if rests { tangential } else { tangential + self.own[3][r] * own[3] };
-        load[r] - (upper + lower)
-    }
-
-    #[inline(always)]
-    fn link(&self, r: usize, before: [f64; 2], after: [f64; 2]) -> f64 {
-        self.before[r] * before[r] + self.after[r] * after[r]
-    }
 }
 
-impl StepConstants {
-    /// Takes `count` steps of all modules.
-    #[inline(always)]
-    pub(super) fn steps<E: Effects, S: Surfaces>(
-        &self,
-        fixed: &Fixed<'_, S>,
-        moving: &mut Moving<'_>,
-        count: u64,
-    ) {
-        // In slices of one length no index needs a check.
-        let modules = fixed.blocks.len();
-        let (blocks, load) = (fixed.blocks, &fixed.load[..modules]);
-        let (x, v) = (&mut moving.x[..modules], &mut moving.v[..modules]);
-        let contacts = &mut moving.contacts[..modules];
-        let w = &mut moving.strained[..if E::DAMPING { modules } else { 0 }];
-        for _ in 0..count {
-            // Neighbours act with what they had before the step; these two are overwritten too early.
-            let strained = if E::DAMPING { &*w } else { &*x };
-            let first = linked(&strained[0]);
-            let mut before = linked(&strained[modules - 1]);
-            for i in 0..modules {
-                let strained = if E::DAMPING { &*w } else { &*x };
-                let own = strained[i];
-                let after = if i + 1 < modules { linked(&strained[i + 1]) } else { first };
-                let was = contacts[i];
-                let old = (x[i], v[i], was);
-                let links = [before, after];
-                let surface = fixed.surfaces.of(i);
-                let (moved, moving_on, state, broken) =
-                    self.step_module::<E, _>(&blocks[i], &load[i], &own, links, &surface, old);
-                x[i] = moved;
-                v[i] = moving_on;
-                if E::DAMPING {
-                    w[i] = strain(&moved, &moving_on, self.beta);
-                }
-                before = linked(&own);
-                if was != state {
-                    moving.statistics.count_change(state);
-                    moving.statistics.touch_downs += u64::from(was == ContactState::Detached);
-                    contacts[i] = state;
-                }
-                if !S::Law::STICKS || !E::DETACHMENT {
-                    broken.count(moving.statistics);
-                }
-            }
-        }
-        moving.statistics.steps += count;
-        // The Delassus matrix is diagonal: the first sweep over the contacts solves them.
-        moving.statistics.sweeps += count;
-        moving.statistics.most_sweeps = moving.statistics.most_sweeps.max(count.min(1));
-    }
-
-    /// One step of one module: its new position and velocity, and the state of its contact.
-    #[inline(always)]
-    fn step_module<E: Effects, L: FrictionLaw>(
-        &self,
-        block: &Block,
-        load: &Vector,
-        own: &Vector,
-        links: [[f64; 2]; 2],
-        surface: &Surface<L>,
-        (x, v, before): (Vector, Vector, ContactState),
-    ) -> (Vector, Vector, ContactState, Broken) {
-        let h = self.step;
-        let surface = &surface.at(&v, before);
-        if !E::DETACHMENT {
-            return self.step_held::<E, _>(block, load, own, links, surface, (x, v, before));
-        }
-        let resting = x[NORMAL] == 0.0 && v[NORMAL] == 0.0;
-        // Two copies of one expression, the first of which is shorter.
-        let force = if resting {
-            block.force::<E>(load, own, true, links)
-        } else {
-            block.force::<E>(load, own, false, links)
-        };
-        let (tangential, normal);
-        let (gap, state, is_closed);
-        if resting && force[NORMAL] <= 0.0 {
-            // At rest on the slider and pressed on it, which is the rule.
-            let contact = self.contact::<E, L>(block, &force, -force[NORMAL], &v, surface, before);
-            tangential = self.dragged::<E, L>(block, &force, &v, surface, &contact);
-            (gap, normal, state, is_closed) = (0.0, 0.0, contact.state, true);
-        } else {
-            let free = self.predicted::<E>(block, NORMAL, &v, force[NORMAL]);
-            let reached = x[NORMAL] + h * free;
-            is_closed = !resting && reached <= 0.0;
-            if is_closed {
-                // N as seen from the beginning of the step.
-                let impact = self.kept::<E>(v[NORMAL]) + x[NORMAL] * self.per_step;
-                let lands = -(force[NORMAL] + block.mass[1] * impact * self.per_step);
-                let pressing = if 0.0 < lands { lands } else { 0.0 };
-                let contact = self.contact::<E, L>(block, &force, pressing, &v, surface, before);
-                tangential = self.dragged::<E, L>(block, &force, &v, surface, &contact);
-                normal = (0.0 - x[NORMAL]) * self.per_step;
-                (gap, state) = (0.0, contact.state);
-            } else {
-                tangential = self.predicted::<E>(block, TANGENT, &v, force[TANGENT]);
-                (gap, normal, state) = (reached, free, ContactState::Detached);
-            }
-        }
-        let new = [
-            self.predicted::<E>(block, 0, &v, force[0]),
-            self.predicted::<E>(block, 1, &v, force[1]),
-            tangential,
-            normal,
-        ];
-        let broken = Broken { slip: surface.reversed(tangential) && is_closed, pull: false };
-        // Corrector, eq. (18).
-        ([x[0] + h * new[0], x[1] + h * new[1], x[2] + h * new[2], gap], new, state, broken)
-    }
-
-    /// The same of a module whose contact holds in both directions, and never moves along its normal.
-    #[inline(always)]
-    fn step_held<E: Effects, L: FrictionLaw>(
-        &self,
-        block: &Block,
-        load: &Vector,
-        own: &Vector,
-        links: [[f64; 2]; 2],
-        surface: &Surface<L>,
-        (x, v, before): (Vector, Vector, ContactState),
-    ) -> (Vector, Vector, ContactState, Broken) {
-        let h = self.step;
-        let force = block.force::<E>(load, own, true, links);
-        let pressing = -force[NORMAL];
-        // What can stick follows |N|, so that it never drives; what is frozen follows N, so that it is linear.
-        let size = if L::STICKS { pressing.abs() } else { pressing };
-        let contact = self.contact::<E, L>(block, &force, size, &v, surface, before);
-        let tangential = self.dragged::<E, L>(block, &force, &v, surface, &contact);
-        let new = [
-            self.predicted::<E>(block, 0, &v, force[0]),
-            self.predicted::<E>(block, 1, &v, force[1]),
-            tangential,
-            0.0,
-        ];
-        let broken = Broken { slip: surface.reversed(tangential), pull: pressing < 0.0 };
-        let moved = [x[0] + h * new[0], x[1] + h * new[1], x[2] + h * new[2], 0.0];
-        (moved, new, contact.state, broken)
-    }
-
-    /// The tangential velocity under friction.
-    #[inline(always)]
-    fn dragged<E: Effects, L: FrictionLaw>(
-        &self,
-        block: &Block,
-        force: &Vector,
-        v: &Vector,
-        surface: &Surface<L>,
-        contact: &Closed,
-    ) -> f64 {
-        if contact.sticks {
-            return surface.velocity;
-        }
-        self.predicted::<E>(block, TANGENT, v, force[TANGENT] + contact.slipping)
-    }
-
-    /// What mass-proportional damping leaves of a velocity over a step.
-    #[inline(always)]
-    fn kept<E: Effects>(&self, v: f64) -> f64 {
-        if E::DAMPING { v * self.retained } else { v }
-    }
-
-    /// Predictor, eq. (13), in velocities.
-    #[inline(always)]
-    fn predicted<E: Effects>(&self, block: &Block, dof: usize, v: &Vector, force: f64) -> f64 {
-        self.kept::<E>(v[dof]) + self.step * (force * block.inverse_mass[dof])
-    }
-
-    /// The tangential multiplier, eq. (16), of contacts that are closed and press with `normal` (N).
-    #[inline(always)]
-    fn contact<E: Effects, L: FrictionLaw>(
-        &self,
-        block: &Block,
-        force: &Vector,
-        normal: f64,
-        v: &Vector,
-        surface: &Surface<L>,
-        before: ContactState,
-    ) -> Closed {
-        let lag = surface.velocity - self.kept::<E>(v[TANGENT]);
-        let holding = block.mass[0] * lag * self.per_step - force[TANGENT];
-        let (slipping, slips) = surface.law.slip(holding, normal);
-        if !L::STICKS {
-            return Closed { sticks: false, slipping, state: slips };
-        }
-        let sticks = surface.law.holds(holding, normal, before);
-        let state = if sticks { ContactState::Stick } else { slips };
-        Closed { sticks, slipping, state }
-    }
+/// The scheme with steps of one length under the law of friction `L`. The effects that are `false` are not compiled:
+/// contacts that open, Rayleigh damping, links between modules.
+pub(super) struct Scheme<L, const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool> {
+    /// h, s.
+    h: f64,
+    /// 1/h, 1/s.
+    per_h: f64,
+    /// 1 − h α.
+    retained: f64,
+    /// β, s.
+    beta: f64,
+    law: PhantomData<L>,
 }
 
-impl<L: FrictionLaw> Surface<L> {
-    /// The surface as a module meets it that moves with these velocities.
-    #[inline(always)]
-    fn at(&self, v: &Vector, before: ContactState) -> Self {
-        Self { law: self.law.at(self.velocity - v[TANGENT], before), ..*self }
-    }
-
-    /// Does a mass with this tangential velocity slip against a direction that is frozen?
-    #[inline(always)]
-    fn reversed(&self, tangential: f64) -> bool {
-        if L::STICKS || !L::HAS_DIRECTION {
-            return false;
-        }
-        let slip = self.velocity - tangential;
-        slip * self.velocity < 0.0
-    }
-}
-
-/// Where what a scene leaves out would have been needed.
+/// A module at the beginning or at the end of a step.
 #[derive(Clone, Copy)]
-struct Broken {
-    /// Slip against the frozen direction.
-    slip: bool,
-    /// A normal force that pulls.
+struct Module {
+    /// x, m.
+    x: Vector,
+    /// ẋ, m/s.
+    v: Vector,
+    /// The state of its contact.
+    state: ContactState,
+}
+
+/// The surface that a module rubs on.
+struct Surface<L> {
+    /// Its velocity along the tangent, m/s.
+    velocity: f64,
+    /// The law of friction over this step.
+    law: L,
+}
+
+/// The parts of the law of contact that a scene leaves out and a step would have needed.
+struct LawViolations {
+    /// `true` if the mass slips against the direction of friction that is held fixed.
+    reversed_slip: bool,
+    /// `true` if a contact that cannot open pulls.
     pull: bool,
 }
 
-impl Broken {
-    #[inline(always)]
-    fn count(self, statistics: &mut Statistics) {
-        statistics.reversed_slips += u64::from(self.slip);
-        statistics.pulled_contacts += u64::from(self.pull);
+impl<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool>
+    Scheme<L, DETACHMENT, DAMPING, LINKS>
+{
+    /// The scheme with steps of length `h` (s).
+    pub(super) fn new(h: f64, Damping { alpha, beta }: Damping) -> Self {
+        Self { h, per_h: 1.0 / h, retained: 1.0 - h * alpha, beta, law: PhantomData }
     }
-}
 
-/// What friction does on contacts that are closed.
-struct Closed {
-    sticks: bool,
-    /// T where it does not stick, N.
-    slipping: f64,
-    state: ContactState,
+    /// Takes `count` steps of all modules. `effective` has room for x + β ẋ of each module.
+    #[inline(always)]
+    pub(super) fn steps(
+        &self,
+        blocks: &[Block],
+        effective: &mut [Vector],
+        motion: &mut Motion,
+        drive: &Drive,
+        count: u64,
+    ) {
+        // Slices of one length need no checks of indices.
+        let modules = blocks.len();
+        let w = &mut effective[..if DAMPING { modules } else { 0 }];
+        set_effective(w, motion, self.beta);
+        let load = &drive.force.as_chunks().0[..modules];
+        let (velocities, frictions) =
+            (&drive.slider_velocity[..modules], &drive.friction[..modules]);
+        let x = &mut motion.displacement.as_chunks_mut().0[..modules];
+        let v = &mut motion.velocity.as_chunks_mut().0[..modules];
+        let states = &mut motion.contacts[..modules];
+        let statistics = &mut motion.statistics;
+        for _ in 0..count {
+            // Links act on what the neighbours had before the step. The first module's is overwritten before the last one
+            // uses it, and each module's before the next one does: those are kept here.
+            let now = if DAMPING { &*w } else { &*x };
+            let first = linked(&now[0]);
+            let mut before = linked(&now[modules - 1]);
+            for i in 0..modules {
+                let now = if DAMPING { &*w } else { &*x };
+                let own = now[i];
+                let after = if i + 1 < modules { linked(&now[i + 1]) } else { first };
+                let old = Module { x: x[i], v: v[i], state: states[i] };
+                let velocity = velocities[i];
+                let law = L::new(frictions[i], velocity).at(velocity - old.v[TANGENT], old.state);
+                let surface = Surface { velocity, law };
+                let links = [before, after];
+                let is_resting = !DETACHMENT || (old.x[NORMAL] == 0.0 && old.v[NORMAL] == 0.0);
+                let (new, violations) = if is_resting {
+                    self.step::<true>(&blocks[i], &load[i], &own, links, &surface, &old)
+                } else {
+                    self.step::<false>(&blocks[i], &load[i], &own, links, &surface, &old)
+                };
+                (x[i], v[i]) = (new.x, new.v);
+                if DAMPING {
+                    w[i] = effective_displacement(&new.x, &new.v, self.beta);
+                }
+                before = linked(&own);
+                if old.state != new.state {
+                    states[i] = new.state;
+                    statistics.count_change(new.state);
+                    statistics.touch_downs += u64::from(old.state == ContactState::Detached);
+                }
+                if !L::STICKS || !DETACHMENT {
+                    statistics.reversed_slips += u64::from(violations.reversed_slip);
+                    statistics.pulled_contacts += u64::from(violations.pull);
+                }
+            }
+        }
+        statistics.steps += count;
+        // The Delassus matrix is diagonal: one iteration solves the contacts.
+        statistics.sweeps += count;
+        statistics.most_sweeps = statistics.most_sweeps.max(count.min(1));
+    }
+
+    /// One step of one module, on which its own `w` and its neighbours' `links` act. `RESTING` says that the mass rests on
+    /// its surface, x_N = ẋ_N = 0, as it does most of the time; both kinds are compiled by themselves.
+    #[inline(always)]
+    fn step<const RESTING: bool>(
+        &self,
+        block: &Block,
+        load: &Vector,
+        w: &Vector,
+        links: [[f64; 2]; 2],
+        surface: &Surface<L>,
+        &Module { x, v, state: before }: &Module,
+    ) -> (Module, LawViolations) {
+        let h = self.h;
+        // Forces of eq. (13): F_n − C ẋ_n − K x_n, but for the term with α.
+        let force = block.force::<RESTING, LINKS>(load, w, links);
+
+        // Predictor, eq. (13). Closures: each branch below computes no more than it uses.
+        let predictor =
+            |dof: usize, force: f64| self.retained(v[dof]) + h * (force * block.inverse_mass[dof]);
+        let free_normal = || predictor(NORMAL, force[NORMAL]);
+        let free_gap = || x[NORMAL] + h * free_normal();
+        let is_closed =
+            !DETACHMENT || if RESTING { force[NORMAL] <= 0.0 } else { free_gap() <= 0.0 };
+
+        let (tangential, normal, gap, state, pull);
+        if is_closed {
+            // Multipliers, eqs. (15) and (16): N, then T, which N limits.
+            let pressing = if RESTING {
+                -force[NORMAL]
+            } else {
+                self.landing_force(block, force[NORMAL], x[NORMAL], v[NORMAL])
+            };
+            let limiting = if L::STICKS && !DETACHMENT { pressing.abs() } else { pressing };
+            let friction = self.friction(block, &force, v[TANGENT], surface, limiting, before);
+            // Corrector, eqs. (17) and (18): it ends exactly on the surface, and exactly with its velocity in stick.
+            (tangential, state) = match friction {
+                None => (surface.velocity, ContactState::Stick),
+                Some((t, state)) => (predictor(TANGENT, force[TANGENT] + t), state),
+            };
+            normal = if RESTING { 0.0 } else { (0.0 - x[NORMAL]) * self.per_h };
+            gap = 0.0;
+            pull = !DETACHMENT && pressing < 0.0;
+        } else {
+            // λ = 0: the predictor is the new motion.
+            tangential = predictor(TANGENT, force[TANGENT]);
+            (normal, gap, state) = (free_normal(), free_gap(), ContactState::Detached);
+            pull = false;
+        }
+        let new = [predictor(0, force[0]), predictor(1, force[1]), tangential, normal];
+        let moved = [x[0] + h * new[0], x[1] + h * new[1], x[2] + h * new[2], gap];
+
+        let has_fixed_direction = !L::STICKS && L::HAS_DIRECTION;
+        let slip = surface.velocity - tangential;
+        let reversed_slip = has_fixed_direction && is_closed && slip * surface.velocity < 0.0;
+        (Module { x: moved, v: new, state }, LawViolations { reversed_slip, pull })
+    }
+
+    /// N of a mass that lands, N: eq. (16) along the normal. It takes away the velocity (m/s) with which the mass would
+    /// pass its surface, `gap` (m) away, under the normal `force` (N).
+    #[inline(always)]
+    fn landing_force(&self, block: &Block, force: f64, gap: f64, velocity: f64) -> f64 {
+        let excess = self.retained(velocity) + gap * self.per_h;
+        let landing = -(force + block.mass[1] * excess * self.per_h);
+        if 0.0 < landing { landing } else { 0.0 }
+    }
+
+    /// T of a contact that presses with `normal` (N) and slips, N, and its state: eq. (16) along the tangent, cut off by
+    /// the law of friction. `None` where the law lets T hold the mass on its surface.
+    #[inline(always)]
+    fn friction(
+        &self,
+        block: &Block,
+        force: &Vector,
+        velocity: f64,
+        surface: &Surface<L>,
+        normal: f64,
+        before: ContactState,
+    ) -> Option<(f64, ContactState)> {
+        let lag = surface.velocity - self.retained(velocity);
+        let holding = block.mass[0] * lag * self.per_h - force[TANGENT];
+        if L::STICKS && surface.law.holds(holding, normal, before) {
+            return None;
+        }
+        Some(surface.law.slip(holding, normal))
+    }
+
+    /// (1 − h α) ẋ: the velocity that the damping α M leaves, m/s.
+    #[inline(always)]
+    fn retained(&self, velocity: f64) -> f64 {
+        if DAMPING { velocity * self.retained } else { velocity }
+    }
 }
