@@ -1,8 +1,8 @@
 //! Random scenes of every kind, run by each integrator that takes them, with the law of contact judged after every
 //! step.
 //!
-//! This is a tool to be run by hand, and no test of each change: the judge still finds fault with one run of exact motion in
-//! some thousands (DESIGN.md says in which scenes). So `cargo test` leaves it out unless it is asked for:
+//! This is a tool to be run by hand, and no test of each change: each run draws scenes of its own, and one run of exact motion
+//! in some ten thousands ends early (DESIGN.md has the counts). So `cargo test` leaves it out unless it is asked for:
 //!
 //! ```sh
 //! AMONTONS_SOAK_SCENES=1000 cargo test --release --test soak -- --nocapture

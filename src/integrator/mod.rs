@@ -260,6 +260,12 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
+    /// The equations of the contacts that share masses with this one (from 0) are singular but for rounding, and no other states
+    /// have forces: friction wedges these contacts, or nearly.
+    Singular {
+        /// The contact, from 0.
+        contact: usize,
+    },
     /// No force was found that satisfies the law of this contact (from 0). It shares masses with so many others that not all
     /// their states are tried, so there may be one.
     NoneFound {

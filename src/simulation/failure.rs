@@ -53,6 +53,11 @@ impl Simulation {
                 "friction wedges {}: no contact force satisfies its law; lower friction.coefficient",
                 contact_name(contact)
             ),
+            StepFailure::Singular { contact } => format!(
+                "friction wedges {}, or nearly: the only contact forces that satisfy its law are nothing but rounding, \
+                 since their equations are singular; lower friction.coefficient",
+                contact_name(contact)
+            ),
             StepFailure::NoneFound { contact } => format!(
                 "no contact force was found that satisfies the law of {}, which shares masses with too many contacts to \
                  try all their states, so there may be one; lower friction.coefficient",

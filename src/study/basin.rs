@@ -230,8 +230,8 @@ impl Plane<'_> {
         spread(rows).into_iter().flat_map(of_row).collect()
     }
 
-    /// Runs those of these points that were not run before, and notes what they end in; `None` if the watch ended it.
-    /// The work is told to go from one part of all work to another.
+    /// Runs those of these points that were not run before, and notes what they end in; `None` if the watch ended it. `parts`: the
+    /// progress before and after, as parts of all work.
     fn run(
         &self,
         name: &str,
@@ -277,7 +277,7 @@ impl Plane<'_> {
         let mut round = 0;
         trace(self.axes.map(|axis| axis.values.len()), &mut |places| {
             round += 1;
-            // The expected rounds are told as equal parts; of any further one nobody knows whether it is the last.
+            // The last of the expected rounds takes half of what is left, as any further one does: it may not be the last.
             let begin = part;
             part += (1.0 - part) / f64::max(ROUNDS + 1.0 - f64::from(round), 2.0);
             let name = format!("round {round}");

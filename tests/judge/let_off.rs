@@ -20,6 +20,8 @@ pub struct LetOff {
     pub forks: u64,
     /// Let off: what is left of a step after more changes than are followed.
     pub crowded: u64,
+    /// Let off: the short time from a change that rounding hides from short steps to the first one that sees it.
+    pub turned: u64,
     /// Let off but for what happens at their ends: times in which redundant contacts share their load as they like, and the
     /// motion depends on it.
     pub undetermined: u64,
@@ -33,14 +35,20 @@ pub struct LetOff {
 impl LetOff {
     /// All that was let off.
     pub fn total(&self) -> u64 {
-        self.bent + self.forks + self.crowded + self.undetermined + self.coupled + self.ended
+        self.bent
+            + self.forks
+            + self.crowded
+            + self.turned
+            + self.undetermined
+            + self.coupled
+            + self.ended
     }
 }
 
 impl AddAssign for LetOff {
     fn add_assign(&mut self, other: Self) {
         let Self { steps, changes, impacts, releases, forks, .. } = other;
-        let Self { bent, crowded, undetermined, coupled, ended, .. } = other;
+        let Self { bent, crowded, turned, undetermined, coupled, ended, .. } = other;
         self.steps += steps;
         self.changes += changes;
         self.impacts += impacts;
@@ -48,6 +56,7 @@ impl AddAssign for LetOff {
         self.forks += forks;
         self.bent += bent;
         self.crowded += crowded;
+        self.turned += turned;
         self.undetermined += undetermined;
         self.coupled += coupled;
         self.ended += ended;

@@ -85,7 +85,7 @@ pub struct Run {
     gap_drift: f64,
     /// The step that was judged last.
     judged: u64,
-    /// Where the last step began, of an integrator whose motion is exact.
+    /// Where the last step began.
     start: Option<(Snapshot, Vec<ContactState>, Statistics)>,
     /// The instant at hand, against the end of the step, s, and whether a contact state ends there.
     at: (f64, bool),
@@ -311,11 +311,8 @@ impl Run {
         let step = self.internal_step();
         let is_whole = ((to - from) / step - 1.0).abs() < 1e-6;
         (self.length, self.reached) = (if is_whole { step } else { to - from }, to);
-        self.start = None;
-        if self.method == Method::EventDriven {
-            let states = self.simulation.contact_states().to_vec();
-            self.start = Some((self.simulation.save(), states, self.simulation.statistics()));
-        }
+        let states = self.simulation.contact_states().to_vec();
+        self.start = Some((self.simulation.save(), states, self.simulation.statistics()));
         std::mem::swap(&mut self.now, &mut self.before);
         self.simulation.advance_to(to)?;
         self.read();

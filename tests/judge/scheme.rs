@@ -130,12 +130,17 @@ impl Run {
     /// How a contact was before the last step, at the end of which its slider had this velocity.
     fn was(&self, contact: usize, slider: f64) -> Before {
         let slip = slider - self.directions.column(2 * contact + 1).dot(&self.before[1]);
-        let nothing = (1e-12 + self.drift + self.forgiven) * self.scales.velocity;
+        let rounding = (1e-12 + self.drift) * self.scales.velocity;
+        let nothing = rounding + self.forgiven * self.scales.velocity;
+        let (_, states, _) = self.start.as_ref().unwrap();
+        // A slip far below the fastest velocity may be a slip all the same; the state says it.
+        let slipped =
+            slip.abs() > rounding && states[contact].sliding_direction() == Some(slip.signum());
         // A start may have it leave the slider.
         let opens = self.directions.column(2 * contact).dot(&self.before[1]) > nothing;
         if self.was_open(contact) || opens {
             Before::Open
-        } else if slip.abs() <= nothing {
+        } else if slip.abs() <= nothing && !slipped {
             Before::Stuck
         } else {
             Before::Slipped(slip.signum())

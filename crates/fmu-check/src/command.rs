@@ -10,7 +10,7 @@ use std::time::Duration;
 
 const NOTES: &str = "Exit codes: 0 nothing found, 1 something found, 2 not readable as an FMU, 130 \
 interrupted. A finding is a line: its rule, the file (and line), what is wrong. Lines that begin with hint: \
-tell what is right on some hosts alone; with --strict they are findings. Lines that begin with note: say \
+tell what is wrong on some hosts only; with --strict they are findings. Lines that begin with note: say \
 what could not be examined.\n\nThe run takes place in a process of its own with limits of time, memory \
 and file size. That is no sandbox: a library can do what its user can. --no-run reads files only.";
 
@@ -55,7 +55,7 @@ pub enum Failed {
     /// The FMU breaks rules: the number of findings.
     #[error("{0} finding{plural}", plural = if *.0 == 1 { "" } else { "s" })]
     Found(usize),
-    /// The file cannot be read, or is not an FMU.
+    /// The file cannot be read or is not an FMU, or its library cannot be started.
     #[error(transparent)]
     Unreadable(#[from] Error),
     /// The watch has ended the examination.

@@ -14,7 +14,8 @@
 //! 6. Gauss–Seidel, for as long as one may wait.
 //!
 //! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact that
-//! jams in a sweep may be free under other forces of its neighbours.
+//! jams in a sweep may be free under other forces of its neighbours. Where the only forces are nothing but rounding, since the
+//! equations are singular, the fifth proves nothing, and that is what it reports.
 
 mod delassus;
 mod enumeration;
@@ -64,6 +65,8 @@ pub(super) struct ContactProblem {
     /// Of contacts that are held in both directions, whether their equations are those of one that pulls: friction
     /// follows |N|. A solution begins with the signs that are given here, and leaves its own.
     pub(super) pulls: Vec<bool>,
+    /// `true` once forces that obey the law were refused in this solution, since they are nothing but rounding.
+    has_blurred: bool,
     given: GivenStates,
     /// Room for accelerations, for what corrects forces, for the forces of the sweeps, and for accelerations without contact
     /// forces.
@@ -91,6 +94,7 @@ impl ContactProblem {
         let contacts = delassus.contacts();
         let largest = delassus.largest_group();
         Self {
+            has_blurred: false,
             given: GivenStates::new(&delassus),
             others: Others::with_room(contacts, delassus.groups().len()),
             lemke: Lemke::with_room(largest),
@@ -170,6 +174,7 @@ impl ContactProblem {
             }
         }
         let mut sweeps = 0;
+        self.has_blurred = false;
         loop {
             let (solved, let_go): (_, fn(&mut Self, usize) -> bool) = match self.relax(group) {
                 Ok(taken) => (Ok(taken), Self::let_go),
@@ -238,7 +243,12 @@ impl ContactProblem {
             match self.enumerate(group, Strictness::UpTo(missed)) {
                 Search::Found => return Ok(FEW_SWEEPS),
                 Search::Nothing if missed == MISSES[1] => {
-                    return Err(StepFailure::Wedged { contact: self.most_pressed(group) });
+                    let contact = self.most_pressed(group);
+                    return Err(if self.has_blurred {
+                        StepFailure::Singular { contact }
+                    } else {
+                        StepFailure::Wedged { contact }
+                    });
                 }
                 Search::Nothing => {}
                 Search::Unfinished => break,

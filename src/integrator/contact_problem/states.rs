@@ -9,8 +9,10 @@ const CORRECTIONS: usize = 2;
 /// States that break the law are mended so often: mostly once or twice.
 const MENDS: usize = 20;
 
-/// Forces are no solution where rounding in the accelerations that they give is more than this part of those that they are to
-/// cancel. The equations of contacts that wedge each other may be singular but for rounding, and have forces of any size then.
+/// Forces that are found directly are refused where the part of their terms by which they may miss the law, W λ times
+/// [`MISSES`], is more than this part of the largest acceleration without contact forces in their group. Terms may so be 10⁹ times
+/// as large as that, or 10⁷ times where W is nearly singular. The equations of contacts that wedge each other may be singular
+/// but for rounding, and have forces of any size then.
 const BLURRED: f64 = 1e-4;
 
 /// How well forces have to obey the law.
@@ -20,6 +22,16 @@ pub(super) enum Strictness {
     Inside,
     /// Up to this part of the terms that rounding is made of.
     UpTo(f64),
+}
+
+impl Strictness {
+    /// The part of their terms by which equations may be missed.
+    fn missed(self) -> f64 {
+        match self {
+            Self::Inside => MISSES[0],
+            Self::UpTo(missed) => missed,
+        }
+    }
 }
 
 /// The acceleration of a contact, m/s², along normal and tangent.
@@ -124,8 +136,7 @@ impl ContactProblem {
                     _ => force[1] = self.given.slope(contact) * force[0],
                 }
             }
-            self.accelerate(group);
-            self.is_lawful(group, strictness)
+            self.are_lawful(group, strictness)
         })
     }
 
@@ -169,7 +180,21 @@ impl ContactProblem {
     /// Do forces that were found otherwise obey the law in the states at hand?
     pub(super) fn are_lawful(&mut self, group: usize, strictness: Strictness) -> bool {
         self.accelerate(group);
-        self.is_lawful(group, strictness)
+        if self.is_lawful(group, strictness) {
+            let are_clear = self.are_clear(group, strictness);
+            self.has_blurred |= !are_clear;
+            return are_clear;
+        }
+        false
+    }
+
+    /// `true` if the forces of a group are no larger than rounding allows; see [`BLURRED`].
+    fn are_clear(&self, group: usize, strictness: Strictness) -> bool {
+        let missed = strictness.missed();
+        let contacts = &self.delassus.groups()[group];
+        let largest = |values: [f64; 2]| f64::max(values[0].abs(), values[1].abs());
+        let asked = contacts.iter().fold(0.0, |most, &i| f64::max(most, largest(self.free[i])));
+        contacts.iter().all(|&i| missed * largest(self.accelerations[i].terms) <= BLURRED * asked)
     }
 
     /// Does a contact that is open not close under the forces at hand?
@@ -200,23 +225,15 @@ impl ContactProblem {
 
     /// Do the forces of a group obey the law in its states?
     fn is_lawful(&self, group: usize, strictness: Strictness) -> bool {
-        let (missed, room) = match strictness {
-            Strictness::Inside => (MISSES[0], 0.0),
-            Strictness::UpTo(missed) => (missed, missed),
-        };
+        let missed = strictness.missed();
+        let room = if strictness == Strictness::Inside { 0.0 } else { missed };
         // Where no condition may be at its limit, nothing is not above zero.
         let is_above = |value: f64, rounding: f64| match strictness {
             Strictness::Inside => value > 0.0,
             Strictness::UpTo(_) => value >= -rounding,
         };
-        let contacts = &self.delassus.groups()[group];
-        let sizes = contacts.iter().flat_map(|&contact| self.free[contact]);
-        let asked = sizes.fold(0.0, |most: f64, free| most.max(free.abs()));
-        contacts.iter().all(|&contact| {
+        self.delassus.groups()[group].iter().all(|&contact| {
             let Acceleration { value, terms } = self.accelerations[contact];
-            if missed * terms[0].max(terms[1]) > BLURRED * asked {
-                return false;
-            }
             let [normal, tangential] = self.forces[contact];
             let is_held = |row: usize| value[row].abs() <= missed * terms[row];
             // What rounding in the acceleration makes of the normal force.

@@ -95,18 +95,20 @@ impl<W: Witness> EventDriven<W> {
         largest(&motion.velocity).max(self.thrown(drive))
     }
 
-    /// Does a contact of those that hold more directions than there are touch, and neither approach nor leave? Which of
-    /// them carry something while all stand is a matter of rounding, and the others are said to be open.
+    /// `true` if a contact of those that hold more directions than there are touches while its masses stand, whatever its surface
+    /// does. Which of such contacts carry something is a matter of rounding, and the others are said to be open. Masses that move
+    /// along each other may be at the highest point of a hop as low as rounding, and are open there.
     fn touches(&self, contact: usize, motion: &Motion, drive: &Drive) -> bool {
         if !self.overheld[contact] {
             return false;
         }
-        let Contact { normal, .. } = &self.dynamics.contacts[contact];
+        let Contact { normal, tangent, .. } = &self.dynamics.contacts[contact];
         let strained = self.shortest * self.thrown(drive);
         let still = NOISE * self.fastest(motion, drive);
         normal.dot(&motion.displacement).abs()
             <= NOISE * largest(&motion.displacement).max(strained)
             && normal.dot(&motion.velocity).abs() <= still
+            && tangent.dot(&motion.velocity).abs() <= still
     }
 
     /// Do open contacts that touch not close under these forces? Surfaces that begin to move may press them.

@@ -420,6 +420,10 @@ impl Run {
         };
         let states: Vec<ContactState> = reported.iter().enumerate().map(slides).collect();
         let held = self.held(&states, &span.start.friction);
+        if self.memory.held[held].is_undetermined {
+            self.let_off.undetermined += 1;
+            return;
+        }
         let statistics = self.simulation.statistics();
         let look = Look { t: 0.0, statistics, states: states.clone(), place: self.now.clone() };
         let (force, lost) = self.outer(&span, &look);

@@ -308,11 +308,11 @@ impl Run {
         let turns = omega * t;
         // Loads and springs that hold each other are known to their rounding. A soft spring under a load stretches the
         // stiff ones beside it by as much, so their forces may be far larger than the load.
-        let held = self.stiffness.abs() * self.total(&from[0]).abs()
+        let balanced = self.stiffness.abs() * self.total(&from[0]).abs()
             + DVector::from_column_slice(&self.model.load).abs();
         let lost = largest(&start).max(largest(&end)).max(size * turns.min(1.0))
             // Where they grow, so do the roundings of what holds each other.
-            + t * (self.inverse_mass.abs() * held).amax() * self.grown(place).max(1.0);
+            + t * (self.inverse_mass.abs() * balanced).amax() * self.grown(place).max(1.0);
         // Times are known to the last digit of the time since the start, those at which contacts land as
         // near as their gaps are, which are differences of displacements.
         let gap = 4.0 * f64::EPSILON * from[0].amax();

@@ -237,6 +237,8 @@ impl<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: b
             } else {
                 self.landing_force(block, force[NORMAL], x[NORMAL], v[NORMAL])
             };
+            // Where a contact cannot open, friction that can stick follows |N|, so that it never drives the motion; friction with a
+            // fixed direction follows N, so that the motion is linear.
             let limiting = if L::STICKS && !DETACHMENT { pressing.abs() } else { pressing };
             let friction = self.friction(block, &force, v[TANGENT], surface, limiting, before);
             // Corrector, eqs. (17) and (18): it ends exactly on the surface, and exactly with its velocity in stick.
