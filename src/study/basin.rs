@@ -182,12 +182,10 @@ pub fn basin(
         done.map(|()| vec![None; found.len()])
     };
     let Some(filled) = filled else { return Ok(None) };
-    let failure = |found: &Found| match found {
-        Found::Failed(reason) => Some(reason.clone()),
-        _ => None,
-    };
-    let failures: Option<Vec<String>> = found.iter().flatten().map(failure).collect();
-    if let Some(reason) = failures.as_ref().and_then(|failures| failures.first()) {
+    let mut ends = found.iter().flatten();
+    if let Some(Found::Failed(reason)) = ends.next()
+        && ends.all(|end| matches!(end, Found::Failed(_)))
+    {
         return Err(Error::scene(format!("no point of the plane can run: {reason}")));
     }
     let (attractors, cells) = cells(&knowledge.attractors, &found);
@@ -290,7 +288,7 @@ impl Plane<'_> {
         })
     }
 
-    /// What a point ends in; `None` if the watch ended it.
+    /// Runs a point and gives its end, which may be that it fails; `None` if the watch ended the run.
     fn ending(&self, point: [f64; 2], knowledge: &Knowledge, told: &dyn Fn(f64)) -> Option<Found> {
         self.follow(point, knowledge, told)
             .unwrap_or_else(|error| Some(Found::Failed(error.to_string())))
@@ -452,7 +450,7 @@ fn habits<'a>(windows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<[f64; 2]> {
 }
 
 impl Knowledge {
-    /// What points tell that end so.
+    /// Collects what the first points, which end so, tell of all others.
     fn of(scene: &Scene, found: &[&Found]) -> Self {
         let attractors = what_is_known(found);
         let rests = attractors.iter().any(|known| known.ending.kind == Kind::Equilibrium);

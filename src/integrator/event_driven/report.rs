@@ -37,9 +37,7 @@ impl<W: Witness> EventDriven<W> {
         for (i, out) in forces.iter_mut().enumerate() {
             let state = motion.contacts[i];
             let &mut ContactForce { normal_force, friction_force, .. } = out;
-            let tangent = &self.dynamics.contacts[i].tangent;
-            let (along, surface) = (tangent.dot(&motion.velocity), drive.slider_velocity[i]);
-            let slip = surface - along;
+            let (slip, surface) = (self.slip(i, motion, drive), drive.slider_velocity[i]);
             // Of a slider that stands only the other masses say what rounding is.
             let still = NOISE * surface.abs().max(fastest);
             let size = normal_force.abs() + self.pulled_forces(i, &motion.displacement);
@@ -74,20 +72,26 @@ impl<W: Witness> EventDriven<W> {
     /// Takes note of the states that a report asks the law from: those of the motion, but that open contacts which touch may
     /// close.
     pub(super) fn pose_report(&mut self, motion: &Motion, drive: &Drive) {
+        let still = NOISE * self.fastest(motion, drive);
         for i in 0..motion.contacts.len() {
             self.likely[i] = motion.contacts[i];
             if self.likely[i] == ContactState::Detached && self.touches(i, motion, drive) {
-                let along = self.dynamics.contacts[i].tangent.dot(&motion.velocity);
-                let slip = drive.slider_velocity[i] - along;
-                self.likely[i] = match slip {
-                    slip if slip.abs() <= NOISE * self.fastest(motion, drive) => {
-                        ContactState::Stick
-                    }
-                    slip if slip > 0.0 => ContactState::Slide,
-                    _ => ContactState::ReverseSlide,
+                let slip = self.slip(i, motion, drive);
+                self.likely[i] = if slip.abs() <= still {
+                    ContactState::Stick
+                } else if slip > 0.0 {
+                    ContactState::Slide
+                } else {
+                    ContactState::ReverseSlide
                 };
             }
         }
+    }
+
+    /// The slip velocity of a contact: that of its surface against that of its masses, m/s.
+    fn slip(&self, contact: usize, motion: &Motion, drive: &Drive) -> f64 {
+        let along = self.dynamics.contacts[contact].tangent.dot(&motion.velocity);
+        drive.slider_velocity[contact] - along
     }
 
     /// The fastest velocity, m/s, also where all stand.

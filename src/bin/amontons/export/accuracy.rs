@@ -9,7 +9,7 @@ use std::error::Error;
 /// Runs the scene with both methods and writes the page.
 ///
 /// # Errors
-/// What is wrong with the scene; [`Interrupted`].
+/// The scene cannot be run, or the user has ended the command ([`Interrupted`]).
 pub fn page(scene: &Scene) -> Result<String, Box<dyn Error>> {
     interrupt::listen();
     let bar = interrupt::reference();

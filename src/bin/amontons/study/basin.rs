@@ -83,7 +83,7 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// How many points are such.
+/// Counts the points of the plane that are such.
 fn count(found: &Found, is_such: impl Fn(&Cell) -> bool) -> usize {
     found.rows.iter().flatten().filter(|cell| is_such(cell)).count()
 }
