@@ -1,15 +1,13 @@
-//! Three things are made before the crate is compiled:
+//! Two things are made before the crate is compiled:
 //!
 //! * the catalogue of FMI variables becomes typed Rust tables (`catalogue`);
-//! * what the sources of the library that goes into an FMU are is put into one word (`sources`);
-//! * with the feature `tools`, the libraries that the program carries are found or built (`libraries`).
+//! * what the sources of the library that goes into an FMU are is put into one word (`sources`).
+//!
+//! The build script of the crate that makes FMUs compiles these sources once more, as that library: it is told where
+//! they are (`DEP_AMONTONS_ROOT`), and their word (`DEP_AMONTONS_SOURCES`).
 
 #[path = "build/catalogue.rs"]
 mod catalogue;
-#[path = "build/host.rs"]
-mod host;
-#[path = "build/libraries.rs"]
-mod libraries;
 #[path = "build/sources.rs"]
 mod sources;
 
@@ -23,7 +21,7 @@ fn main() {
     catalogue::write(&out);
     let sources = sources::digest();
     println!("cargo::rustc-env=AMONTONS_SOURCES={sources}");
-    if env::var_os("CARGO_FEATURE_TOOLS").is_some() {
-        libraries::write(&out, &sources);
-    }
+    println!("cargo::metadata=sources={sources}");
+    let root = env::var("CARGO_MANIFEST_DIR").expect("cargo sets it");
+    println!("cargo::metadata=root={root}");
 }

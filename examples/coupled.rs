@@ -9,10 +9,12 @@
 //! It is the run that a co-simulation tool makes of the two FMUs, by the same doubles, and shows how to couple a
 //! simulation with one's own code: give values, go on, read values.
 
-use amontons::output::Pending;
-use amontons::scene::{Experiment, Scene, find};
+use amontons::scene::{Experiment, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
-use amontons::simulation::{Simulation, Variable, assign, variables};
+use amontons::simulation::{Simulation, Variable, variables};
+use amontons_analysis::assign::assign;
+use amontons_analysis::output::Pending;
+use amontons_export::scene::find;
 use clap::Parser;
 use std::error::Error;
 use std::io::{BufWriter, Write, stdout};

@@ -55,7 +55,7 @@ def for_windows(command, *arguments):
     tools.run(["cargo", command, *target, *arguments], **debian, **common(BUILT_BY_DEBIAN, TIMELESS))
 
 
-LIBRARY = ["--lib", "--crate-type", "cdylib", "--profile", "fmu", "--no-default-features"]
+LIBRARY = ["--package", "amontons", "--lib", "--crate-type", "cdylib", "--profile", "fmu", "--no-default-features"]
 
 
 def libraries():
@@ -84,7 +84,7 @@ def place(built, destination, check):
 
 
 def bins():
-    return [argument for name in PROGRAMS for argument in ("--bin", name)]
+    return ["--package", "amontons-cli"] + [argument for name in PROGRAMS for argument in ("--bin", name)]
 
 
 def linux_programs():

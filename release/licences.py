@@ -32,7 +32,7 @@ def third_party(target):
 def linked(target):
     """Name and version, folder, licence, authors of the crates that the programs for a target are linked with."""
     kinds = ["--edges", "normal,no-proc-macro", "--prefix", "none", "--format", "{p}"]
-    tree = tools.output(["cargo", "tree", "--locked", "--package", "amontons", "--target", target, *kinds])
+    tree = tools.output(["cargo", "tree", "--locked", "--package", "amontons-cli", "--target", target, *kinds])
     names = {" ".join(line.split()[:2]) for line in tree.splitlines()}
     known = tools.output(["cargo", "metadata", "--locked", "--format-version", "1", "--filter-platform", target])
     for package in json.loads(known)["packages"]:

@@ -24,9 +24,9 @@ def check():
         # Neither a browser nor .NET is wanted: wine would offer to install them.
         wine |= {"WINEDLLOVERRIDES": "mscoree=;mshtml=", "SOURCE_DATE_EPOCH": None}
         tools.run(["wine64", "wineboot", "--init"], **wine)
-        # What wine 8 lacks (tests/platforms.rs).
+        # What wine 8 lacks (crates/cli/tests/platforms.rs).
         stub = folder / "wine/drive_c/windows/system32/bcryptprimitives.dll"
-        source = tools.ROOT / "tests/platforms/bcryptprimitives.c"
+        source = tools.ROOT / "crates/cli/tests/platforms/bcryptprimitives.c"
         tools.run([f"{tools.MINGW}gcc", "-shared", "-O1", "-o", stub, source])
         for scene in SCENES:
             linux, windows = folder / "linux.fmu", folder / "windows.fmu"

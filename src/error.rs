@@ -1,4 +1,4 @@
-//! The one error type of the crate: opaque, with private kinds that mirror the rooms.
+//! The one error type of Amontons: opaque, with private kinds that grow with what can fail.
 
 use std::fmt;
 use std::path::Path;
@@ -10,7 +10,6 @@ use std::path::Path;
 pub struct Error(Box<Kind>);
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[cfg_attr(not(feature = "tools"), allow(dead_code))]
 enum Kind {
     #[error("{0}")]
     File(String),
@@ -42,8 +41,8 @@ macro_rules! kinds {
     ($($(#[$doc:meta])* $kind:ident: $make:ident, $is:ident;)*) => {
         impl Error {
             $(
-                #[cfg_attr(not(feature = "tools"), allow(dead_code))]
-                pub(crate) fn $make(message: impl Into<String>) -> Self {
+                #[doc = concat!("The error of which [`", stringify!($is), "`](Self::", stringify!($is), ") is true.")]
+                pub fn $make(message: impl Into<String>) -> Self {
                     Self(Box::new(Kind::$kind(message.into())))
                 }
 
@@ -54,7 +53,8 @@ macro_rules! kinds {
             )*
 
             /// An error of the same kind in other words.
-            pub(crate) fn in_words(&self, message: impl Into<String>) -> Self {
+            #[must_use]
+            pub fn in_words(&self, message: impl Into<String>) -> Self {
                 match *self.0 {
                     $(Kind::$kind(_) => Self::$make(message),)*
                 }

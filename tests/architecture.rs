@@ -1,31 +1,36 @@
-//! The rooms of the crate import only from rooms before them.
+//! The modules of each package import only from modules before them; between packages Cargo sees to that.
 
 use std::fs;
 use std::path::Path;
 
-/// The way through, in its one direction.
-const ROOMS: [&str; 18] = [
-    "error",
-    "output",
-    "progress",
-    "spectral",
-    "contact",
-    "scene",
-    "model",
-    "stability",
-    "integrator",
-    "simulation",
-    "accuracy",
-    "sweep",
-    "study",
-    "fmi2",
-    "package",
-    "picture",
-    "report",
-    "documentation",
+/// The sources of each package, and its modules in order.
+const PACKAGES: [(&str, &[&str]); 4] = [
+    (
+        "src",
+        &["error", "contact", "scene", "model", "stability", "integrator", "simulation", "fmi2"],
+    ),
+    (
+        "crates/analysis/src",
+        &[
+            "output",
+            "spectral",
+            "assign",
+            "instant",
+            "inputs",
+            "effects",
+            "stability",
+            "doubts",
+            "warning",
+            "accuracy",
+            "sweep",
+            "study",
+        ],
+    ),
+    ("crates/pictures/src", &["picture", "report"]),
+    ("crates/export/src", &["scene", "feedthrough", "package", "documentation"]),
 ];
 
-/// Rooms that the sources under `path` name with `crate::room`.
+/// Modules that the sources under `path` name with `crate::module`.
 fn imports(path: &Path, found: &mut Vec<(String, String)>) {
     if path.is_dir() {
         for entry in fs::read_dir(path).unwrap() {
@@ -35,23 +40,30 @@ fn imports(path: &Path, found: &mut Vec<(String, String)>) {
     }
     let text = fs::read_to_string(path).unwrap();
     for after in text.split("crate::").skip(1) {
-        let room: String = after.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
-        found.push((path.display().to_string(), room));
+        let module: String =
+            after.chars().take_while(|c| c.is_alphanumeric() || *c == '_').collect();
+        found.push((path.display().to_string(), module));
     }
 }
 
 #[test]
-fn every_room_imports_only_from_rooms_before_it() {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
-    for (place, room) in ROOMS.iter().enumerate() {
-        let folder = source.join(room);
-        let path = if folder.is_dir() { folder } else { source.join(format!("{room}.rs")) };
-        let mut found = Vec::new();
-        imports(&path, &mut found);
-        for (file, import) in found {
-            let allowed = import == "Error" || ROOMS[..=place].contains(&&*import);
-            assert!(allowed, "{file} imports {import}, which comes after {room}");
+fn every_module_imports_only_from_modules_before_it() {
+    for (sources, modules) in PACKAGES {
+        let source = Path::new(env!("CARGO_MANIFEST_DIR")).join(sources);
+        for (place, module) in modules.iter().enumerate() {
+            let folder = source.join(module);
+            let path = if folder.is_dir() { folder } else { source.join(format!("{module}.rs")) };
+            let mut found = Vec::new();
+            imports(&path, &mut found);
+            for (file, import) in found {
+                let allowed = import == "Error" || modules[..=place].contains(&&*import);
+                assert!(allowed, "{file} imports {import}, which comes after {module}");
+            }
         }
+        // `lib.rs` declares these modules and no others.
+        let lib = fs::read_to_string(source.join("lib.rs")).unwrap();
+        let declared = lib.lines().filter(|line| line.contains("mod ") && line.ends_with(';'));
+        assert_eq!(declared.count(), modules.len(), "{sources}");
     }
 }
 
@@ -65,14 +77,16 @@ fn unsafe_stays_in_the_c_interface() {
             } else if !path.components().any(|part| part.as_os_str() == "fmi2")
                 && !path
                     .parent()
-                    .is_some_and(|room| room.ends_with("fmu-check/src/run/worker/library"))
+                    .is_some_and(|folder| folder.ends_with("fmu-check/src/run/worker/library"))
             {
                 let text = fs::read_to_string(&path).unwrap();
                 assert!(!text.contains("unsafe "), "{} calls no C", path.display());
             }
         }
     }
-    for sources in ["src", "crates/fmu-check/src"] {
-        visit(&Path::new(env!("CARGO_MANIFEST_DIR")).join(sources));
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    visit(&root.join("src"));
+    for member in fs::read_dir(root.join("crates")).unwrap() {
+        visit(&member.unwrap().path().join("src"));
     }
 }

@@ -1,5 +1,4 @@
 //! A full mass matrix, which no scene has: models that are given to the library directly.
-#![cfg(feature = "tools")]
 
 mod judge;
 

@@ -1,6 +1,5 @@
 //! Hard cases of contact: grazing, landings of many at once, several contacts on one mass; with the law of
 //! contact judged after every step.
-#![cfg(feature = "tools")]
 
 mod judge;
 

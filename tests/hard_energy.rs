@@ -1,6 +1,5 @@
 //! Hard cases of energy: what is kept without damping, where work goes, what stiff springs beside soft ones
 //! do, and the critical step; with the law of contact judged after every step.
-#![cfg(feature = "tools")]
 
 mod judge;
 

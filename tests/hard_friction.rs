@@ -5,7 +5,6 @@
 //! h that is derived beside the case; with ω the frequency, the paper's scheme moves along
 //! x² + ẋ²/ω² − h x ẋ = A², so amplitudes are off in second order, by the part (ωh)²/8, and velocities
 //! belong to times half a step earlier. The event-driven integrator may be off by rounding.
-#![cfg(feature = "tools")]
 
 mod judge;
 

@@ -1,7 +1,6 @@
 //! Scenes drawn at random, and those that are shipped: the law of contact is judged after every step.
 //!
 //! Half of the random ones have static friction, up to three times the kinetic one.
-#![cfg(feature = "tools")]
 
 mod judge;
 

@@ -1,5 +1,4 @@
 //! Scenes that once broke an integrator, each with what is right: a closed form, or the law of contact after every step.
-#![cfg(feature = "tools")]
 
 mod disc;
 mod judge;

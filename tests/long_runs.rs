@@ -1,7 +1,6 @@
 //! Runs of 10⁴ seconds and of 10⁷ steps: no creep, no drift, no slow growth.
 //!
 //! Only where they are asked for: `cargo test --release -- --ignored`.
-#![cfg(feature = "tools")]
 
 mod judge;
 

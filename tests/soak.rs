@@ -17,7 +17,6 @@
 //!
 //! The seed is printed first. A scene that fails is made as small as it goes and written to a file, whose name is printed
 //! last.
-#![cfg(feature = "tools")]
 
 mod judge;
 

@@ -2,10 +2,11 @@
 //! key, and what is taken is checked, listed, described and, where it is small, run for a few steps.
 #![no_main]
 
-use amontons::package::model_description;
-use amontons::scene::{Scene, Selection, parse, read};
+use amontons::scene::{Scene, Selection};
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::simulation::{Simulation, variables};
+use amontons_export::package::model_description;
+use amontons_export::scene::{parse, read};
 use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::OnceLock;

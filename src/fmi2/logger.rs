@@ -14,7 +14,7 @@ pub(crate) enum Category {
 }
 
 /// Names and descriptions of the categories, as the model description lists them.
-pub(crate) const CATEGORIES: [(&str, &str); 4] = [
+pub const CATEGORIES: [(&str, &str); 4] = [
     ("logStatusError", "Why a call was refused or failed; always on"),
     (
         "logStatusWarning",

@@ -10,7 +10,7 @@
 //! | `logger` | messages to the importer |
 //! | `resources` | where the scene inside the FMU lies |
 //!
-//! `unsafe` is confined to this room. An importer's contract (live handles, arrays as long as
+//! `unsafe` is confined to this module. An importer's contract (live handles, arrays as long as
 //! said, terminated strings) is the safety condition of every exported function.
 
 mod boundary;
@@ -29,7 +29,5 @@ static amontons_sources: [u8; SOURCES.len()] = *SOURCES.first_chunk().unwrap();
 
 const SOURCES: &[u8] = concat!("amontons sources ", env!("AMONTONS_SOURCES")).as_bytes();
 
-#[cfg(feature = "tools")]
-pub(crate) use instance::{SCENE_FILE, STRICT};
-#[cfg(feature = "tools")]
-pub(crate) use logger::CATEGORIES;
+pub use instance::{SCENE_FILE, STRICT};
+pub use logger::CATEGORIES;

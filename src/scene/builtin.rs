@@ -1,8 +1,7 @@
 //! The scenes that the program carries; the same files stand under `scenes/`.
 
-use super::{Scene, Source, parse, read};
+use super::{Scene, parse};
 use crate::Error;
-use std::path::Path;
 
 /// A scene that the program carries.
 #[derive(Clone, Copy, Debug)]
@@ -48,27 +47,6 @@ pub fn builtin(name: &str) -> Option<Builtin> {
 pub fn named(name: &str) -> Result<Builtin, Error> {
     builtin(name)
         .ok_or_else(|| Error::argument(format!("no built-in scene {name}; {}", builtin_names())))
-}
-
-/// The scene that a command line names, with its files: a built-in scene's name, or a path.
-/// A file that is named like a built-in scene is `./name`.
-///
-/// # Errors
-/// As [`read`], or there is no such scene.
-pub fn find(argument: &str) -> Result<(Scene, Source), Error> {
-    let path = Path::new(argument);
-    match builtin(argument) {
-        Some(builtin) => Ok((builtin.scene(), builtin.text.into())),
-        None if path.is_dir() => Err(Error::unusable_file(format!(
-            "{argument} is a folder; give a scene file, or a built-in scene; {}",
-            builtin_names()
-        ))),
-        None if path.exists() => read(path),
-        None => Err(Error::unusable_file(format!(
-            "no file {argument} and no built-in scene of that name; {}",
-            builtin_names()
-        ))),
-    }
 }
 
 /// What is built in, for a message.

@@ -266,7 +266,7 @@ pub(super) fn with_key(part: String, key: &str) -> String {
 }
 
 /// Which input is meant by a name that is none, or which there are.
-pub(crate) fn meant_input(name: &str, inputs: &[String]) -> String {
+pub fn meant_input(name: &str, inputs: &[String]) -> String {
     const MOST: usize = 12;
     if let Some(meant) = nearest(name, inputs.iter().map(String::as_str)) {
         return format!("did you mean {}?", quoted(meant));

@@ -6,7 +6,7 @@ use serde::Deserialize;
 
 /// What is simulated besides masses and springs.
 #[derive(Default, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct EffectsTable {
     /// May contacts stick? Unless false; then friction keeps the direction that it has in uniform sliding.

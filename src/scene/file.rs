@@ -1,38 +1,38 @@
 //! The scene file as its user writes it (TOML), turned into a [`Scene`].
 
+#[cfg(feature = "schema")]
+use super::Rule;
 use super::check::{Part, with_key};
 use super::effects_file::EffectsTable;
 use super::friction_file::FrictionTable;
 use super::initial_file::{self, Initial};
 use super::integrator_file::Integrator;
 use super::network_file::{ContactTable, DamperTable, MassTable, Names, SpringTable, Tables};
-#[cfg(not(feature = "tools"))]
 use super::problem;
 use super::signal_file::{self, SignalTable};
 use super::source::{Folder, Source};
 use super::{
     Damping, Effects, Experiment, Problem, Roles, Scene, Slider, Structure, ring_file, text,
 };
-#[cfg(feature = "tools")]
-use super::{Rule, located};
 use crate::Error;
 use crate::contact::Law;
 use serde::Deserialize;
 use std::collections::HashMap;
+use std::fmt;
 use std::path::Path;
 
 /// A scene of Amontons: a ring of modules, or a network of masses, in frictional contact with a moving
 /// slider. SI units.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "tools", schemars(extend(
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "File"))]
+#[cfg_attr(feature = "schema", schemars(extend(
     "oneOf" = [{ "required": ["ring"] }, { "required": ["mass"] }],
     "dependencies" = {
         "ring": ["slider", "friction"],
     },
 )))]
 #[serde(deny_unknown_fields)]
-struct File {
+pub struct SceneTables {
     /// One line for people.
     #[serde(default)]
     description: String,
@@ -53,7 +53,7 @@ struct File {
     /// The ring of modules; each value once for all modules, or a list with one a module.
     ring: Option<ring_file::Ring>,
     /// The masses of a network.
-    #[cfg_attr(feature = "tools", schemars(length(min = 1)))]
+    #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
     #[serde(default)]
     mass: Vec<MassTable>,
     /// The springs of a network.
@@ -78,71 +78,127 @@ struct File {
 
 /// Rayleigh damping, C = α M + β K.
 #[derive(Default, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct DampingTable {
     /// Mass-proportional part α, 1/s; none unless given.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     alpha: Option<f64>,
     /// Stiffness-proportional part β, s; none unless given.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     beta: Option<f64>,
+}
+
+/// A scene file that is read, but not yet understood.
+pub struct SceneFile<'a> {
+    /// The name of its scene: the file's stem.
+    pub name: String,
+    /// The file, as messages name it.
+    pub place: String,
+    /// What stands in it.
+    pub text: String,
+    /// Where the other files are that it names.
+    pub folder: Folder<'a>,
+}
+
+impl<'a> SceneFile<'a> {
+    /// Reads a file.
+    ///
+    /// # Errors
+    /// The file cannot be read, is no text, or is larger than a scene can be.
+    pub fn open(path: &'a Path) -> Result<Self, Error> {
+        let place = path.display().to_string();
+        let bytes = text::read(path, text::MAX_SCENE).map_err(|error| Error::file(path, &error))?;
+        let bytes = bytes.ok_or_else(|| {
+            Error::scene(format!(
+                "{place} is larger than {}, the most that a scene file may have; values over time belong into a CSV \
+                 file beside it",
+                text::megabytes(text::MAX_SCENE)
+            ))
+        })?;
+        let text = text::decode(&place, "a scene file (TOML)", bytes)?;
+        text::check_amount(&place, &text)?;
+        let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
+        Ok(Self { name, place, text, folder: Folder::new(path.parent()) })
+    }
+
+    /// A text that names no other files; messages give it the scene's name.
+    #[must_use]
+    pub fn of(name: &str, text: &str) -> Self {
+        let [name, place, text] = [name, name, text].map(str::to_owned);
+        Self { name, place, text, folder: Folder::new(None) }
+    }
+
+    /// The scene.
+    ///
+    /// # Errors
+    /// The text is no TOML, it has a key that no scene has, or lacks one: the first such place. Then, all values that
+    /// are impossible. A reader that lists all of it, with lines, deserializes [`SceneTables`] by itself.
+    pub fn scene(&mut self) -> Result<Scene, Error> {
+        let in_file =
+            |error: &dyn fmt::Display| Error::scene(format!("in {}:\n{error}", self.place));
+        let tables: SceneTables =
+            toml::from_str(&self.text).map_err(|error| in_file(&error.to_string().trim_end()))?;
+        let mut problems = tables.unlike_schema();
+        match tables.scene(&self.name, &mut self.folder) {
+            Ok(scene) if problems.is_empty() => return Ok(scene),
+            Ok(_) => {}
+            Err(found) => problems.extend(found),
+        }
+        Err(in_file(&problem::error(&problems)))
+    }
+
+    /// The file word for word, and those that its scene named.
+    #[must_use]
+    pub fn into_source(self) -> Source {
+        Source { text: self.text, tables: self.folder.texts }
+    }
 }
 
 /// Reads and checks a scene file; its name becomes the file's stem.
 ///
 /// # Errors
-/// Everything that is wrong with the file, each with its line and column (with the feature
-/// `tools`), key, and what would be right.
+/// What is wrong with the file: see [`SceneFile::open`] and [`SceneFile::scene`].
 pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
-    let place = path.display().to_string();
-    let bytes = text::read(path, text::MAX_SCENE).map_err(|error| Error::file(path, &error))?;
-    let bytes = bytes.ok_or_else(|| {
-        Error::scene(format!(
-            "{place} is larger than {}, the most that a scene file may have; values over time belong into a CSV file \
-             beside it",
-            text::megabytes(text::MAX_SCENE)
-        ))
-    })?;
-    let text = text::decode(&place, "a scene file (TOML)", bytes)?;
-    text::check_amount(&place, &text)?;
-    let name = path.file_stem().map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    let mut folder = Folder::new(path.parent());
-    let scene = parse_in(&mut folder, &name, &place, &text)?;
-    Ok((scene, Source { text, tables: folder.texts }))
+    let mut file = SceneFile::open(path)?;
+    let scene = file.scene()?;
+    Ok((scene, file.into_source()))
 }
 
 /// Makes a scene from the text of a scene file that names no other files.
 ///
 /// # Errors
-/// As [`read`], with the scene's name for the file's.
+/// See [`SceneFile::scene`]; messages give the scene's name as the file's.
 pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
-    parse_in(&mut Folder::new(None), name, name, text)
+    SceneFile::of(name, text).scene()
 }
 
-#[cfg(feature = "tools")]
-fn parse_in(folder: &mut Folder<'_>, name: &str, place: &str, text: &str) -> Result<Scene, Error> {
-    located::read(place, text, |file: File| file.scene(name, folder))
-}
+impl SceneTables {
+    /// What the JSON Schema of scene files refuses and the types of the tables let pass.
+    #[must_use]
+    pub fn unlike_schema(&self) -> Vec<Problem> {
+        let mut problems = Vec::new();
+        match (&self.ring, self.mass.is_empty()) {
+            (Some(_), false) => {
+                problems.push(Problem::new("mass", "a scene has either a [ring] or [[mass]]"));
+            }
+            (None, true) => {
+                problems.push(Problem::new("mass", "a scene needs a [ring] or [[mass]]"))
+            }
+            (Some(ring), true) => problems.extend(ring.lone_link()),
+            (None, false) => {}
+        }
+        problems.extend(self.friction.as_ref().and_then(FrictionTable::unknown_law));
+        problems.extend(signal_file::without_one_shape(&self.signal));
+        problems
+    }
 
-#[cfg(not(feature = "tools"))]
-fn parse_in(folder: &mut Folder<'_>, name: &str, place: &str, text: &str) -> Result<Scene, Error> {
-    let in_file = |error: &dyn std::fmt::Display| Error::scene(format!("in {place}:\n{error}"));
-    let file: File =
-        toml::from_str(text).map_err(|error| in_file(&error.to_string().trim_end()))?;
-    file.scene(name, folder).map_err(|problems| in_file(&problem::error(&problems)))
-}
-
-/// The JSON Schema of scene files, for editors; [`read`] holds files to the same.
-#[cfg(feature = "tools")]
-#[must_use]
-pub fn schema() -> String {
-    format!("{:#}\n", located::schema::<File>())
-}
-
-impl File {
-    /// The scene, or everything that is wrong with it.
-    fn scene(self, name: &str, folder: &mut Folder<'_>) -> Result<Scene, Vec<Problem>> {
+    /// The scene that tables like the schema describe ([`unlike_schema`](Self::unlike_schema) says nothing of them); CSV
+    /// files that they name are read from `folder`.
+    ///
+    /// # Errors
+    /// Everything else that is wrong with them, each with its path through the file.
+    pub fn scene(self, name: &str, folder: &mut Folder<'_>) -> Result<Scene, Vec<Problem>> {
         let effects = self.effects();
         let mut names = Names::of(&self.mass);
         let (mut structure, broken) = match self.structure(&mut names) {
@@ -204,13 +260,8 @@ impl File {
 
     fn structure(&self, names: &mut Names<'_>) -> Result<Structure, Vec<Problem>> {
         match &self.ring {
-            // The walk over the schema has said so.
-            ring if cfg!(feature = "tools") && ring.is_some() != self.mass.is_empty() => {
-                Err(Vec::new())
-            }
-            Some(_) if !self.mass.is_empty() => {
-                Err(vec![Problem::new("mass", "a scene has either a [ring] or [[mass]]")])
-            }
+            // `unlike_schema` reports it.
+            ring if ring.is_some() != self.mass.is_empty() => Err(Vec::new()),
             Some(ring) => Ok(Structure::Ring(ring.modules()?)),
             None => {
                 let tables = Tables {

@@ -1,34 +1,34 @@
 //! The table `[friction]` of a scene file.
 
 use super::Problem;
-#[cfg(feature = "tools")]
+#[cfg(feature = "schema")]
 use super::Rule;
 use crate::contact::Law;
 use serde::Deserialize;
 
 /// The law of friction, and its numbers.
 #[derive(Default, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct FrictionTable {
     /// The law; unless given that of the numbers beside it.
-    #[cfg_attr(feature = "tools", schemars(schema_with = "laws"))]
+    #[cfg_attr(feature = "schema", schemars(schema_with = "laws"))]
     #[serde(default)]
     law: Option<String>,
     /// Friction coefficient µ of every contact that has none of its own.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     pub(super) coefficient: Option<f64>,
     /// Static friction coefficient µ_s ≥ µ, while a contact does not slip; µ unless given.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     #[serde(rename = "static")]
     pub(super) static_: Option<f64>,
     /// The slip velocity over which friction falls from µ_s towards µ, by a factor of e, m/s.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STRIBECK_VELOCITY.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::STRIBECK_VELOCITY.bounds()))]
     pub(super) stribeck_velocity: Option<f64>,
 }
 
 /// The laws by name, each with its equation.
-#[cfg(feature = "tools")]
+#[cfg(feature = "schema")]
 fn laws(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let law = |law: &Law| {
         let about = law.about();
@@ -49,6 +49,15 @@ impl FrictionTable {
         keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key)).collect()
     }
 
+    /// The law that is named, where there is none of that name.
+    pub(super) fn unknown_law(&self) -> Option<Problem> {
+        let name = self.law.as_deref().filter(|name| Law::named(name).is_none())?;
+        let known: Vec<String> =
+            Law::ALL.iter().map(|law| format!("\"{}\"", law.about().name)).collect();
+        let problem = Problem::new("friction.law", "is no law of friction");
+        Some(problem.of(format!("\"{name}\"")).help(format!("there are {}", known.join(", "))))
+    }
+
     /// The law that is named, or else the one whose numbers these are; what is wrong goes to `problems`.
     pub(super) fn law(&self, problems: &mut Vec<Problem>) -> Law {
         let given = self.given();
@@ -61,10 +70,7 @@ impl FrictionTable {
             return law;
         };
         let Some(law) = Law::named(name) else {
-            // The walk over the schema has said so, where there is one.
-            if cfg!(not(feature = "tools")) {
-                problems.push(Problem::new("friction.law", "is no law of friction"));
-            }
+            // `unknown_law` reports it.
             return Law::Coulomb;
         };
         self.report_lacking(law, &given, problems);

@@ -8,7 +8,7 @@ use std::collections::HashMap;
 
 /// An initial displacement or velocity, relative to the equilibrium.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 pub(super) enum Initial {
     Module(ring_file::Initial),

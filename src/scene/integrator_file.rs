@@ -1,15 +1,15 @@
 //! The table `[integrator]` of a scene file.
 
-#[cfg(feature = "tools")]
+#[cfg(feature = "schema")]
 use super::Rule;
 use super::{Method, Preset, Problem, Selection};
 use serde::Deserialize;
 
 /// How time goes on.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 // What the reader says in words, for editors.
-#[cfg_attr(feature = "tools", schemars(extend(
+#[cfg_attr(feature = "schema", schemars(extend(
     "if" = {
         "anyOf": [
             { "required": ["preset"] },
@@ -26,18 +26,18 @@ pub(super) struct Integrator {
     /// Internal time step h, s.
     ///
     /// To be given unless a tolerance chooses it.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::TIME.bounds()))]
     step: Option<f64>,
     /// Chooses method and step by a relative error: preview 1e-2, design 1e-4, reference 1e-9.
     preset: Option<Preset>,
     /// The relative error by which method "auto" chooses where an importer gives none; 1e-4 unless given.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::TOLERANCE.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::TOLERANCE.bounds()))]
     tolerance: Option<f64>,
 }
 
 /// A method, or that one is to be chosen.
 #[derive(Clone, Copy, Deserialize, PartialEq, Eq)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 enum Way {
     /// The paper's scheme: forward increment Lagrange multipliers, of first order.

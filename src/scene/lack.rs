@@ -5,11 +5,11 @@ use super::{Scene, Spring};
 use crate::contact::Law;
 
 /// Why a scene does not have what a name asks for.
-pub(crate) struct Lack {
+pub struct Lack {
     /// What the scene goes without.
-    pub(crate) reason: String,
+    pub reason: String,
     /// How to add it to the scene.
-    pub(crate) help: String,
+    pub help: String,
 }
 
 impl Lack {
@@ -20,7 +20,7 @@ impl Lack {
 
 impl Scene {
     /// Why it has no variable of this name, if that is for lack of a value or an effect.
-    pub(crate) fn lack(&self, name: &str) -> Option<Lack> {
+    pub fn lack(&self, name: &str) -> Option<Lack> {
         let effects = &self.effects;
         match name {
             "damping.alpha" if !effects.mass_damping => Lack::new(
@@ -64,7 +64,7 @@ impl Scene {
     }
 
     /// Why it has no input of this name, if it could have one.
-    pub(crate) fn lack_of_input(&self, name: &str) -> Option<Lack> {
+    pub fn lack_of_input(&self, name: &str) -> Option<Lack> {
         let mut given = self.may_be_driven();
         match given.find(|(_, known)| known == name) {
             Some((group, _)) if self.roles.of(group) == Some(Role::Parameter) => Lack::new(

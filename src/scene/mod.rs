@@ -15,7 +15,7 @@
 //! | `source` | the files a scene is made from |
 //! | `check`, `rule` | which scenes are possible, what a value must be |
 //! | `problem` | what is wrong with a scene |
-//! | `located`, `nearest`, `text` | reading a file with all that is wrong with it |
+//! | `nearest`, `text` | a word that is nearly another; a file's text |
 //! | `builtin` | the scenes that the program carries |
 
 mod builtin;
@@ -29,8 +29,6 @@ mod initial_file;
 mod integrator_file;
 mod keys;
 mod lack;
-#[cfg(feature = "tools")]
-mod located;
 mod nearest;
 mod network;
 mod network_check;
@@ -48,27 +46,22 @@ mod source;
 mod text;
 mod time_table;
 
-pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, find, named};
-#[cfg(feature = "tools")]
-pub(crate) use check::meant_input;
+pub use builtin::{BUILTIN, Builtin, builtin, builtin_names, named};
+pub use check::meant_input;
 pub(crate) use check::{MAX_STEPS, count, least};
 pub use effects::Effects;
-#[cfg(feature = "tools")]
-pub use file::schema;
-pub use file::{parse, read};
-#[cfg(feature = "tools")]
-pub(crate) use lack::Lack;
-#[cfg(feature = "tools")]
+pub use file::{SceneFile, SceneTables, parse, read};
+pub use lack::Lack;
 pub use nearest::nearest;
 pub use network::{Damper, GROUND, MAX_PARTS, Mass, Network, RubbingPlace, Spring, direction};
-pub use problem::Problem;
+pub use problem::{MAX_PROBLEMS, Problem, and_more};
 pub use ring::{MAX_MODULES, Module};
 pub(crate) use roles::Group;
 pub use roles::{ForceRole, Role, Roles};
 pub use rule::Rule;
 pub use selection::{Preset, Selection};
 pub use signal::{Between, Constant, Pulse, Ramp, Shape, Signal, Sine, Table};
-pub use source::Source;
+pub use source::{Folder, Source};
 pub use time_table::TimeTable;
 
 use crate::Error;
@@ -118,7 +111,7 @@ pub struct Scene {
 
 /// How time goes on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "tools", derive(clap::ValueEnum, schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Method {
     /// The paper's scheme: forward increment Lagrange multipliers, of first order.
@@ -149,7 +142,7 @@ pub enum Structure {
 
 /// The rigid slider.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Slider {
     /// Velocity along the tangent t = (cos θ, sin θ), m/s; of either sign.
@@ -169,21 +162,20 @@ pub struct Damping {
 
 /// What a run does unless told otherwise; FMI's DefaultExperiment.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Experiment {
     /// End of the run, s; it starts at 0.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::TIME.bounds()))]
     pub stop_time: f64,
     /// Time between two rows of results, s.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::TIME.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::TIME.bounds()))]
     pub output_interval: f64,
 }
 
 impl Experiment {
     /// When a run has rows after that of its start, s: after each output interval, and at the end; with
     /// whether the row ends a whole interval.
-    #[cfg(feature = "tools")]
     #[allow(clippy::cast_precision_loss)]
     pub fn row_times(self) -> impl Iterator<Item = (f64, bool)> {
         let Self { stop_time: stop, output_interval: interval } = self;
@@ -219,7 +211,6 @@ impl Scene {
     ///
     /// # Errors
     /// Only one of them is given to a scene that has neither.
-    #[cfg(feature = "tools")]
     pub fn set_integrator(
         &mut self,
         method: Option<Method>,
@@ -244,7 +235,6 @@ impl Scene {
     }
 
     /// Takes all initial displacements and velocities away: it starts at rest in its equilibrium.
-    #[cfg(feature = "tools")]
     pub fn rest(&mut self) {
         match &mut self.structure {
             Structure::Ring(modules) => {

@@ -1,11 +1,9 @@
 //! "Did you mean …?"
 
-#[cfg(feature = "tools")]
 use strsim::damerau_levenshtein;
 
 /// The one of the candidates that `word` is most likely meant to be: up to a third of its letters
 /// wrong, left out, added or swapped. `None` if there is none, or more than one that is as near.
-#[cfg(feature = "tools")]
 #[must_use]
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = word.to_lowercase();
@@ -29,13 +27,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.filter(|_| !tied).map(|(_, candidate)| candidate)
 }
 
-/// None: the library inside an FMU reads what has been read before, and need not guess.
-#[cfg(not(feature = "tools"))]
-pub(super) fn nearest<'a>(_: &str, _: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
-    None
-}
-
-#[cfg(all(test, feature = "tools"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 

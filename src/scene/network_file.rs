@@ -1,7 +1,7 @@
 //! `[[mass]]`, `[[spring]]`, `[[damper]]` and `[[contact]]` of a scene file, and `[[initial]]` of its
 //! masses: names become places.
 
-#[cfg(feature = "tools")]
+#[cfg(feature = "schema")]
 use super::Rule;
 use super::nearest::nearest;
 use super::network_check::{NO_SUCH_MASS, quoted};
@@ -12,13 +12,13 @@ use std::f64::consts::FRAC_PI_2;
 
 /// A mass of a network, which moves in the plane along axes of its own.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct MassTable {
     /// Its name: a letter, then letters, digits and _.
     name: String,
     /// How heavy it is, kg.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::MASS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::MASS.bounds()))]
     mass: f64,
     /// How far its axes x (right) and y (up) are turned counterclockwise, rad.
     #[serde(default)]
@@ -33,7 +33,7 @@ pub(super) struct MassTable {
 
 /// An axis.
 #[derive(Clone, Copy, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 enum Axis {
     /// To the right.
@@ -44,7 +44,7 @@ enum Axis {
 
 /// A direction in space: "x", "y", or its angle against the horizontal in rad.
 #[derive(Clone, Copy, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum Direction {
     /// Along an axis.
@@ -65,7 +65,7 @@ impl Direction {
 
 /// A spring between two masses, or a mass and the ground.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct SpringTable {
     /// Its name: a letter, then letters, digits and _.
@@ -75,7 +75,7 @@ pub(super) struct SpringTable {
     /// The direction in which it acts: "x", "y", or an angle against the horizontal in rad.
     direction: Direction,
     /// Stiffness, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     stiffness: f64,
     /// How far its second end is moved along the direction, m; it has no preload unless given.
     preload: Option<f64>,
@@ -83,7 +83,7 @@ pub(super) struct SpringTable {
 
 /// A damper between two masses, or a mass and the ground.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct DamperTable {
     /// Its name: a letter, then letters, digits and _.
@@ -93,13 +93,13 @@ pub(super) struct DamperTable {
     /// The direction in which it acts: "x", "y", or an angle against the horizontal in rad.
     direction: Direction,
     /// Force per velocity, N s/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::DAMPING.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     damping: f64,
 }
 
 /// A frictional contact of a mass with the slider, or with another mass.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
     /// Its name: a letter, then letters, digits and _.
@@ -113,11 +113,11 @@ pub(super) struct ContactTable {
     /// Velocity of the sliding surface along the tangent, m/s; the slider's unless given.
     velocity: Option<f64>,
     /// Friction coefficient µ; the common one unless given.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     friction: Option<f64>,
     /// Static friction coefficient µ_s ≥ µ, while the contact does not slip; the common one unless given,
     /// or µ where that is given.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::FRICTION.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     static_friction: Option<f64>,
 }
 
@@ -133,7 +133,7 @@ impl ContactTable {
 
 /// An initial displacement or velocity of one mass along its axes, relative to the equilibrium.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Initial {
     /// The name of the mass, in a network.

@@ -5,7 +5,7 @@ use serde::{Deserialize, de};
 use std::fmt;
 
 #[derive(Clone, Debug, PartialEq)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema), schemars(untagged))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(untagged))]
 pub(super) enum PerModule {
     /// One number for all modules.
     Same(f64),

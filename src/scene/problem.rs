@@ -5,7 +5,7 @@ use crate::error::Short;
 use std::fmt;
 
 /// The most problems that one message lists.
-pub(super) const MAX_PROBLEMS: usize = 20;
+pub const MAX_PROBLEMS: usize = 20;
 
 /// A number with more characters says less than its power of ten.
 const LONG: usize = 24;
@@ -45,7 +45,8 @@ impl Problem {
     }
 
     /// Place, value and message in one line, without the help.
-    pub(super) fn title(&self) -> String {
+    #[must_use]
+    pub fn title(&self) -> String {
         match &self.value {
             Some(value) => format!("{} = {value}: {}", self.path, self.message),
             None => format!("{}: {}", self.path, self.message),
@@ -69,7 +70,8 @@ pub(super) fn error(problems: &[Problem]) -> Error {
 }
 
 /// The last line of a list of `count` problems that is cut at [`MAX_PROBLEMS`].
-pub(super) fn and_more(count: usize) -> Option<String> {
+#[must_use]
+pub fn and_more(count: usize) -> Option<String> {
     let more = count.checked_sub(MAX_PROBLEMS).filter(|&more| more > 0)?;
     Some(format!("and {more} more"))
 }

@@ -1,6 +1,6 @@
 //! `[ring]` of a scene file, and `[[initial]]` of its modules.
 
-#[cfg(feature = "tools")]
+#[cfg(feature = "schema")]
 use super::Rule;
 use super::per_module::PerModule;
 use super::ring::not_a_ring;
@@ -9,38 +9,38 @@ use serde::Deserialize;
 
 /// The ring of modules; each value once for all modules, or a list with one a module.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "tools", schemars(extend(
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(extend(
     "dependencies" = { "k1": ["k2"], "k2": ["k1"] },
 )))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Ring {
     /// How many modules.
-    #[cfg_attr(feature = "tools", schemars(range(min = 1, max = MAX_MODULES)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = MAX_MODULES)))]
     modules: usize,
     /// Mass m1, kg.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::MASS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::MASS.bounds()))]
     m1: PerModule,
     /// Mass m2, which rubs on the slider, kg.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::MASS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::MASS.bounds()))]
     m2: PerModule,
     /// Stiffness from m1 to the next m1, horizontal, N/m; without `k1` and `k2` nothing links the modules.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k1: Option<PerModule>,
     /// Stiffness from m1 to the next m1, vertical, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k2: Option<PerModule>,
     /// Stiffness from m1 to ground, vertical, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k3: PerModule,
     /// Stiffness from m1 to ground, horizontal, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k4: PerModule,
     /// Stiffness from m1 to m2, vertical, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k5: PerModule,
     /// Stiffness from m1 to m2, horizontal, N/m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::STIFFNESS.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k6: PerModule,
     /// Preload: how far the ground end of k3 is moved down, m; none unless given.
     preload: Option<PerModule>,
@@ -48,11 +48,11 @@ pub(super) struct Ring {
 
 /// An initial displacement or velocity of one module, relative to the equilibrium.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Initial {
     /// The module, counted from 1.
-    #[cfg_attr(feature = "tools", schemars(range(min = 1, max = MAX_MODULES)))]
+    #[cfg_attr(feature = "schema", schemars(range(min = 1, max = MAX_MODULES)))]
     pub(super) module: usize,
     /// Displacement of m1, horizontal, m.
     #[serde(default)]
@@ -64,7 +64,7 @@ pub(super) struct Initial {
     #[serde(default)]
     x3: f64,
     /// Displacement of m2 away from the slider, m.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::GAP.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::GAP.bounds()))]
     #[serde(default)]
     x4: f64,
     /// Velocity of x1, m/s.
@@ -82,6 +82,12 @@ pub(super) struct Initial {
 }
 
 impl Ring {
+    /// One of `k1` and `k2` without the other.
+    pub(super) fn lone_link(&self) -> Option<Problem> {
+        let is_lone = self.k1.is_some() != self.k2.is_some();
+        is_lone.then(|| Problem::new("ring", "has one of `k1` and `k2`, needs both or neither"))
+    }
+
     /// Do links join the modules?
     pub(super) fn has_links(&self) -> bool {
         self.k1.is_some() && self.k2.is_some()
@@ -118,11 +124,7 @@ impl Ring {
             let help = "give one number for all, or one a module";
             Some(Problem::new(format!("ring.{key}"), message).help(help))
         };
-        let mut problems: Vec<Problem> = keys.into_iter().filter_map(wrong_length).collect();
-        // With the feature `tools` the walk over the schema has said so.
-        if cfg!(not(feature = "tools")) && self.k1.is_some() != self.k2.is_some() {
-            problems.push(Problem::new("ring", "has one of `k1` and `k2`, needs both or neither"));
-        }
+        let problems: Vec<Problem> = keys.into_iter().filter_map(wrong_length).collect();
         if !problems.is_empty() {
             return Err(problems);
         }

@@ -4,7 +4,7 @@ use serde::Deserialize;
 
 /// The role of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
     /// Given throughout the run; signals and tables may drive it.
@@ -15,7 +15,7 @@ pub enum Role {
 
 /// The role of external forces, which a scene may go without.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ForceRole {
     /// Given throughout the run; signals and tables may drive them.
@@ -28,7 +28,7 @@ pub enum ForceRole {
 
 /// What an importer may give during a run, and whether as inputs or as tunable parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Roles {
     /// The slider's velocity, and those of contacts that have their own.

@@ -73,10 +73,10 @@ impl Rule {
 
 /// Writes a rule into the schema of a number, or of whatever holds numbers: as bounds that every
 /// tool understands, and in words.
-#[cfg(feature = "tools")]
+#[cfg(feature = "schema")]
 pub(super) struct Bounds(Rule);
 
-#[cfg(feature = "tools")]
+#[cfg(feature = "schema")]
 impl Rule {
     /// For the attribute of a field: `schemars(transform = Rule::MASS.bounds())`.
     pub(super) fn bounds(self) -> Bounds {
@@ -84,7 +84,7 @@ impl Rule {
     }
 }
 
-#[cfg(feature = "tools")]
+#[cfg(feature = "schema")]
 impl schemars::transform::Transform for Bounds {
     fn transform(&mut self, schema: &mut schemars::Schema) {
         // What may be left out is a number or null.

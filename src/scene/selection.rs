@@ -10,7 +10,7 @@ use std::fmt;
 
 /// A tolerance with a name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "tools", derive(clap::ValueEnum, schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
     /// 1e-2: no difference is seen in a picture of the motion.

@@ -52,7 +52,7 @@ pub enum Shape {
 
 /// The same value always.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Constant {
     /// The value, in the unit of the input.
@@ -61,7 +61,7 @@ pub struct Constant {
 
 /// `from` up to `start`, `to` from `end` on, straight between.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Ramp {
     /// The value before, in the unit of the input.
@@ -78,7 +78,7 @@ pub struct Ramp {
 
 /// `value` for start ≤ t < end, zero before and after; a step where it has no end.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Pulse {
     /// The value, in the unit of the input.
@@ -93,13 +93,13 @@ pub struct Pulse {
 
 /// amplitude · sin(2π frequency (t − start) + phase) for start ≤ t < end, zero before and after.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Sine {
     /// Half peak to peak, in the unit of the input.
     pub amplitude: f64,
     /// How often it swings, Hz.
-    #[cfg_attr(feature = "tools", schemars(transform = Rule::FREQUENCY.bounds()))]
+    #[cfg_attr(feature = "schema", schemars(transform = Rule::FREQUENCY.bounds()))]
     pub frequency: f64,
     /// The phase at the start, rad.
     #[serde(default)]
@@ -123,7 +123,7 @@ pub struct Table {
 
 /// What a table holds between its points.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Between {
     /// The value of the point before.

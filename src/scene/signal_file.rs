@@ -7,8 +7,8 @@ use serde::Deserialize;
 
 /// A value over time that is added to an input.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "tools", schemars(extend("oneOf" = [
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(extend("oneOf" = [
     { "required": ["constant"] },
     { "required": ["ramp"] },
     { "required": ["pulse"] },
@@ -33,8 +33,8 @@ pub(super) struct SignalTable {
 
 /// Points over time, given here or in a CSV file beside the scene.
 #[derive(Deserialize)]
-#[cfg_attr(feature = "tools", derive(schemars::JsonSchema))]
-#[cfg_attr(feature = "tools", schemars(extend(
+#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
+#[cfg_attr(feature = "schema", schemars(extend(
     "oneOf" = [{ "required": ["points"] }, { "required": ["file"] }],
 )))]
 #[serde(deny_unknown_fields)]
@@ -50,6 +50,26 @@ struct PointTable {
     between: Between,
 }
 
+/// Signals that have no shape or several, and tables that have no points or two kinds of them.
+pub(super) fn without_one_shape(tables: &[SignalTable]) -> impl Iterator<Item = Problem> + '_ {
+    let of = |(i, signal): (usize, &SignalTable)| {
+        let SignalTable { constant, ramp, pulse, sine, table, .. } = signal;
+        let given =
+            [constant.is_some(), ramp.is_some(), pulse.is_some(), sine.is_some(), table.is_some()];
+        let path = format!("signal[{}]", i + 1);
+        if given.iter().filter(|is_given| **is_given).count() != 1 {
+            let needs = "needs one of `constant`, `ramp`, `pulse`, `sine` and `table`";
+            return Some(Problem::new(path, needs));
+        }
+        let is_lone = |table: &PointTable| table.points.is_some() != table.file.is_some();
+        table
+            .as_ref()
+            .is_some_and(|table| !is_lone(table))
+            .then(|| Problem::new(format!("{path}.table"), "needs either `points` or `file`"))
+    };
+    tables.iter().enumerate().filter_map(of)
+}
+
 /// The signals; what is wrong with them is added to `problems`.
 pub(super) fn signals(
     tables: Vec<SignalTable>,
@@ -63,7 +83,7 @@ pub(super) fn signals(
             signal.pulse.map(Shape::Pulse),
             signal.sine.map(Shape::Sine),
         ];
-        // That there is exactly one has been seen to by the schema.
+        // `without_one_shape` reports where it is not exactly one.
         let shape = match (shapes.into_iter().flatten().next(), signal.table) {
             (Some(shape), _) => Some(shape),
             (None, Some(table)) => {

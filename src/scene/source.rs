@@ -1,13 +1,7 @@
 //! What a scene is made from.
 
 use super::time_table::CSV_FILE;
-#[cfg(feature = "tools")]
-use super::{Method, Preset};
 use super::{TimeTable, text};
-#[cfg(feature = "tools")]
-use crate::Error;
-#[cfg(feature = "tools")]
-use serde::Serialize;
 use std::path::Path;
 
 /// A scene's files, word for word: all that an FMU needs to read it again.
@@ -26,64 +20,8 @@ impl From<&str> for Source {
     }
 }
 
-#[cfg(feature = "tools")]
-impl Source {
-    /// Writes another method and step (s) into the scene file; all else stays as it is, comments included.
-    ///
-    /// # Errors
-    /// The file is not TOML, or has no table `[integrator]`.
-    pub fn set_integrator(&mut self, method: Method, step: f64) -> Result<(), Error> {
-        self.set_keys([("method", word(method)?), ("step", step.into())])
-    }
-
-    /// Writes a preset in place of method and step into the scene file, as
-    /// [`set_integrator`](Self::set_integrator).
-    ///
-    /// # Errors
-    /// The same.
-    pub fn set_preset(&mut self, preset: Preset) -> Result<(), Error> {
-        self.set_keys([("preset", word(preset)?)])
-    }
-
-    /// Makes these the keys of `[integrator]`.
-    fn set_keys<const N: usize>(
-        &mut self,
-        keys: [(&str, toml_edit::Value); N],
-    ) -> Result<(), Error> {
-        let mut document: toml_edit::DocumentMut =
-            self.text.parse().map_err(|error| Error::scene(format!("{error}")))?;
-        let table = document
-            .get_mut("integrator")
-            .and_then(toml_edit::Item::as_table_like_mut)
-            .ok_or_else(|| Error::scene("[integrator] is missing"))?;
-        for key in ["method", "step", "preset", "tolerance"] {
-            if keys.iter().all(|(kept, _)| *kept != key) {
-                table.remove(key);
-            }
-        }
-        for (key, mut value) in keys {
-            // What stands behind the old value goes on to stand behind the new one.
-            let old = table.get(key).and_then(toml_edit::Item::as_value);
-            if let Some(decor) = old.map(|old| old.decor().clone()) {
-                *value.decor_mut() = decor;
-            }
-            table.insert(key, value.into());
-        }
-        self.text = document.to_string();
-        Ok(())
-    }
-}
-
-/// A word as a file has it.
-#[cfg(feature = "tools")]
-fn word(value: impl Serialize) -> Result<toml_edit::Value, Error> {
-    value
-        .serialize(toml_edit::ser::ValueSerializer::new())
-        .map_err(|error| Error::scene(error.to_string()))
-}
-
 /// The folder of a scene file, and what has been read there so far.
-pub(super) struct Folder<'a> {
+pub struct Folder<'a> {
     path: Option<&'a Path>,
     /// Names and texts of the files.
     pub(super) texts: Vec<(String, String)>,
@@ -93,7 +31,8 @@ pub(super) struct Folder<'a> {
 
 impl<'a> Folder<'a> {
     /// A folder; `None` for a scene that is not from a file.
-    pub(super) fn new(path: Option<&'a Path>) -> Self {
+    #[must_use]
+    pub fn new(path: Option<&'a Path>) -> Self {
         Self { path, texts: Vec::new(), tables: Vec::new() }
     }
 
@@ -146,51 +85,6 @@ fn is_plain(name: &str) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    #[cfg(feature = "tools")]
-    use crate::scene::{Scene, Selection, builtin, parse};
-
-    #[cfg(feature = "tools")]
-    #[test]
-    fn another_integrator_is_written_into_the_file_and_nothing_else_is_touched() {
-        let set1 = builtin("set1").unwrap();
-        let mut source = Source::from(set1.text);
-        source.set_integrator(Method::EventDriven, 2e-3).unwrap();
-        let scene = parse("set1", &source.text).unwrap();
-        let expected = Scene { method: Method::EventDriven, step: 2e-3, ..set1.scene() };
-        assert_eq!(scene, expected);
-        let lines = |text: &str| -> Vec<String> {
-            let kept = |line: &&str| !line.starts_with("step") && !line.starts_with("method");
-            text.lines().filter(kept).map(str::to_owned).collect()
-        };
-        assert_eq!(lines(&source.text), lines(set1.text));
-        // Comments of the lines that changed stay as well.
-        assert_eq!(source.text.matches('#').count(), set1.text.matches('#').count());
-
-        // However the table is written.
-        for text in ["integrator = { step = 1e-6 }", "integrator.step = 1e-6"] {
-            let mut source = Source::from(text);
-            source.set_integrator(Method::ForwardIncrement, 1e-4).unwrap();
-            assert!(source.text.contains("1e-4") || source.text.contains("0.0001"), "{source:?}");
-            assert!(source.text.contains("forward-increment"), "{source:?}");
-        }
-    }
-
-    #[cfg(feature = "tools")]
-    #[test]
-    fn a_preset_takes_the_place_of_method_and_step_and_gives_it_back() {
-        let set1 = builtin("set1").unwrap();
-        let mut source = Source::from(set1.text);
-        source.set_preset(Preset::Design).unwrap();
-        let chosen = parse("set1", &source.text).unwrap();
-        assert_eq!(chosen.selection, Selection::Preset(Preset::Design));
-        source.set_integrator(set1.scene().method, set1.scene().step).unwrap();
-        assert_eq!(parse("set1", &source.text).unwrap(), set1.scene());
-
-        let mut source = Source::from("integrator = { method = \"auto\", tolerance = 1e-3 }");
-        source.set_preset(Preset::Preview).unwrap();
-        assert!(source.text.contains("preview") && !source.text.contains("auto"), "{source:?}");
-    }
-
     #[test]
     fn only_files_beside_the_scene_are_read() {
         let mut folder = Folder::new(None);

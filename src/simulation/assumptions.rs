@@ -5,7 +5,6 @@ use crate::error::Short;
 use crate::integrator::Statistics;
 
 /// All of it since the start, in words; empty where it has needed nothing.
-#[cfg(feature = "tools")]
 #[must_use]
 pub fn broken_assumptions(simulation: &Simulation) -> Vec<String> {
     newly_broken(simulation, Statistics::default())

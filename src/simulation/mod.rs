@@ -4,50 +4,26 @@ mod assumptions;
 pub mod catalogue;
 mod clock;
 mod derivatives;
-#[cfg(feature = "tools")]
-mod doubts;
-#[cfg(feature = "tools")]
-mod effects;
 mod failure;
 mod fingerprint;
 mod given;
-#[cfg(feature = "tools")]
-mod inputs;
-#[cfg(feature = "tools")]
-mod instant;
 mod monitor;
 mod rates;
 mod signals;
 mod snapshot;
 mod start;
 mod values;
-#[cfg(feature = "tools")]
-mod warning;
 
-#[cfg(feature = "tools")]
 pub use assumptions::broken_assumptions;
 pub(crate) use assumptions::newly_broken;
 pub use catalogue::{Variable, variables};
-#[cfg(feature = "tools")]
-pub use derivatives::feedthrough;
-#[cfg(feature = "tools")]
-pub use doubts::doubts_of;
-#[cfg(feature = "tools")]
-pub use effects::{Effect, effects};
 pub use fingerprint::fingerprint;
 pub(crate) use given::Given;
-#[cfg(feature = "tools")]
-pub use inputs::{Inputs, is_close};
-#[cfg(feature = "tools")]
-pub use instant::{at_instant, require_undriven, signals_left_out};
 pub(crate) use rates::check_rate;
-pub use snapshot::Snapshot;
-pub(crate) use snapshot::{Progress, from_bytes, to_bytes};
-#[cfg(feature = "tools")]
-pub use values::assign;
-pub use values::{check_value, read_scene, write_scene};
-#[cfg(feature = "tools")]
-pub use warning::{step_warning, warnings};
+pub use signals::at_instant;
+pub use snapshot::{Progress, Snapshot};
+pub(crate) use snapshot::{from_bytes, to_bytes};
+pub use values::{check_value, read_scene, rule, write_scene};
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
@@ -68,7 +44,6 @@ use std::ops::ControlFlow;
 /// Steps taken between two looks at whether the motion is still finite.
 const CHUNK: u64 = 1 << 16;
 /// Steps times degrees of freedom between two questions whether to go on: well below a second.
-#[cfg(feature = "tools")]
 const UNASKED: u64 = 1_000_000;
 
 /// A scene in motion.
@@ -252,7 +227,6 @@ impl Simulation {
     }
 
     /// Do signals still change something, now or later?
-    #[cfg(feature = "tools")]
     #[must_use]
     pub fn is_driven_on(&self) -> bool {
         let until = |driven: &Driven| driven.constant_until(self.time());
@@ -260,7 +234,6 @@ impl Simulation {
     }
 
     /// Adds to the velocity of a degree of freedom, m/s, as a blow would; an energy ledger does not know of it.
-    #[cfg(feature = "tools")]
     pub fn push(&mut self, dof: usize, velocity: f64) {
         self.motion.velocity[dof] += velocity;
         self.stale.contact_forces = true;
@@ -268,8 +241,7 @@ impl Simulation {
 
     /// Makes displacements from the equilibrium and velocities larger or smaller by a factor; an energy ledger does not know
     /// of it.
-    #[cfg(feature = "tools")]
-    pub(crate) fn scale_motion(&mut self, factor: f64) {
+    pub fn scale_motion(&mut self, factor: f64) {
         let Motion { displacement, velocity, .. } = &mut self.motion;
         displacement.iter_mut().chain(velocity).for_each(|value| *value *= factor);
         self.stale.contact_forces = true;
@@ -277,8 +249,7 @@ impl Simulation {
 
     /// Multiplies the difference between the displacements and velocities of this motion and those of another one of the same
     /// scene by a factor. The other motion and the contact states stay as they are.
-    #[cfg(feature = "tools")]
-    pub(crate) fn set_apart_from(&mut self, other: &Self, factor: f64) {
+    pub fn set_apart_from(&mut self, other: &Self, factor: f64) {
         let Motion { displacement, velocity, .. } = &mut self.motion;
         let others = other.motion.displacement.iter().chain(&other.motion.velocity);
         for (value, other) in displacement.iter_mut().chain(velocity).zip(others) {
@@ -321,7 +292,6 @@ impl Simulation {
     ///
     /// # Errors
     /// As [`advance_to`](Self::advance_to).
-    #[cfg(feature = "tools")]
     #[allow(clippy::cast_possible_truncation)]
     pub fn advance_while(
         &mut self,

@@ -327,3 +327,15 @@ impl Input {
 fn is_velocity(variable: &Variable) -> bool {
     matches!(variable.template.quantity, Quantity::SliderVelocity | Quantity::OwnVelocity)
 }
+
+/// The scene as it is at time `t` (s): its signals are added to what they drive, and then left out.
+///
+/// # Errors
+/// A signal gives a value that cannot be.
+pub fn at_instant(scene: &Scene, t: f64) -> Result<Scene, Error> {
+    let Some(mut driven) = Driven::of(scene) else { return Ok(scene.clone()) };
+    driven.bring_to([t, t], scene, |_| {})?;
+    let mut found = driven.scene;
+    found.signals = [].into();
+    Ok(found)
+}

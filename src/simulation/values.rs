@@ -1,16 +1,10 @@
 //! What each variable of the catalogue reads and writes.
 
 use super::Simulation;
-#[cfg(feature = "tools")]
-use super::catalogue::variables;
 use super::catalogue::{Kind, Quantity, Template, Variable};
 use crate::Error;
 use crate::contact::ContactForce;
-#[cfg(feature = "tools")]
-use crate::scene::{Lack, nearest};
 use crate::scene::{Problem, Rule, Scene, Structure};
-#[cfg(feature = "tools")]
-use std::collections::HashSet;
 
 /// Where a scene keeps the value of a variable, as a reference, or with `mut` one to write to; leaves
 /// the function with `None` for an output.
@@ -95,65 +89,6 @@ pub fn write_scene(scene: &mut Scene, variable: &Variable, value: f64) -> Result
     })?;
     *place = value;
     Ok(())
-}
-
-/// Gives a parameter or input of a scene, known by its name, another value.
-///
-/// # Errors
-/// There is no such parameter or input (the nearest name is given, or those with like names), or it
-/// cannot have this value.
-#[cfg(feature = "tools")]
-pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
-    let settable: Vec<Variable> =
-        variables(scene).into_iter().filter(Variable::is_settable).collect();
-    if let Some(variable) = settable.iter().find(|variable| variable.name == name) {
-        let rule = match variable.template.quantity {
-            Quantity::SliderAngle => scene.inclination_rule(),
-            _ => rule(variable),
-        };
-        return match rule.broken_by(value) {
-            None => write_scene(scene, variable, value),
-            Some(wish) => Err(Error::scene(impossible(variable, value, wish))),
-        };
-    }
-    if let Some(output) = variables(scene).iter().find(|variable| variable.name == name) {
-        return Err(Error::argument(format!("{} cannot be set: it is an output", output.name)));
-    }
-    if name == "integrator.step" {
-        return Err(Error::argument(format!(
-            "integrator.step cannot be set: integrator.{} chooses it; give --integrator and --step",
-            scene.selection
-        )));
-    }
-    if let Some(Lack { reason, help }) = scene.lack(name) {
-        return Err(Error::argument(format!("{name} cannot be set: {reason}; {help}")));
-    }
-    if let Some(meant) = nearest(name, settable.iter().map(|variable| &*variable.name)) {
-        return Err(Error::argument(format!(
-            "there is no parameter or input {name}; did you mean {meant}?"
-        )));
-    }
-    let group = |name: &str| name.rsplit_once('.').map(|(group, _)| group.to_owned());
-    let mut like: Vec<&str> = settable.iter().map(|variable| &*variable.name).collect();
-    if like.iter().any(|known| group(known) == group(name)) {
-        like.retain(|known| group(known) == group(name));
-    } else {
-        // One module stands for all, and so does one part of a network for its kind.
-        let mut kinds = HashSet::new();
-        let kind = |name: &str| {
-            let (kind, key) = (name.split('.').next(), name.rsplit('.').next());
-            format!("{kind:?}{key:?}")
-        };
-        let is_ring = scene.network().is_none();
-        like.retain(|known| match is_ring {
-            true => !known.contains('[') || known.contains("[1]"),
-            false => kinds.insert(kind(known)),
-        });
-    }
-    Err(Error::argument(format!(
-        "there is no parameter or input {name}; there are, for example, {}",
-        like.join(", ")
-    )))
 }
 
 impl Simulation {
@@ -266,7 +201,8 @@ pub(super) fn check_given(scene: &Scene, variables: &[Variable]) -> Result<(), E
 }
 
 /// What every scene asks of a parameter's or input's value.
-fn rule(variable: &Variable) -> Rule {
+#[must_use]
+pub fn rule(variable: &Variable) -> Rule {
     match variable.template.quantity {
         Quantity::Mass => Rule::MASS,
         Quantity::Stiffness => Rule::STIFFNESS,
@@ -285,79 +221,4 @@ fn rule(variable: &Variable) -> Rule {
 
 fn impossible(variable: &Variable, value: f64, wish: &str) -> String {
     Problem::new(&*variable.name, wish).of(value).to_string()
-}
-
-#[cfg(all(test, feature = "tools"))]
-mod tests {
-    use super::*;
-    use crate::scene::{builtin, parse};
-
-    #[test]
-    fn the_file_the_command_line_and_the_fmu_refuse_the_same_values() {
-        let text = builtin("set1").unwrap().text;
-        let scene = parse("set1", text).unwrap();
-        let mut in_file = 0;
-        for variable in variables(&scene).iter().filter(|variable| variable.is_settable()) {
-            for value in [-100.0, -1.0, 0.0, 1.0, 100.0, f64::NAN, f64::INFINITY] {
-                let name = &variable.name;
-                let mut changed = scene.clone();
-                write_scene(&mut changed, variable, value).unwrap();
-                let problems = changed.problems();
-                let is_possible = problems.is_empty();
-                assert_eq!(assign(&mut scene.clone(), name, value).is_ok(), is_possible, "{name}");
-                // The model description has bounds that may be touched.
-                assert!(check_value(variable, value).is_ok() || !is_possible, "{name} = {value}");
-                if value < 0.0 || !value.is_finite() {
-                    let declared =
-                        matches!(variable.template.kind, Kind::Real { min: Some(_), .. });
-                    let is_bad = declared || !value.is_finite();
-                    assert_eq!(check_value(variable, value).is_err(), is_bad, "{name} = {value}");
-                }
-                let Some(key) = name.strip_prefix("module[1].") else { continue };
-                let is_key = |line: &&str| line.split(" =").next() == Some(key);
-                let Some(line) = text.lines().find(is_key) else { continue };
-                let mine = text.replacen(line, &format!("{key} = {value:?}"), 1);
-                assert_eq!(parse("mine", &mine).is_ok(), is_possible, "{key} = {value}");
-                in_file += 1;
-            }
-        }
-        assert_eq!(in_file, 9 * 7);
-    }
-
-    #[test]
-    fn values_of_a_network_are_refused_by_the_rules_of_its_file() {
-        let text = "[slider]\nvelocity = 0.1\nangle = 2.0\n[friction]\ncoefficient = 0.5\n\
-            [integrator]\nstep = 1e-6\n[[mass]]\nname = \"a\"\nmass = 1.0\n[[spring]]\nname = \"k\"\n\
-            between = [\"a\", \"ground\"]\ndirection = \"x\"\nstiffness = 1.0\n[[damper]]\n\
-            name = \"d\"\nbetween = [\"a\", \"ground\"]\ndirection = \"y\"\ndamping = 1.0\n\
-            [[contact]]\nname = \"c\"\nmass = \"a\"\nvelocity = 0.2\nfriction = 0.3\n";
-        let mut scene = parse("mine", text).unwrap();
-        let mut refused = Vec::new();
-        for variable in variables(&scene).iter().filter(|variable| variable.is_settable()) {
-            for value in [-1.0, 0.0, 1.0, f64::NAN] {
-                let name = &variable.name;
-                // Where a displacement leads is a matter of the contacts, not of one value.
-                if name.starts_with("initial.") {
-                    continue;
-                }
-                let mut changed = scene.clone();
-                write_scene(&mut changed, variable, value).unwrap();
-                assert_eq!(read_scene(&changed, variable).unwrap().to_bits(), value.to_bits());
-                let problems = changed.problems();
-                let assigned = assign(&mut scene.clone(), name, value);
-                assert_eq!(assigned.is_ok(), problems.is_empty(), "{name} = {value}");
-                if value == -1.0 && !problems.is_empty() {
-                    assert_eq!(problems[0].path, *name);
-                    refused.push(name.clone());
-                }
-            }
-        }
-        let refused: HashSet<&str> = refused.iter().map(String::as_str).collect();
-        for name in ["mass.a.mass", "spring.k.stiffness", "damper.d.damping", "contact.c.friction"]
-        {
-            assert!(refused.contains(name), "{name}");
-        }
-        let error = assign(&mut scene, "mass.a.mas", 1.0).unwrap_err().to_string();
-        assert!(error.contains("did you mean mass.a.mass?"), "{error}");
-    }
 }

@@ -16,7 +16,7 @@
 //! same k and c, whose shape may differ.
 
 use super::complex::{from_polar, modulus, root};
-use super::eigenvalues::{Solver, by_francis, by_schur};
+use super::eigenvalues::{Solver, by_schur, eigenvalues};
 use super::frequency_bound::{FrequencyBound, Sizes};
 use super::{damped_step, step_search};
 use crate::Error;
@@ -162,7 +162,7 @@ fn state_reaches(
         return reduced.map_or(Ok(true), |reduced| damped_step::reaches(step, &reduced));
     }
     // The other one of a pair has the same limit.
-    let squares = squares(model, states, friction, by_francis)?;
+    let squares = squares(model, states, friction, eigenvalues)?;
     let mut squares = squares.into_iter().filter(|square| square.im >= 0.0);
     Ok(squares.all(|square| mode_reaches(step, model.damping, square)))
 }

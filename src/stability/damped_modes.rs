@@ -2,28 +2,15 @@
 
 use super::complex::modulus;
 use super::eigenvalues::eigenvalues;
-#[cfg(feature = "tools")]
-use super::modes::{Eigenpair, eigenpairs};
 use super::reduced_problem::{per_mass, rounding};
 use super::singular_values::SingularValues;
 use crate::Error;
 use crate::model::ReducedMatrices;
 use nalgebra::{Complex, DMatrix};
 
-/// All eigenvalues λ, 1/s, with their vectors u.
-#[cfg(feature = "tools")]
-pub(super) fn solve(reduced: &ReducedMatrices) -> Result<Vec<Eigenpair>, Error> {
-    let problem = Problem::of(reduced)?;
-    let (mut values, mut vectors): (Vec<_>, Vec<_>) =
-        eigenpairs(&problem.companion())?.into_iter().unzip();
-    problem.refine(&mut values);
-    vectors.iter_mut().for_each(|vector| vector.truncate(reduced.mass.nrows()));
-    Ok(values.into_iter().map(|value| value * problem.unit).zip(vectors).collect())
-}
-
 /// All eigenvalues λ, 1/s.
 pub(super) fn all_eigenvalues(reduced: &ReducedMatrices) -> Result<Vec<Complex<f64>>, Error> {
-    let problem = Problem::of(reduced)?;
+    let problem = QuadraticProblem::of(reduced)?;
     let mut values = eigenvalues(problem.companion())
         .ok_or_else(|| Error::analysis("the eigenvalues of the contact state were not found"))?;
     problem.refine(&mut values);
@@ -46,15 +33,19 @@ const MOST_REFINED: usize = 16;
 const NO_GROWTH: f64 = 1e-13;
 
 /// λ² + λ C + K, both multiplied by M̃⁻¹, in a unit of time that makes them of one size.
-struct Problem {
+pub struct QuadraticProblem {
     damping: DMatrix<f64>,
     stiffness: DMatrix<f64>,
-    /// 1/s.
-    unit: f64,
+    /// The size of the eigenvalues, 1/s: they are those of the companion matrix times this.
+    pub unit: f64,
 }
 
-impl Problem {
-    fn of(reduced: &ReducedMatrices) -> Result<Self, Error> {
+impl QuadraticProblem {
+    /// The problem of a contact state.
+    ///
+    /// # Errors
+    /// The mass matrix cannot be inverted, or an entry leaves the range of numbers.
+    pub fn of(reduced: &ReducedMatrices) -> Result<Self, Error> {
         let ReducedMatrices { mass, damping, stiffness, .. } = reduced;
         let (stiffness, damping) = (per_mass(mass, stiffness)?, per_mass(mass, damping)?);
         let unit = stiffness.amax().sqrt().max(damping.amax()).max(f64::MIN_POSITIVE);
@@ -62,7 +53,8 @@ impl Problem {
     }
 
     /// [[0, 1], [−K, −C]].
-    fn companion(&self) -> DMatrix<f64> {
+    #[must_use]
+    pub fn companion(&self) -> DMatrix<f64> {
         let size = self.stiffness.nrows();
         let entry = |row: usize, column: usize| match (row < size, column < size) {
             (true, _) => f64::from(u8::from(column == row + size)),
@@ -72,8 +64,9 @@ impl Problem {
         DMatrix::from_fn(2 * size, 2 * size, entry)
     }
 
-    /// Gives small eigenvalues the digits that large ones have taken from them, and takes for zero what rounding makes of it.
-    fn refine(&self, values: &mut [Complex<f64>]) {
+    /// Gives small eigenvalues of the companion matrix the digits that large ones have taken from them, and takes for zero what
+    /// rounding makes of it.
+    pub fn refine(&self, values: &mut [Complex<f64>]) {
         let by_size =
             |one: &usize, other: &usize| modulus(values[*one]).total_cmp(&modulus(values[*other]));
         let mut order: Vec<usize> = (0..values.len()).collect();
@@ -171,137 +164,5 @@ impl Problem {
             }
         }
         Some(value)
-    }
-}
-
-#[cfg(all(test, feature = "tools"))]
-mod tests {
-    use crate::contact::ContactState::{Slide, Stick};
-    use crate::model::{Damping, LumpedModel, SparseMatrix};
-    use crate::scene::builtin;
-    use crate::stability::{Spectrum, modes};
-
-    #[test]
-    fn one_mass_with_a_damper_has_the_roots_of_its_characteristic_polynomial() {
-        // The last ones creep by parts of 1e-11 and less of how fast they would stop.
-        const MASSES: [(f64, f64, f64); 5] = [
-            (2.0, 3.0, 800.0),
-            (0.5, 90.0, 100.0),
-            (0.05, 1e6, 2e5),
-            (1.0, 5e4, -100.0),
-            (0.02, 1e8, -3.0),
-        ];
-        for (m, d, k) in MASSES {
-            let found = modes(&model(&[m], &[(0, 0, k)], &[(0, 0, d)]), &[], 0.0).unwrap();
-            let discriminant = d * d - 4.0 * m * k;
-            if discriminant < 0.0 {
-                let [mode] = &found.oscillating[..] else { panic!("{found:?}") };
-                assert!((mode.eigenvalue.re + 0.5 * d / m).abs() < 1e-12);
-                assert!((mode.eigenvalue.im - 0.5 * (-discriminant).sqrt() / m).abs() < 1e-12);
-                assert!(mode.residual < 1e-12);
-            } else {
-                let fast = -0.5 * (d + discriminant.sqrt()) / m;
-                let slow = k / m / fast;
-                let real: Vec<f64> = found.real.iter().map(|mode| mode.eigenvalue.re).collect();
-                assert!((real[0] / fast - 1.0).abs() < 1e-12, "{real:?} {fast}");
-                assert!((real[1] / slow - 1.0).abs() < 1e-12, "{real:?} {slow}");
-            }
-        }
-    }
-
-    fn model(mass: &[f64], k: &[(usize, usize, f64)], d: &[(usize, usize, f64)]) -> LumpedModel {
-        LumpedModel {
-            mass: SparseMatrix::diagonal(mass),
-            stiffness: SparseMatrix::from_entries(mass.len(), k.to_vec()),
-            damping: Damping::default(),
-            dampers: SparseMatrix::from_entries(mass.len(), d.to_vec()),
-            load: vec![0.0; mass.len()],
-            contacts: vec![],
-            law: crate::contact::ContactLaw::default(),
-        }
-    }
-
-    #[test]
-    fn what_no_spring_holds_has_eigenvalues_zero_and_nothing_else_has() {
-        let tie = |c: f64| [(0, 0, c), (0, 1, -c), (1, 0, -c), (1, 1, c)];
-        let zeros = |model: &LumpedModel| {
-            let Spectrum { real, oscillating } = Spectrum::of(model, &[], 0.0).unwrap();
-            let count = real.iter().filter(|value| **value == 0.0).count();
-            assert_eq!(real.len() + 2 * oscillating.len(), 4);
-            count
-        };
-        for d in [3.0, 1e6] {
-            // Two masses that fly: twice zero. A damper to the ground leaves a place that is any, once zero.
-            assert_eq!(zeros(&model(&[1.0, 0.3], &tie(2e5), &tie(d))), 2, "{d}");
-            assert_eq!(zeros(&model(&[1.0, 0.3], &tie(2e5), &[(0, 0, d)])), 1, "{d}");
-            // One that hardly brakes: its rate is lost in the zero's rounding, and is no growth.
-            let slow = Spectrum::of(&model(&[1.0, 0.3], &tie(2e5), &[(0, 0, 1e-4)]), &[], 0.0);
-            assert!(!slow.unwrap().unstable());
-            // A soft spring to the ground holds them.
-            let held: Vec<_> = tie(2e5).into_iter().chain([(0, 0, 1e-3)]).collect();
-            assert_eq!(zeros(&model(&[1.0, 0.3], &held, &tie(d))), 0, "{d}");
-        }
-    }
-
-    #[test]
-    fn a_slow_motion_of_two_equal_parts_is_that_of_one() {
-        for (m, d, k) in [(1.0, 5e4, -100.0), (0.05, 1e6, 2e5)] {
-            let twice = |value: f64| [(0, 0, value), (1, 1, value)];
-            let Spectrum { real, .. } =
-                Spectrum::of(&model(&[m, m], &twice(k), &twice(d)), &[], 0.0).unwrap();
-            let slow = -2.0 * k / (d + f64::sqrt(d * d - 4.0 * m * k));
-            assert_eq!(real.len(), 4);
-            for value in &real[2..] {
-                assert!((value / slow - 1.0).abs() < 1e-9, "{real:?} {slow}");
-            }
-        }
-    }
-
-    #[test]
-    fn a_mode_that_a_large_damper_does_not_see_neither_grows_nor_decays() {
-        // Two masses that a damper of 1e5 N s/m ties, each on a soft spring: together they swing at 4.1 rad/s.
-        let tie = |c: f64| [(0, 0, c), (0, 1, -c), (1, 0, -c), (1, 1, c)];
-        let held: Vec<_> = tie(1e8).into_iter().chain([(0, 0, 17.0), (1, 1, 17.0)]).collect();
-        let found = Spectrum::of(&model(&[1.0, 1.0], &held, &tie(1e5)), &[], 0.0).unwrap();
-        let [mode] = found.oscillating[..] else { panic!("{found:?}") };
-        assert!(mode.re == 0.0 && (mode.im / 17.0_f64.sqrt() - 1.0).abs() < 1e-6, "{found:?}");
-        assert!(!found.unstable());
-    }
-
-    #[test]
-    fn where_a_static_stiffness_is_lost_no_damper_matters() {
-        // det K = 0 at k = 4e10 / 3e5; the rate is that of det K by what dampers and masses oppose to it.
-        for d in [1.0, 1e3, 1e6] {
-            for (part, grows) in [(1.0 - 1e-12, true), (1.0 + 1e-12, false)] {
-                let k = part * 4e10 / 3e5;
-                let stiffness = [(0, 0, k), (0, 1, 2e5), (1, 0, 2e5), (1, 1, 3e5)];
-                let model = model(&[0.05, 0.02], &stiffness, &[(0, 0, d)]);
-                let found = Spectrum::of(&model, &[], 0.0).unwrap();
-                let slow = found.real.iter().copied().min_by(|a, b| a.abs().total_cmp(&b.abs()));
-                let expected = -3e5 * (k - 4e10 / 3e5) / (3e5 * d);
-                let off = slow.unwrap() / expected - 1.0;
-                assert!(off.abs() < 1e-3 && found.unstable() == grows, "{d} {found:?} {expected}");
-            }
-        }
-    }
-
-    #[test]
-    fn dampers_that_are_rayleigh_damping_in_disguise_give_its_spectrum() {
-        let rayleigh = LumpedModel::from(&builtin("set1").unwrap().scene());
-        let mut single = rayleigh.clone();
-        let Damping { beta, .. } = std::mem::take(&mut single.damping);
-        let entries = rayleigh.stiffness.entries().map(|(i, j, k)| (i, j, beta * k)).collect();
-        single.dampers = SparseMatrix::from_entries(8, entries);
-        for states in [[Slide, Slide], [Slide, Stick]] {
-            let a = Spectrum::of(&rayleigh, &states, 1.96).unwrap();
-            let b = Spectrum::of(&single, &states, 1.96).unwrap();
-            let c = modes(&single, &states, 1.96).unwrap();
-            assert_eq!((a.oscillating.len(), a.real.len()), (b.oscillating.len(), b.real.len()));
-            for ((a, b), c) in a.oscillating.iter().zip(&b.oscillating).zip(&c.oscillating) {
-                let size = 1e-8 * a.norm();
-                assert!((a - b).norm() < size && (a - c.eigenvalue).norm() < size, "{a} {b}");
-                assert!(c.residual < 1e-9);
-            }
-        }
     }
 }

@@ -14,7 +14,7 @@
 
 use super::complex::{logarithm, modulus};
 use super::critical_step::INVENTED_GROWTH;
-use super::eigenvalues::{Solver, by_francis, by_schur};
+use super::eigenvalues::{self, Solver, by_schur};
 use super::step_search;
 use crate::Error;
 use crate::model::ReducedMatrices;
@@ -31,7 +31,7 @@ pub(super) fn limit(reduced: &ReducedMatrices) -> Result<(f64, bool), Error> {
 
 /// Is a step (s) at most the largest one of a state, but for rounding?
 pub(super) fn reaches(step: f64, reduced: &ReducedMatrices) -> Result<bool, Error> {
-    let Limits { through_minus_one, friction } = Limits::of(reduced, by_francis)?;
+    let Limits { through_minus_one, friction } = Limits::of(reduced, eigenvalues::eigenvalues)?;
     Ok(friction.map_or(step <= through_minus_one, |friction| {
         step_search::reaches(step, friction.end, |step| friction.admits(step))
     }))

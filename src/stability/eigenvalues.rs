@@ -7,41 +7,20 @@
 //! ed., algorithms 7.4.2 and 7.5.1; exceptional shifts as in LAPACK's `dlahqr`). Both are orthogonal,
 //! so the eigenvalues are those of a matrix that differs from the given one by rounding.
 
-#[cfg(feature = "tools")]
-use faer::Mat;
 use nalgebra::{Complex, DMatrix, Schur};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// From this size on faer, which works on blocks, is faster; the library inside an FMU goes without.
-#[cfg(feature = "tools")]
-const LARGE: usize = 256;
 /// After so many sweeps without success the shift is another one: ordinary ones may circle.
 const PATIENCE: u32 = 10;
 /// Sweeps for one eigenvalue before the iteration has failed; three are usual, and a hundred or two
 /// are met beside defective pairs that are nearly equal.
 const MAX_SWEEPS: u32 = 600;
 
-/// The eigenvalues of a square matrix, in the matrix's unit; both of a pair, one after the other.
-/// `None` where an entry is not finite, or the iteration does not converge.
+/// The eigenvalues of a square matrix, in the matrix's unit; both of a pair, one after the other. They are the same
+/// doubles on each machine. `None` where an entry is not finite, or the iteration does not converge.
 #[must_use]
-pub fn eigenvalues(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    #[cfg(feature = "tools")]
-    if matrix.nrows() >= LARGE {
-        return by_faer(&matrix);
-    }
-    by_francis(matrix)
-}
-
-#[cfg(feature = "tools")]
-fn by_faer(matrix: &DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    let size = matrix.nrows();
-    let found = Mat::from_fn(size, size, |i, j| matrix[(i, j)]).eigenvalues();
-    found.ok().map(|values| values.iter().map(|v| Complex::new(v.re, v.im)).collect())
-}
-
-/// The eigenvalues by Francis's iteration, for matrices of any size: the same doubles on each machine.
-pub(super) fn by_francis(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
+pub fn eigenvalues(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let size = matrix.nrows();
     if !matrix.iter().all(|value| value.is_finite()) {
         return None;
@@ -273,7 +252,7 @@ fn add_multiple(to: &mut [f64], factor: f64, vector: &[f64]) {
     }
 }
 
-#[cfg(all(test, feature = "tools"))]
+#[cfg(test)]
 mod tests {
     use super::*;
 
@@ -296,7 +275,7 @@ mod tests {
     #[test]
     fn a_chain_has_its_closed_form_at_every_size_and_scale() {
         // Fixed ends and unequal units of length: 2 − 2 cos(π k / (n + 1)), unsymmetric.
-        for (size, scale) in [1, 2, 3, 4, 24, 100, LARGE - 1, LARGE, 300]
+        for (size, scale) in [1, 2, 3, 4, 24, 100, 255, 300]
             .map(|size| (size, 1e6))
             .into_iter()
             .chain([1e-250, 1e250].map(|scale| (20, scale)))
@@ -408,7 +387,7 @@ mod tests {
 
     #[test]
     fn what_is_not_finite_is_refused() {
-        for size in [3, LARGE] {
+        for size in [3, 256] {
             let mut matrix = DMatrix::identity(size, size);
             matrix[(2, 0)] = f64::NAN;
             assert_eq!(eigenvalues(matrix), None);

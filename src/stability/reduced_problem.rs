@@ -15,7 +15,10 @@ use nalgebra::{Complex, DMatrix};
 
 /// The eigenvalues σ of M̃⁻¹ K̃, 1/s², from the whole matrices; those of a state's modes where there
 /// are no single dampers.
-pub(super) fn stiffness_eigenvalues(
+///
+/// # Errors
+/// The model is too large ([`check_size`]), or its masses cannot be accelerated, or the iteration fails.
+pub fn stiffness_eigenvalues(
     model: &LumpedModel,
     states: &[ContactState],
     friction: f64,
@@ -34,7 +37,8 @@ pub(super) fn stiffness_eigenvalues(
 }
 
 /// What rounding leaves of an eigenvalue zero, 1/s².
-pub(super) fn rounding(operator: &DMatrix<f64>) -> f64 {
+#[must_use]
+pub fn rounding(operator: &DMatrix<f64>) -> f64 {
     let size = u32::try_from(operator.nrows()).unwrap_or(u32::MAX);
     f64::from(size) * f64::EPSILON * operator.amax()
 }
@@ -42,7 +46,8 @@ pub(super) fn rounding(operator: &DMatrix<f64>) -> f64 {
 /// A double real eigenvalue comes out of rounding as a pair that is complex by a little, and that of
 /// a motion which strains no spring as one that is not quite zero. Where two real ones do merge, this
 /// moves the place by the square of that little.
-pub(super) fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
+#[must_use]
+pub fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
     if modulus(sigma) <= floor {
         return Complex::new(0.0, 0.0);
     }
@@ -53,7 +58,11 @@ pub(super) fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
 /// The most degrees of freedom that are analysed as one dense matrix: some seconds of work.
 const MAX_DENSE: usize = 1200;
 
-pub(super) fn check_size(model: &LumpedModel) -> Result<(), Error> {
+/// Refuses a model whose eigenvalues would take more than some seconds.
+///
+/// # Errors
+/// It has more than 1200 degrees of freedom.
+pub fn check_size(model: &LumpedModel) -> Result<(), Error> {
     if model.dofs() <= MAX_DENSE {
         return Ok(());
     }
@@ -67,7 +76,10 @@ pub(super) fn check_size(model: &LumpedModel) -> Result<(), Error> {
 /// A matrix with the eigenvalues of M̃⁻¹ K̃, and what each component of its eigenvectors w is to be
 /// multiplied by to give those of M̃⁻¹ K̃. Where M̃ is diagonal it is M̃^-½ K̃ M̃^-½, which keeps the
 /// digits of low modes where masses differ by orders of magnitude.
-pub(super) fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
+///
+/// # Errors
+/// M̃ is singular, or an entry leaves the range of numbers.
+pub fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
     let ReducedMatrices { mass, stiffness, .. } = reduced;
     let size = mass.nrows();
     let diagonal = mass.diagonal();
@@ -83,7 +95,10 @@ pub(super) fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f
 }
 
 /// M̃⁻¹ A.
-pub(super) fn per_mass(mass: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
+///
+/// # Errors
+/// M̃ is singular, or an entry leaves the range of numbers.
+pub fn per_mass(mass: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
     let quotient = mass.clone().lu().solve(matrix).ok_or_else(|| {
         Error::analysis("the masses that this contact state leaves free cannot be accelerated")
     })?;
@@ -100,15 +115,20 @@ fn finite(matrix: &DMatrix<f64>) -> Result<(), Error> {
     ))
 }
 
-/// Which of the eigenvalues of a real problem one is.
-pub(super) enum Kind {
+/// `Real`, or which of a conjugate pair an eigenvalue of a real problem is.
+pub enum Kind {
+    /// The one of a conjugate pair with Im λ > 0.
     Oscillating,
+    /// The one of a conjugate pair with Im λ < 0.
     Conjugate,
+    /// Im λ = 0 but for rounding.
     Real,
 }
 
 impl Kind {
-    pub(super) fn of(eigenvalue: Complex<f64>) -> Self {
+    /// The kind of an eigenvalue λ.
+    #[must_use]
+    pub fn of(eigenvalue: Complex<f64>) -> Self {
         // Below this part of |λ| an imaginary part is what rounding leaves of zero.
         if eigenvalue.im.abs() <= 1e-9 * modulus(eigenvalue) {
             Self::Real
@@ -121,7 +141,8 @@ impl Kind {
 }
 
 /// The roots of λ² + (α + β σ) λ + σ = 0, without cancellation.
-pub(super) fn quadratic_roots(model: &LumpedModel, sigma: Complex<f64>) -> [Complex<f64>; 2] {
+#[must_use]
+pub fn quadratic_roots(model: &LumpedModel, sigma: Complex<f64>) -> [Complex<f64>; 2] {
     let half = (sigma * model.damping.beta + model.damping.alpha) * -0.5;
     let root = root(half * half - sigma);
     // The larger of the two, then the other from their product σ.

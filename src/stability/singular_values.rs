@@ -6,7 +6,6 @@
 //! singular complex matrix of a hundred, vectors on the left that are none.
 
 use super::complex::modulus;
-#[cfg(feature = "tools")]
 use nalgebra::DVector;
 use nalgebra::{Complex, DMatrix};
 
@@ -15,8 +14,8 @@ type Matrix = DMatrix<Complex<f64>>;
 /// Sweeps over all pairs; five to ten are enough.
 const SWEEPS: usize = 60;
 
-/// Of a matrix A with A V = W.
-pub(super) struct SingularValues {
+/// The singular values and right vectors of a complex matrix A, from A V = W.
+pub struct SingularValues {
     /// W, columns at right angles.
     turned: Matrix,
     /// V, unitary.
@@ -25,7 +24,7 @@ pub(super) struct SingularValues {
 
 impl SingularValues {
     /// `None` for what is not finite.
-    pub(super) fn of(matrix: Matrix) -> Option<Self> {
+    pub fn of(matrix: Matrix) -> Option<Self> {
         let mut turn = Matrix::identity(matrix.ncols(), matrix.ncols());
         let mut turned = matrix;
         // Below this a column is rounding, which has no direction to be at right angles with.
@@ -52,18 +51,17 @@ impl SingularValues {
     }
 
     /// The norms of W's columns, in its order.
-    pub(super) fn values(&self) -> Vec<f64> {
+    pub fn values(&self) -> Vec<f64> {
         self.turned.column_iter().map(|column| column.norm()).collect()
     }
 
     /// The largest; zero of a matrix without columns.
-    #[cfg(feature = "tools")]
-    pub(super) fn most(&self) -> f64 {
+    pub fn most(&self) -> f64 {
         self.values().into_iter().fold(0.0, f64::max)
     }
 
     /// The vectors on the right of the smallest values, as columns.
-    pub(super) fn least_vectors(&self, count: usize) -> Matrix {
+    pub fn least_vectors(&self, count: usize) -> Matrix {
         let values = self.values();
         let mut order: Vec<usize> = (0..values.len()).collect();
         order.sort_by(|&one, &other| values[one].total_cmp(&values[other]));
@@ -71,12 +69,7 @@ impl SingularValues {
     }
 
     /// The shortest x with the least |A x − b|; values up to `nothing` are taken for zero.
-    #[cfg(feature = "tools")]
-    pub(super) fn least_squares(
-        &self,
-        b: &DVector<Complex<f64>>,
-        nothing: f64,
-    ) -> DVector<Complex<f64>> {
+    pub fn least_squares(&self, b: &DVector<Complex<f64>>, nothing: f64) -> DVector<Complex<f64>> {
         let parts = self.turned.ad_mul(b);
         let values = self.values();
         let scaled = DVector::from_fn(values.len(), |column, _| {
@@ -176,7 +169,6 @@ mod tests {
         }
 
         /// The normal equations hold, and of the solutions it is the one at right angles to those of zero.
-        #[cfg(feature = "tools")]
         #[test]
         fn least_squares_leave_what_the_columns_cannot_reach((matrix, rank) in singular()) {
             let found = SingularValues::of(matrix.clone()).unwrap();

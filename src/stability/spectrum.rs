@@ -21,7 +21,7 @@ impl Spectrum {
     /// The eigenvalues λ of a contact state.
     ///
     /// # Errors
-    /// As [`modes`](super::modes()).
+    /// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
     pub fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Result<Self, Error> {
         let found = if !model.has_single_damping_in(states) {
             let sigmas = all_stiffness_eigenvalues(model, states, friction)?;

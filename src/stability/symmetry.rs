@@ -86,7 +86,7 @@ pub enum Part {
 
 impl Part {
     /// The parts of a contact state, for models that differ in the value of a parameter.
-    pub(super) fn all<'a>(
+    pub fn all<'a>(
         models: impl IntoIterator<Item = &'a LumpedModel>,
         states: &[ContactState],
     ) -> Vec<Self> {
@@ -111,8 +111,8 @@ impl Part {
     /// The eigenvalues σ of M̃⁻¹ K̃ of this part, 1/s², once.
     ///
     /// # Errors
-    /// As [`modes`](super::modes()).
-    pub(super) fn stiffness_eigenvalues(
+    /// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
+    pub fn stiffness_eigenvalues(
         self,
         model: &LumpedModel,
         states: &[ContactState],
@@ -130,7 +130,7 @@ impl Part {
 }
 
 /// One module that moves as it does in wave k of a ring of equal modules.
-pub(super) fn module_of_wave(model: &LumpedModel, k: usize, modules: usize) -> LumpedModel {
+pub fn module_of_wave(model: &LumpedModel, k: usize, modules: usize) -> LumpedModel {
     let diagonal: Vec<f64> = (0..MODULE_DOFS).map(|dof| model.mass.get(dof, dof)).collect();
     let entries = (0..MODULE_DOFS).flat_map(|row| {
         model.stiffness.row(row).map(move |(column, value)| {
@@ -154,15 +154,15 @@ pub(super) fn module_of_wave(model: &LumpedModel, k: usize, modules: usize) -> L
 
 /// 2π · part / whole, without whole turns.
 #[allow(clippy::cast_precision_loss)]
-pub(super) fn turn(part: usize, whole: usize) -> f64 {
+pub fn turn(part: usize, whole: usize) -> f64 {
     TAU * ((part % whole) as f64 / whole as f64)
 }
 
 /// The eigenvalues σ of M̃⁻¹ K̃ of a contact state, 1/s².
 ///
 /// # Errors
-/// As [`modes`](super::modes()).
-pub(super) fn all_stiffness_eigenvalues(
+/// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
+pub fn all_stiffness_eigenvalues(
     model: &LumpedModel,
     states: &[ContactState],
     friction_coefficient: f64,

@@ -25,9 +25,7 @@ use amontons::integrator::Statistics;
 use amontons::model::{self, LumpedModel, Numbering};
 use amontons::scene::{Method, Scene, Shape, Signal, Sine, parse};
 use amontons::simulation::catalogue::Quantity;
-use amontons::simulation::{
-    Simulation, Snapshot, Variable, assign, read_scene, variables, write_scene,
-};
+use amontons::simulation::{Simulation, Snapshot, Variable, read_scene, variables, write_scene};
 use nalgebra::{DMatrix, DVector};
 use reduced::residual_under;
 use std::f64::consts::TAU;
@@ -554,10 +552,18 @@ pub fn scene(text: &str) -> Scene {
     parse("case", text).unwrap()
 }
 
+/// Gives an input or parameter of a scene another value.
+pub fn assign(scene: &mut Scene, name: &str, value: f64) {
+    let variable = variables(scene).into_iter().find(|variable| variable.name == name);
+    let variable = variable.unwrap_or_else(|| panic!("{} has no {name}", scene.name));
+    write_scene(scene, &variable, value).unwrap();
+    scene.check().unwrap();
+}
+
 /// A scene's input or parameter with another value.
 pub fn with(mut scene: Scene, values: &[(&str, f64)]) -> Scene {
     for (name, value) in values {
-        assign(&mut scene, name, *value).unwrap();
+        assign(&mut scene, name, *value);
     }
     scene
 }

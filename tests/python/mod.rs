@@ -1,11 +1,11 @@
-//! A Python with the packages that `tests/fmpy/requirements.txt` pins, made once per target folder.
+//! A Python with the packages that `tests/python/requirements.txt` pins, made once per target folder.
 
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The packages, each with its version.
-const REQUIREMENTS: &str = include_str!("../fmpy/requirements.txt");
+const REQUIREMENTS: &str = include_str!("requirements.txt");
 
 /// The interpreter of the virtual environment; makes the environment where it is missing, or of
 /// other requirements or another Python.
@@ -51,7 +51,7 @@ fn make(environment: &Path, interpreter: &Path) {
             .args(["-m", "pip", "install", "--quiet", "--no-input", "--disable-pip-version-check"])
             .arg("--requirement")
             .arg(&requirements),
-        "pip cannot install tests/fmpy/requirements.txt; it needs Python 3.11 or later and a \
+        "pip cannot install tests/python/requirements.txt; it needs Python 3.11 or later and a \
          package index (PIP_INDEX_URL names another one, PIP_FIND_LINKS a folder of wheels)",
     );
 }

@@ -1,11 +1,12 @@
 //! Random signals.
 
+use crate::judge::assign;
 use crate::soak::random::Random;
 use amontons::scene::{
     Between, Constant, Pulse, Ramp, Role, RubbingPlace, Scene, Shape, Signal, Sine, Structure,
     Table,
 };
-use amontons::simulation::{assign, read_scene, variables};
+use amontons::simulation::{read_scene, variables};
 use std::f64::consts::TAU;
 
 /// The most that a signal makes of a friction coefficient.
@@ -16,7 +17,7 @@ pub fn at_start(scene: &Scene) -> Scene {
     let mut acting = scene.clone();
     for signal in scene.signals.iter() {
         let sum = given(scene, &signal.input) + signal.shape.at(0.0, 0.0);
-        assign(&mut acting, &signal.input, sum).expect("a signal of an input");
+        assign(&mut acting, &signal.input, sum);
     }
     acting
 }

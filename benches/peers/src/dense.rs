@@ -1,4 +1,4 @@
-//! The paper's scheme as a plain loop in C with full matrices, the one of `benches/dense_loop.c`,
+//! The paper's scheme as a plain loop in C with full matrices, the one of `crates/export/benches/dense_loop.c`,
 //! compiled here.
 
 use crate::peer::{Candidate, Outcome, Stopwatch};
@@ -48,7 +48,7 @@ pub fn candidates(
 }
 
 fn compile(flags: &[&str], library: &Path) -> Result<Library, String> {
-    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../dense_loop.c");
+    let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../crates/export/benches/dense_loop.c");
     let library = library.with_extension(&DLL_SUFFIX[1..]);
     let mut compiler = Command::new("cc");
     compiler.args(flags).args(["-fPIC", "-shared", "-o"]).args([&library, &source]);

@@ -20,10 +20,10 @@ use std::sync::Arc;
 pub(super) use saved::SavedInstance;
 
 /// The file among the FMU's resources that holds the scene.
-pub(crate) const SCENE_FILE: &str = "scene.toml";
+pub const SCENE_FILE: &str = "scene.toml";
 
 /// Does an instance refuse what FMI forbids and hosts do, unless it is told otherwise?
-pub(crate) const STRICT: bool = false;
+pub const STRICT: bool = false;
 
 /// One instance: a scene that is being set up, then a simulation of it.
 pub(super) struct Instance {

@@ -14,13 +14,8 @@
 //! | `feedthrough` | which inputs have one at all |
 
 mod energy;
-#[cfg(feature = "tools")]
-mod feedthrough;
 mod inputs;
 mod slope;
-
-#[cfg(feature = "tools")]
-pub use feedthrough::feedthrough;
 
 use super::catalogue::{Causality, Quantity};
 use super::{Simulation, Variable};

@@ -1,0 +1,132 @@
+//! When runs are looked at, and the ladder of steps that goes with it.
+
+use amontons::Error;
+use amontons::error::Short;
+use amontons::scene::{Method, Scene};
+
+/// A window is looked at no less often than this.
+const FEWEST: u64 = 200;
+/// The most displacements that are kept of a run.
+const MOST_KEPT: f64 = 2e7;
+/// Steps are the interval over 1, 2, 5, 10, … with so many rows at most: of the paper's scheme and of the
+/// event-driven integrator, whose step decides little.
+const SCHEME_ROWS: usize = 11;
+const EVENT_DRIVEN_ROWS: usize = 4;
+/// The most work of a row: steps times degrees of freedom, of which those of a network cost more.
+const MOST_WORK: f64 = 1e9;
+const NETWORK: f64 = 30.0;
+
+/// Equal intervals, at whose ends a run is looked at.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Grid {
+    /// Their length, s.
+    pub interval: f64,
+    /// How many.
+    pub intervals: u64,
+}
+
+/// A method with a step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rung {
+    /// The method.
+    pub method: Method,
+    /// Its step, s.
+    pub step: f64,
+    /// The number of steps in an interval.
+    pub steps: u64,
+}
+
+impl Rung {
+    /// The scene with this method and step.
+    #[must_use]
+    pub fn scene(&self, scene: &Scene) -> Scene {
+        scene.with_integrator(self.method, self.step)
+    }
+}
+
+impl Grid {
+    /// The grid of a scene: its stop time in equal intervals, not longer than its output interval, nor than
+    /// the critical step, if that is known: so often is seen whatever moves.
+    #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub(super) fn of(scene: &Scene, critical: Option<f64>) -> Result<Self, Error> {
+        let stop = scene.experiment.stop_time;
+        // A whole number but for rounding is that number. Casts saturate.
+        let parts = |whole: f64, part: f64| (whole / part * (1.0 - 1e-9)).ceil().max(1.0);
+        let outputs = parts(stop, scene.experiment.output_interval);
+        let longest = critical.unwrap_or(f64::INFINITY).min(stop / FEWEST as f64);
+        let count = outputs * parts(stop / outputs, longest);
+        let kept = count * scene.external_forces().count() as f64;
+        if kept > MOST_KEPT {
+            return Err(Error::argument(format!(
+                "a window of {} s is {kept:.1e} displacements to compare, more than \
+                 {MOST_KEPT:e}; choose a shorter --stop-time, or a longer output_interval in the scene's [experiment]",
+                Short(stop)
+            )));
+        }
+        Ok(Self { interval: stop / count, intervals: count as u64 })
+    }
+
+    /// The end of an interval (from 1), s; 0 is the start.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn time(&self, interval: u64) -> f64 {
+        interval as f64 * self.interval
+    }
+
+    /// A method with a step of which so many make an interval.
+    #[must_use]
+    #[allow(clippy::cast_precision_loss)]
+    pub fn rung(&self, method: Method, steps: u64) -> Rung {
+        Rung { method, step: self.interval / steps as f64, steps }
+    }
+
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn ladder(&self, scene: &Scene, critical: Option<f64>) -> Vec<Rung> {
+        let divisors: Vec<u64> = divisors().collect();
+        let dofs = scene.external_forces().count() as f64;
+        let cost = if scene.network().is_some() { NETWORK * dofs } else { dofs };
+        let work = |rung: &Rung| (rung.steps * self.intervals) as f64 * cost;
+        let rungs = |method| divisors.iter().map(move |&steps| self.rung(method, steps));
+        let scheme = rungs(Method::ForwardIncrement)
+            .filter(|rung| critical.is_some_and(|critical| rung.step <= critical))
+            .take_while(|rung| work(rung) <= MOST_WORK)
+            .take(SCHEME_ROWS);
+        scheme.chain(rungs(Method::EventDriven).take(EVENT_DRIVEN_ROWS)).collect()
+    }
+}
+
+/// 1, 2, 5, 10, …
+fn divisors() -> impl Iterator<Item = u64> {
+    let all = (0..).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u64.pow(power)));
+    all.take(3 * SCHEME_ROWS)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::builtin;
+
+    #[test]
+    fn steps_are_short_decimals_that_divide_the_interval() {
+        let scene = builtin("set1").unwrap().scene();
+        let grid = Grid::of(&scene, Some(3.02e-4)).unwrap();
+        assert_eq!((grid.interval, grid.intervals), (2e-4, 30_000));
+        let ladder = grid.ladder(&scene, Some(1.5e-4));
+        let steps = ladder.iter().filter(|rung| rung.method == Method::ForwardIncrement);
+        let steps: Vec<f64> = steps.map(|rung| rung.step).collect();
+        assert_eq!(steps[..4], [1e-4, 4e-5, 2e-5, 1e-5]);
+    }
+
+    #[test]
+    fn a_window_that_is_no_whole_number_of_intervals_is_parted_evenly() {
+        let mut scene = builtin("set1").unwrap().scene();
+        (scene.experiment.stop_time, scene.experiment.output_interval) = (0.5, 0.15);
+        let grid = Grid::of(&scene, None).unwrap();
+        assert!(grid.intervals >= FEWEST && grid.intervals.is_multiple_of(4), "{grid:?}");
+        assert!((grid.time(grid.intervals) - 0.5).abs() < 1e-15);
+        // Not longer than the critical step.
+        assert!(Grid::of(&scene, Some(3e-4)).unwrap().interval <= 3e-4);
+        scene.experiment.stop_time = 1e7;
+        assert!(Grid::of(&scene, None).unwrap_err().is_argument());
+    }
+}

@@ -1,0 +1,220 @@
+//! One run over a grid: all displacements, and when which contact changes its state.
+
+use super::Watch;
+use super::grid::{Grid, Rung};
+use amontons::Error;
+use amontons::contact::ContactState;
+use amontons::integrator::Statistics;
+use amontons::scene::{Method, Scene};
+use amontons::simulation::{Simulation, Snapshot};
+
+/// Up to so many steps an interval is walked through; a longer one is halved until the step is found.
+const WALKED: u64 = 32;
+/// Into so many parts the event-driven integrator's step is halved, which is how well its times are known; a
+/// simulation takes a millionth of its step for nothing.
+const PARTS: u64 = 1 << 18;
+
+/// A contact takes another state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Change {
+    /// The contact, from 0.
+    pub contact: usize,
+    /// The state that it takes.
+    pub state: ContactState,
+    /// When, s: the end of the step in which it does, or of the part of one.
+    pub time: f64,
+}
+
+/// What is kept of a run.
+pub(super) struct Run {
+    pub(super) statistics: Statistics,
+    dofs: usize,
+    /// One row of displacements an interval, the start among them.
+    displacements: Vec<f64>,
+    changes: Vec<Change>,
+}
+
+impl Run {
+    /// Runs a scene; `None` if the watch ended it.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn of(
+        scene: &Scene,
+        grid: Grid,
+        rung: Rung,
+        watch: Watch<'_>,
+    ) -> Result<Option<Self>, Error> {
+        let mut simulation = Simulation::new(rung.scene(scene), 0.0)?;
+        let mut changes = Vec::new();
+        let mut displacements = simulation.displacement().to_vec();
+        let dofs = displacements.len();
+        for interval in 0..grid.intervals {
+            if watch(interval as f64 / grid.intervals as f64).is_break() {
+                return Ok(None);
+            }
+            let first = interval * rung.steps;
+            let parts = if rung.method == Method::EventDriven { PARTS } else { 1 };
+            let (from, to) = (first, first + rung.steps);
+            let steps = Units { origin: 0.0, length: rung.step, from, to, parts };
+            if rung.method == Method::ForwardIncrement && rung.steps <= WALKED {
+                steps.walk(&mut simulation, &mut changes)?;
+            } else {
+                let before = simulation.save();
+                let count = simulation.statistics().state_changes();
+                simulation.advance_to(grid.time(interval + 1))?;
+                let count = simulation.statistics().state_changes() - count;
+                if count > 0 {
+                    let after = simulation.save();
+                    steps.search(&mut simulation, &before, count, &mut changes)?;
+                    simulation.restore(&after)?;
+                }
+            }
+            displacements.extend_from_slice(simulation.displacement());
+        }
+        Ok(Some(Self { statistics: simulation.statistics(), dofs, displacements, changes }))
+    }
+
+    /// What the times of changes are known to, s, with the event-driven integrator at this step (s).
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn resolution(step: f64) -> f64 {
+        step / PARTS as f64
+    }
+
+    pub(super) fn changes(&self) -> &[Change] {
+        &self.changes
+    }
+
+    /// One displacement over time, m.
+    pub(super) fn history(&self, dof: usize) -> Vec<f64> {
+        self.displacements.iter().skip(dof).step_by(self.dofs).copied().collect()
+    }
+
+    /// All displacements about their means, root mean square, m.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn deviation(&self) -> f64 {
+        let squares = (0..self.dofs).map(|dof| self.variance(dof));
+        (squares.sum::<f64>() / self.dofs.max(1) as f64).sqrt()
+    }
+
+    #[allow(clippy::cast_precision_loss)]
+    fn variance(&self, dof: usize) -> f64 {
+        let history = self.history(dof);
+        let count = history.len() as f64;
+        let mean = history.iter().fold(0.0, |sum, x| sum + x) / count;
+        history.iter().fold(0.0, |sum, x| sum + (x - mean) * (x - mean)) / count
+    }
+
+    /// The degree of freedom that moves most.
+    pub(super) fn most_moving(&self) -> usize {
+        let variances: Vec<f64> = (0..self.dofs).map(|dof| self.variance(dof)).collect();
+        // Of equal ones the first.
+        (0..self.dofs).rev().max_by(|&a, &b| variances[a].total_cmp(&variances[b])).unwrap_or(0)
+    }
+
+    /// All displacements against those of another run, root mean square, m.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn distance(&self, other: &Self) -> f64 {
+        let both = self.displacements.iter().zip(&other.displacements);
+        let squares = both.fold(0.0, |sum, (a, b)| sum + (a - b) * (a - b));
+        (squares / self.displacements.len().max(1) as f64).sqrt()
+    }
+
+    /// How far the times of changes are from those of another run, s, root mean square and the largest;
+    /// `None` unless each contact goes through the same states, or if there are no changes.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn event_times_apart(&self, other: &Self) -> Option<[f64; 2]> {
+        let sorted = |run: &Self| {
+            let mut changes = run.changes.clone();
+            // Stable: those of one contact stay in their order.
+            changes.sort_by_key(|change| change.contact);
+            changes
+        };
+        let (ours, theirs) = (sorted(self), sorted(other));
+        let same = |(a, b): (&Change, &Change)| (a.contact, a.state) == (b.contact, b.state);
+        if ours.len() != theirs.len() || ours.is_empty() || !ours.iter().zip(&theirs).all(same) {
+            return None;
+        }
+        let apart = ours.iter().zip(&theirs).map(|(a, b)| (a.time - b.time).abs());
+        let (sum, largest) =
+            apart.fold((0.0, 0.0), |(sum, most), t| (sum + t * t, f64::max(most, t)));
+        Some([(sum / ours.len() as f64).sqrt(), largest])
+    }
+}
+
+/// Equal units of time, steps or parts of one.
+#[derive(Clone, Copy)]
+struct Units {
+    /// When unit 0 begins, s.
+    origin: f64,
+    /// s.
+    length: f64,
+    from: u64,
+    to: u64,
+    /// Into so many parts a unit itself is divided.
+    parts: u64,
+}
+
+impl Units {
+    #[allow(clippy::cast_precision_loss)]
+    fn time(&self, unit: u64) -> f64 {
+        self.origin + unit as f64 * self.length
+    }
+
+    /// Goes through all of them.
+    fn walk(&self, simulation: &mut Simulation, changes: &mut Vec<Change>) -> Result<(), Error> {
+        let mut before = simulation.contact_states().to_vec();
+        for unit in self.from..self.to {
+            simulation.advance_to(self.time(unit + 1))?;
+            note(simulation, &mut before, self.time(unit + 1), changes);
+        }
+        Ok(())
+    }
+
+    /// Finds the units in which contacts change their states, `count` times in all, by halving; `start` is
+    /// the motion at the first one's beginning.
+    #[allow(clippy::cast_precision_loss)]
+    fn search(
+        &self,
+        simulation: &mut Simulation,
+        start: &Snapshot,
+        count: u64,
+        changes: &mut Vec<Change>,
+    ) -> Result<(), Error> {
+        simulation.restore(start)?;
+        if self.to - self.from == 1 {
+            if self.parts == 1 {
+                return self.walk(simulation, changes);
+            }
+            let (origin, length) = (self.time(self.from), self.length / self.parts as f64);
+            let parts = Self { origin, length, from: 0, to: self.parts, parts: 1 };
+            return parts.search(simulation, start, count, changes);
+        }
+        let middle = self.from + (self.to - self.from) / 2;
+        let before = simulation.statistics().state_changes();
+        simulation.advance_to(self.time(middle))?;
+        let first = simulation.statistics().state_changes() - before;
+        let half = (first < count).then(|| simulation.save());
+        if first > 0 {
+            Self { to: middle, ..*self }.search(simulation, start, first, changes)?;
+        }
+        match half {
+            Some(half) => {
+                Self { from: middle, ..*self }.search(simulation, &half, count - first, changes)
+            }
+            None => Ok(()),
+        }
+    }
+}
+
+/// Takes note of the contacts whose state is not that of before.
+fn note(
+    simulation: &Simulation,
+    before: &mut [ContactState],
+    time: f64,
+    changes: &mut Vec<Change>,
+) {
+    for (contact, (old, &state)) in before.iter_mut().zip(simulation.contact_states()).enumerate() {
+        if std::mem::replace(old, state) != state {
+            changes.push(Change { contact, state, time });
+        }
+    }
+}

@@ -1,0 +1,159 @@
+//! The table of a study in words, without times: for the command line, and for the page in an FMU.
+
+use super::{Errors, Row, Study};
+use amontons::integrator::Statistics;
+use amontons::scene::Scene;
+
+/// What stands over the columns.
+pub const COLUMNS: [&str; 10] = [
+    "method",
+    "step [s]",
+    "steps",
+    "events",
+    "touch-downs",
+    "rms error",
+    "amplitude",
+    "frequency",
+    "times [s]",
+    "order",
+];
+
+/// What the columns mean.
+pub const LEGEND: &str = "rms error: of all displacements, over their deviation from the mean; amplitude, \
+frequency: of the cycle above.\n≤: below the reference's own error. order: how often the rms error halves where \
+the step does; with few\nevents they hide it. events: changes of contact state, and how many more than the \
+reference has.\ntimes: of events, where each contact goes through the same states.";
+
+/// A number to four digits, without zeros at its end.
+#[must_use]
+pub fn short(value: f64) -> String {
+    let rounded: f64 = format!("{value:.3e}").parse().expect("a number as Rust writes it");
+    format!("{rounded:e}")
+}
+
+/// An error; one at the floor is not larger than that.
+fn cell(error: Option<f64>, floor: Option<f64>) -> String {
+    match error {
+        None => "-".to_owned(),
+        Some(error) if Some(error) == floor => format!("≤{error:.1e}"),
+        Some(error) => format!("{error:.1e}"),
+    }
+}
+
+impl Study {
+    /// One line on what the table is about.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let Scene { name, experiment, .. } = &self.scene;
+        format!("{name}: what accuracy costs over {} s", experiment.stop_time)
+    }
+
+    /// What the rows are compared with, as pairs of a word and a text.
+    #[must_use]
+    pub fn facts(&self) -> Vec<(&'static str, String)> {
+        let statistics = self.reference.statistics;
+        let reference = format!(
+            "event-driven, step {} s: {} changes of contact state, {} touch-downs",
+            short(self.reference_step),
+            statistics.state_changes(),
+            statistics.touch_downs
+        );
+        let mut facts = vec![("reference", reference)];
+        if self.floor.rms.is_some() {
+            let Errors { rms, amplitude, frequency, event_time, .. } = self.floor;
+            let of = |what: &str, error: Option<f64>, unit: &str| {
+                error.map(|error| format!("{what} {error:.1e}{unit}"))
+            };
+            let all = [
+                of("rms", rms, ""),
+                of("amplitude", amplitude, ""),
+                of("frequency", frequency, ""),
+                of("event times", event_time, " s"),
+            ];
+            let all = all.into_iter().flatten().collect::<Vec<_>>().join(", ");
+            facts.push(("its own error", format!("{all} (against itself at twice its step)")));
+        }
+        if let Some(amplitude) = self.cycle.amplitude.filter(|_| self.scale.is_some()) {
+            let dof = &self.scene.dof_names()[self.dof];
+            let at = self.cycle.frequency.map_or_else(String::new, |hz| format!(" at {hz:.2} Hz"));
+            facts.push(("cycle", format!("{dof}: ±{amplitude:.4e} m{at}, over the last half")));
+        }
+        facts
+    }
+
+    /// The cells of a row under [`COLUMNS`]; `order` is that from the row before.
+    #[must_use]
+    pub fn cells(&self, row: &Row, order: Option<f64>) -> [String; COLUMNS.len()] {
+        let Row { rung, statistics, events_more, errors } = row;
+        let floor = self.floor;
+        [
+            rung.method.to_string(),
+            short(rung.step),
+            statistics.steps.to_string(),
+            match events_more {
+                0 => statistics.state_changes().to_string(),
+                more => format!("{} ({more:+})", statistics.state_changes()),
+            },
+            statistics.touch_downs.to_string(),
+            match row.is_out_of_phase() {
+                true => "out of phase".to_owned(),
+                false => cell(errors.rms, floor.rms),
+            },
+            cell(errors.amplitude, floor.amplitude),
+            cell(errors.frequency, floor.frequency),
+            cell(errors.event_time, floor.event_time),
+            order.map_or_else(|| "-".to_owned(), |order| format!("{order:.2}")),
+        ]
+    }
+
+    /// Words on what is not to be seen in the rows.
+    #[must_use]
+    pub fn notes(&self, rows: &[Row]) -> Vec<String> {
+        let mut notes = Vec::new();
+        match &self.critical {
+            Ok(critical) if critical.step < self.scene.experiment.output_interval => {
+                notes.push(format!(
+                    "the paper's scheme has no steps above its critical one, {critical}"
+                ));
+            }
+            Ok(_) => {}
+            Err(error) => notes.push(format!("the paper's scheme is left out: {error}")),
+        }
+        if self.scale.is_none() {
+            notes.push(
+                "the scene does not move: there is no amplitude to measure errors by; give it an \
+                 [[initial]] velocity, or a [[signal]]"
+                    .to_owned(),
+            );
+        } else if self.cycle.amplitude.is_none() {
+            notes.push(format!(
+                "{} does not move over the last half: it has neither amplitude nor frequency to compare",
+                self.scene.dof_names()[self.dof]
+            ));
+        }
+        if self.is_chaotic() {
+            notes.push(format!(
+                "the reference agrees with itself to {:.0e} of the amplitude only, as motions do that \
+                 forget their start: judge by amplitude and frequency, over a shorter --stop-time by \
+                 the rms error too",
+                self.floor.rms.unwrap_or(0.0)
+            ));
+        } else if rows.iter().any(Row::is_out_of_phase) {
+            notes.push(
+                "out of phase: the displacements are off by more than half of the amplitude; judge by \
+                 amplitude and frequency"
+                    .to_owned(),
+            );
+        }
+        let ended = |statistics: &Statistics| statistics.ended_hops;
+        let reference = ended(&self.reference.statistics);
+        let most = rows.iter().map(|row| ended(&row.statistics)).fold(reference, u64::max);
+        if most > 0 {
+            notes.push(format!(
+                "event-driven motion ended up to {most} hops of contacts that land many times within a step \
+                 (reference: {reference}); the errors of the rows have what that costs"
+            ));
+        }
+        notes
+    }
+}

@@ -1,0 +1,32 @@
+//! What a scene of Amontons does: stability of its contact states, studies of its motion, sweeps, accuracy.
+//!
+//! A module imports only from the crate `amontons` and from modules above it:
+//!
+//! | module | what it finds |
+//! | --- | --- |
+//! | [`output`] | files of results that appear whole or not at all |
+//! | [`spectral`] | spectra of histories |
+//! | [`assign`] | a value of a scene, by its variable's name |
+//! | [`instant`] | what an analysis at one instant says of the signals that it leaves out |
+//! | [`inputs`] | inputs over time from a CSV file |
+//! | [`effects`] | every effect that there is, for one scene |
+//! | [`stability`] | modes, loci over a parameter, bi-stable candidates, maps |
+//! | [`doubts`], [`warning`] | values that are possible, but hardly meant |
+//! | [`accuracy`] | how far each method and step is from a proven reference |
+//! | [`sweep`] | many runs over the values of a parameter |
+//! | [`study`] | what a scene ends in: limit cycles, perturbations, branches over µ, basins |
+//!
+//! All quantities are in SI units.
+
+pub mod accuracy;
+pub mod assign;
+pub mod doubts;
+pub mod effects;
+pub mod inputs;
+pub mod instant;
+pub mod output;
+pub mod spectral;
+pub mod stability;
+pub mod study;
+pub mod sweep;
+pub mod warning;

@@ -1,0 +1,104 @@
+//! Files that appear whole or not at all.
+
+use amontons::Error;
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+/// Refuses a file whose folder is not there, before the work whose results it is to hold.
+///
+/// # Errors
+/// The file, and the folder that lacks.
+pub fn check_folder(file: &Path) -> Result<(), Error> {
+    let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
+    match folder {
+        Some(folder) if !folder.is_dir() => Err(Error::unusable_file(format!(
+            "cannot write {}: there is no folder {}",
+            file.display(),
+            folder.display()
+        ))),
+        _ => Ok(()),
+    }
+}
+
+/// Refuses an output that would replace a file that the same command reads.
+///
+/// # Errors
+/// It would.
+pub fn check_inputs_stay(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
+    let real = |path: &Path| path.canonicalize().ok();
+    match inputs.iter().find(|input| real(input).is_some_and(|input| real(output) == Some(input))) {
+        Some(input) => Err(Error::argument(format!(
+            "-o {} would replace what this command reads: give another name",
+            input.display()
+        ))),
+        None => Ok(()),
+    }
+}
+
+/// A file that is written under another name until it is complete. What stood at its place stays
+/// until then; a run that is cut short leaves what it had in the file ending in `.partial`. What is
+/// not a regular file (a pipe, a device) is written to directly.
+pub struct Pending {
+    target: PathBuf,
+    partial: Option<PathBuf>,
+    writer: BufWriter<File>,
+}
+
+impl Pending {
+    /// Begins a file that is to stand at `target`.
+    ///
+    /// # Errors
+    /// A folder stands there, or its folder cannot be written to.
+    pub fn create(target: &Path) -> Result<Self, Error> {
+        let open = || -> io::Result<Self> {
+            // Through a symbolic link, to what it names.
+            let real = target.canonicalize().unwrap_or_else(|_| target.to_owned());
+            if real.is_dir() {
+                return Err(io::ErrorKind::IsADirectory.into());
+            }
+            if real.exists() && !real.is_file() {
+                let writer = BufWriter::new(File::options().write(true).open(&real)?);
+                return Ok(Self { target: real, partial: None, writer });
+            }
+            let mut name = real.file_name().ok_or(io::ErrorKind::InvalidFilename)?.to_owned();
+            name.push(".partial");
+            let partial = real.with_file_name(name);
+            let writer = BufWriter::new(File::create(&partial)?);
+            Ok(Self { target: real, partial: Some(partial), writer })
+        };
+        open().map_err(|error| Error::file(target, &error))
+    }
+
+    /// Where a run that is cut short leaves what it had; none where it is written to directly.
+    #[must_use]
+    pub fn partial(&self) -> Option<&Path> {
+        self.partial.as_deref()
+    }
+
+    /// Puts the file at its place.
+    ///
+    /// # Errors
+    /// What it holds could not all be written; what stood at its place still stands there.
+    pub fn complete(self) -> Result<(), Error> {
+        let Self { target, partial, writer } = self;
+        let finish = || {
+            let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+            match &partial {
+                Some(partial) => file.sync_all().and_then(|()| fs::rename(partial, &target)),
+                None => Ok(()),
+            }
+        };
+        finish().map_err(|error| Error::file(&target, &error))
+    }
+}
+
+impl Write for Pending {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.writer.write(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        self.writer.flush()
+    }
+}

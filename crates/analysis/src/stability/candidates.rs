@@ -1,0 +1,359 @@
+//! The paper's aim: ranges of µ that can be bi-stable, because uniform sliding is stable there while
+//! another contact state, into which a push can bring the system, is not.
+
+use super::growth::growth;
+use super::linearised::Linearised;
+use super::locus::{Crossing, Locus, between, growing, locus};
+use super::parallel;
+use super::reach::{Reach, reach};
+use super::states::StateClasses;
+use amontons::Error;
+use amontons::contact::ContactState;
+use amontons::model::{Contact, LumpedModel};
+use amontons::scene::Scene;
+use std::borrow::Cow;
+
+/// What a range of µ holds.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bistability {
+    /// The range that was looked at: what was asked for, up to the static friction.
+    pub range: [f64; 2],
+    /// Ranges of µ in which there is an equilibrium in uniform sliding.
+    pub equilibrium: Vec<[f64; 2]>,
+    /// Where modes of uniform sliding begin or cease to grow in them, by µ.
+    pub uniform: Vec<Crossing>,
+    /// Ranges of µ in which there is an equilibrium that no mode leaves.
+    pub stable: Vec<[f64; 2]>,
+    /// Modes of other states that grow inside a stable range, by what a motion needs to reach the state, then by µ.
+    pub candidates: Vec<Candidate>,
+    /// The widest step in µ from look to look at a state: what grows over less of µ may be missed.
+    pub widest: f64,
+}
+
+/// A mode of another state that grows while uniform sliding is stable: a candidate for a bi-stable
+/// range, which only a transient can confirm.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// The contact state; symmetry of masses and stiffnesses makes the modes of `alike` states equal, itself included. Where
+    /// loads are not symmetric, too, this is the one that needs least.
+    pub states: Vec<ContactState>,
+    /// How many states symmetry makes equal to this one.
+    pub alike: usize,
+    /// From which µ on, and up to which, the mode grows while uniform sliding does not.
+    pub range: [f64; 2],
+    /// Does the mode begin to grow at the range's start (or did it grow before)?
+    pub begins: bool,
+    /// The mode's frequency at the range's start, Hz.
+    pub frequency_hz: f64,
+    /// Frequency, Hz, and growth rate, 1/s, at the range's end.
+    pub at_end: [f64; 2],
+    /// The least that a motion has had before the contacts were in this state, at the end of the range where that is
+    /// less; `None` where no motion can reach it.
+    pub reach: Option<Reach>,
+}
+
+/// The one state in which a model can be at rest in its own frame: each contact slides by the sign of
+/// its velocity, the slider's or its own, and sticks where that is zero.
+#[must_use]
+pub fn resting_state(model: &LumpedModel, slider_velocity: f64) -> Vec<ContactState> {
+    let state = |contact: &Contact| match contact.velocity(slider_velocity) {
+        v if v > 0.0 => ContactState::Slide,
+        v if v < 0.0 => ContactState::ReverseSlide,
+        _ => ContactState::Stick,
+    };
+    model.contacts.iter().map(state).collect()
+}
+
+/// The state of uniform sliding: the resting state, where that has every contact sliding.
+///
+/// # Errors
+/// What a contact rubs on stands still.
+pub fn uniform_sliding(
+    model: &LumpedModel,
+    slider_velocity: f64,
+) -> Result<Vec<ContactState>, Error> {
+    let states = resting_state(model, slider_velocity);
+    let Some(stuck) = states.iter().position(|state| *state == ContactState::Stick) else {
+        return Ok(states);
+    };
+    let problem = match model.contacts[stuck].own.slider_velocity {
+        None => {
+            "the slider stands still, so nothing slides: give slider.velocity another value".into()
+        }
+        Some(_) => format!(
+            "what contact {} rubs on stands still, so it does not slide: give it another velocity",
+            stuck + 1
+        ),
+    };
+    Err(Error::analysis(format!(
+        "{problem}, or name a contact state with --state where a command has it"
+    )))
+}
+
+/// The widest step in µ over which uniform sliding is followed; a mode of it that grows only in a range narrower than
+/// this may be missed.
+const STEP: f64 = 0.01;
+/// The fewest steps in a range.
+const FEWEST_STEPS: f64 = 200.0;
+/// Contact states are looked at as often as this, all classes and values of µ together, but for where modes begin and
+/// cease to grow: half a minute of work for a ring of eight modules, which has 4435 classes.
+const LOOKS: f64 = 200_000.0;
+/// The fewest steps of a class, whatever the number of classes.
+const FEWEST_STEPS_OF_A_CLASS: f64 = 40.0;
+
+/// Looks through all states of a scene over a range of µ, that of `friction.coefficient` alone, on all cores; `done`
+/// hears how many classes of states are done. Values above the static friction, which stays as it is, are left out.
+///
+/// # Errors
+/// As [`uniform_sliding`], no equilibrium in the whole range, a range above the static friction, too many contacts, or a
+/// state that cannot be analysed.
+pub fn bistability(
+    scene: &Scene,
+    range: [f64; 2],
+    done: &(dyn Fn(usize) + Sync),
+) -> Result<Bistability, Error> {
+    let [first, last] = possible_range(scene, range)?;
+    let at = |mu: f64| Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() });
+    let here = at(first);
+    let uniform_state = here.uniform_sliding()?;
+    let classes = StateClasses::of(here.model())?;
+    // Where µ is the same at all slip velocities, the model is the same at all µ.
+    let constant = here.model().law.friction.about().is_constant().then(|| here.model());
+    let model_at = |mu: f64| {
+        Ok::<_, Error>(match constant {
+            Some(model) => (Cow::Borrowed(model), mu),
+            None => {
+                let found = at(mu);
+                found.require_slopes()?;
+                (Cow::Owned(found.into_model()), mu)
+            }
+        })
+    };
+    let has_equilibrium = |mu: f64| at(mu).equilibrium().map(|_| ());
+    let steps = ((last - first) / STEP).ceil().max(FEWEST_STEPS);
+    let equilibrium = equilibrium_ranges(&has_equilibrium, &spread([first, last], steps));
+    if equilibrium.is_empty() {
+        has_equilibrium(first)?;
+    }
+    let (mut uniform, mut stable) = (Vec::new(), Vec::new());
+    for &[from, to] in equilibrium.iter().filter(|[from, to]| from < to) {
+        let steps = ((to - from) / STEP).ceil().max(FEWEST_STEPS);
+        let found = locus(&model_at, &uniform_state, &spread([from, to], steps), &|_, _| {})?;
+        let mut growing: Vec<[f64; 2]> =
+            (0..found.branches.len()).flat_map(|mode| growing_ranges(&found, mode)).collect();
+        growing.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        stable.extend(gaps(&growing, from, to));
+        uniform.extend(found.crossings);
+    }
+    // Two ranges may touch but for rounding.
+    stable.retain(|[from, to]| to - from > 1e-9 * to.abs());
+    #[allow(clippy::cast_precision_loss)]
+    let steps = (LOOKS / classes.representatives.len() as f64)
+        .floor()
+        .clamp(FEWEST_STEPS_OF_A_CLASS, FEWEST_STEPS);
+    // States whose modes are alike need the same where loads are alike, too.
+    let loads_are_alike = here.equilibrium().is_ok_and(|equilibrium| {
+        let forces = &equilibrium.normal_force;
+        forces.iter().all(|force| (force - forces[0]).abs() <= 1e-9 * forces[0].abs())
+    });
+    let look = |class: usize| {
+        let states = &classes.representatives[class];
+        let members: Vec<&Vec<ContactState>> =
+            if loads_are_alike { vec![states] } else { classes.members(class).collect() };
+        let mut found = Vec::new();
+        for &range in stable.iter().filter(|_| *states != uniform_state) {
+            let growing = |mu: f64| {
+                let (model, mu) = model_at(mu)?;
+                growing(&model, states, mu)
+            };
+            for growth in growth(&growing, &spread(range, steps))? {
+                // A mode that two states share ceases to grow in the one where it begins to in the other, but for
+                // rounding.
+                let [from, to] = growth.range;
+                if to - from > 1e-9 * to.abs() {
+                    found.push((least_reach(&at, growth.range, &members)?, growth));
+                }
+            }
+        }
+        Ok(found)
+    };
+    let found = parallel::collect(classes.representatives.len(), &look, done)?;
+    let mut candidates = Vec::new();
+    for (class, found) in found.into_iter().enumerate() {
+        let alike = classes.members(class).count();
+        for ((states, reach), growth) in found {
+            candidates.push(Candidate {
+                states,
+                alike,
+                reach,
+                range: growth.range,
+                begins: growth.begins,
+                frequency_hz: growth.frequency_hz(0),
+                at_end: [growth.frequency_hz(1), growth.ends[1].lambda.re],
+            });
+        }
+    }
+    let need = |candidate: &Candidate| candidate.reach.map_or(f64::INFINITY, |reach| reach.energy);
+    candidates.sort_by(|a, b| need(a).total_cmp(&need(b)).then(a.range[0].total_cmp(&b.range[0])));
+    let widest = stable.iter().map(|[from, to]| (to - from) / steps).fold(0.0, f64::max);
+    Ok(Bistability { range: [first, last], equilibrium, uniform, stable, candidates, widest })
+}
+
+/// Finds the state that is easiest to reach, at the end of a range of µ where that is easiest, and what a motion needs to
+/// reach it.
+fn least_reach(
+    at: &dyn Fn(f64) -> Linearised,
+    range: [f64; 2],
+    members: &[&Vec<ContactState>],
+) -> Result<(Vec<ContactState>, Option<Reach>), Error> {
+    let mut least: (&Vec<ContactState>, Option<Reach>) = (members[0], None);
+    for here in range.map(at) {
+        for states in members {
+            let found = reach(&here, states)?;
+            let energy = |reach: Option<Reach>| reach.map_or(f64::INFINITY, |reach| reach.energy);
+            // States that symmetry makes equal differ by rounding.
+            if energy(found) < energy(least.1) * (1.0 - 1e-9) {
+                least = (states, found);
+            }
+        }
+    }
+    Ok((least.0.clone(), least.1))
+}
+
+/// The part of a range of µ that the scene's static friction leaves possible.
+///
+/// # Errors
+/// There is none.
+fn possible_range(scene: &Scene, [first, last]: [f64; 2]) -> Result<[f64; 2], Error> {
+    match scene.greatest_friction() {
+        Some(greatest) if first >= greatest => Err(Error::argument(format!(
+            "friction.coefficient from {first} on is not below the static friction, {greatest}, which stays as it is: \
+             begin the range below {greatest}"
+        ))),
+        greatest => Ok([first, greatest.map_or(last, |greatest| last.min(greatest))]),
+    }
+}
+
+/// Values from one to another in this many steps.
+fn spread([first, last]: [f64; 2], steps: f64) -> Vec<f64> {
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    let count = steps as u32;
+    let at =
+        |i: u32| if i == count { last } else { first + (last - first) * (f64::from(i) / steps) };
+    (0..=count).map(at).collect()
+}
+
+/// The ranges of a parameter, of which there are ascending values, in which there is an equilibrium;
+/// their ends are bisected.
+pub fn equilibrium_ranges(
+    has_equilibrium: &dyn Fn(f64) -> Result<(), Error>,
+    values: &[f64],
+) -> Vec<[f64; 2]> {
+    let is_there: Vec<bool> = values.iter().map(|&value| has_equilibrium(value).is_ok()).collect();
+    let mut ranges = Vec::new();
+    let mut start = is_there[0].then_some(values[0]);
+    for (pair, there) in values.windows(2).zip(is_there.windows(2)) {
+        if there[0] == there[1] {
+            continue;
+        }
+        let (mut low, mut high) = (pair[0], pair[1]);
+        while let Some(middle) = between(low, high) {
+            let side =
+                if has_equilibrium(middle).is_ok() == there[0] { &mut low } else { &mut high };
+            *side = middle;
+        }
+        match start.take() {
+            Some(start) => ranges.push([start, low]),
+            None => start = Some(high),
+        }
+    }
+    ranges.extend(start.map(|start| [start, values[values.len() - 1]]));
+    ranges
+}
+
+/// The ranges of the parameter in which a mode grows.
+fn growing_ranges(locus: &Locus, mode: usize) -> Vec<[f64; 2]> {
+    let (first, last) = (locus.values[0], locus.values[locus.values.len() - 1]);
+    let mut start = (locus.branches[mode][0].lambda.re > 0.0).then_some(first);
+    let mut ranges = Vec::new();
+    for crossing in locus.crossings.iter().filter(|crossing| crossing.mode == mode) {
+        if crossing.becomes_unstable {
+            start = Some(crossing.value);
+        } else if let Some(start) = start.take() {
+            ranges.push([start, crossing.value]);
+        }
+    }
+    ranges.extend(start.map(|start| [start, last]));
+    ranges
+}
+
+/// What ranges, sorted by their starts, leave of an interval.
+fn gaps(ranges: &[[f64; 2]], first: f64, last: f64) -> Vec<[f64; 2]> {
+    let (mut gaps, mut from) = (Vec::new(), first);
+    for range in ranges {
+        if range[0] > from {
+            gaps.push([from, range[0]]);
+        }
+        from = from.max(range[1]);
+    }
+    if from < last {
+        gaps.push([from, last]);
+    }
+    gaps
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::builtin;
+
+    #[test]
+    fn what_is_left_between_ranges() {
+        assert_eq!(gaps(&[], 0.0, 1.0), [[0.0, 1.0]]);
+        assert_eq!(gaps(&[[0.2, 0.5], [0.3, 0.4], [0.7, 1.0]], 0.0, 1.0), [[0.0, 0.2], [0.5, 0.7]]);
+    }
+
+    #[test]
+    fn nothing_is_stable_where_there_is_no_equilibrium() {
+        // On a slider that slopes the other way friction draws the masses into it, until they jam.
+        let mut scene = builtin("set2").unwrap().scene();
+        scene.slider.angle = -0.5;
+        let found = bistability(&scene, [0.0, 6.0], &|_| {}).unwrap();
+        let [[from, to]] = found.equilibrium[..] else { panic!("{:?}", found.equilibrium) };
+        assert!(from == 0.0 && to < 6.0);
+        let exists = |mu: f64| {
+            let scene = Scene { friction_coefficient: mu, ..scene.clone() };
+            amontons::model::equilibrium(&scene, &LumpedModel::from(&scene)).is_ok()
+        };
+        assert!(exists(to) && !exists(to + 1e-9));
+        for range in found.stable.iter().chain(found.candidates.iter().map(|c| &c.range)) {
+            assert!(range[1] <= to);
+        }
+        let nowhere = bistability(&scene, [to + 0.1, 6.0], &|_| {}).unwrap_err();
+        assert!(nowhere.is_equilibrium(), "{nowhere}");
+    }
+
+    /// Equal modules of which one is pressed on less: what a push needs does not depend on which of them it is.
+    #[test]
+    fn a_loose_contact_of_a_ring_is_a_candidate_wherever_it_stands() {
+        let needs = |loose: usize| {
+            let mut scene = builtin("set1").unwrap().scene();
+            scene.modules_mut().extend_from_within(..);
+            scene.slider.velocity = 0.1;
+            scene.modules_mut()[loose].preload = -1e-3;
+            let found = bistability(&scene, [0.9, 1.18], &|_| {}).unwrap();
+            let needs = found.candidates.iter().map(|candidate| candidate.reach.unwrap().energy);
+            needs.collect::<Vec<_>>()
+        };
+        let first = needs(0);
+        // It opens at almost no load, and does so in one of its states at least.
+        assert!(first[0] < 1e-6 && first.last().unwrap() > &1e-3, "{first:?}");
+        for loose in 1..4 {
+            let other = needs(loose);
+            assert_eq!(other.len(), first.len());
+            for (a, b) in first.iter().zip(&other) {
+                assert!((a / b - 1.0).abs() < 1e-6, "{a} {b}");
+            }
+        }
+    }
+}

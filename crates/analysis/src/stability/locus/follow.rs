@@ -1,0 +1,212 @@
+//! Following the roots of one part of a contact state from value to value of a parameter.
+
+use super::events::{
+    Point, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
+};
+use super::{Approach, Coalescence, Crossing, Root, order_of_merged};
+use amontons::Error;
+use nalgebra::Complex;
+use std::cmp::Ordering;
+
+/// Halvings of a step at most, where modes cannot be told apart by continuity.
+const MAX_HALVINGS: u32 = 24;
+/// σ closer than this part of themselves are a double one, whichever is which.
+const DOUBLE: f64 = 1e-8;
+/// The fewest steps in which a range is gone through.
+const FEWEST_STEPS: f64 = 200.0;
+/// An extremum beside an end of the range shows at a point this part of a step from it.
+const BESIDE_END: f64 = 1e-3;
+
+/// Gives the roots at a value of the parameter; always the same number of them.
+pub(super) type Evaluate<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + 'a;
+
+/// Roots that have been followed.
+#[derive(Debug, Default)]
+pub(super) struct Followed {
+    /// One branch a root, in the order of the first value; one root a value.
+    pub(super) branches: Vec<Vec<Root>>,
+    pub(super) coalescences: Vec<Coalescence>,
+    pub(super) crossings: Vec<Crossing>,
+    /// Of roots that do not merge.
+    pub(super) approaches: Vec<Approach>,
+    /// Values near which roots could not be told apart by continuity.
+    pub(super) undecided: Vec<f64>,
+}
+
+/// Follows all roots over ascending values; `done` hears of each value done. Where roots come near each other is found for
+/// those that do not merge.
+pub(super) fn follow(
+    evaluate: &Evaluate<'_>,
+    values: &[f64],
+    merge: bool,
+    done: &dyn Fn(),
+) -> Result<Followed, Error> {
+    let first = evaluate(values[0])?;
+    let mut tracker = Tracker {
+        evaluate,
+        value: values[0],
+        rates: vec![Complex::new(0.0, 0.0); first.len()],
+        trace: first.iter().map(|&root| vec![(values[0], root)]).collect(),
+        roots: first,
+        found: Followed::default(),
+    };
+    let mut branches: Vec<Vec<Root>> = tracker.roots.iter().map(|&root| vec![root]).collect();
+    let last = values[values.len() - 1];
+    let longest = (last - values[0]) / FEWEST_STEPS;
+    let beside =
+        BESIDE_END * longest.min(values[1] - values[0]).min(last - values[values.len() - 2]);
+    done();
+    tracker.follow_to(values[0] + beside, 0)?;
+    for pair in values.windows(2) {
+        let steps = ((pair[1] - pair[0]) / longest).ceil().clamp(1.0, FEWEST_STEPS);
+        #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+        for i in 1..steps as u32 {
+            tracker.follow_to(pair[0] + (pair[1] - pair[0]) * (f64::from(i) / steps), 0)?;
+        }
+        if pair[1] == last {
+            tracker.follow_to(last - beside, 0)?;
+        }
+        tracker.follow_to(pair[1], 0)?;
+        for (branch, &root) in branches.iter_mut().zip(&tracker.roots) {
+            branch.push(root);
+        }
+        done();
+    }
+    let Tracker { trace, mut found, .. } = tracker;
+    // Where two merge they are alike by nature, and numbered by a rule.
+    let range = last - values[0];
+    let Followed { undecided, coalescences, .. } = &mut found;
+    undecided.retain(|value| {
+        coalescences.iter().all(|event| (event.value - value).abs() > 1e-6 * range)
+    });
+    for (mode, trace) in trace.iter().enumerate() {
+        found.crossings.extend(hidden_crossings(evaluate, trace, mode)?);
+    }
+    if !merge {
+        found.approaches = closest_approaches(evaluate, &trace)?;
+    }
+    Ok(Followed { branches, ..found })
+}
+
+struct Tracker<'a> {
+    evaluate: &'a Evaluate<'a>,
+    value: f64,
+    roots: Vec<Root>,
+    /// dσ/dp of each branch over the last step.
+    rates: Vec<Complex<f64>>,
+    /// Every point of each branch.
+    trace: Vec<Vec<Point>>,
+    found: Followed,
+}
+
+impl Tracker<'_> {
+    /// Moves to another value, in halves where the roots there cannot be told apart.
+    fn follow_to(&mut self, value: f64, halvings: u32) -> Result<(), Error> {
+        let found = (self.evaluate)(value)?;
+        if found.len() != self.roots.len() {
+            return Err(Error::analysis("the number of modes changes with the parameter"));
+        }
+        let step = value - self.value;
+        let predicted: Vec<Complex<f64>> = self
+            .roots
+            .iter()
+            .zip(&self.rates)
+            .map(|(root, rate)| root.sigma + rate * step)
+            .collect();
+        let mut order = assign(&predicted, &found);
+        self.number_merged(&found, &mut order);
+        if is_ambiguous(&predicted, &found, &order) {
+            if halvings < MAX_HALVINGS {
+                self.follow_to(self.value + 0.5 * step, halvings + 1)?;
+                return self.follow_to(value, halvings + 1);
+            }
+            self.found.undecided.push(value);
+        }
+        let next: Vec<Root> = order.iter().map(|&place| found[place]).collect();
+        self.note_events(value, &next)?;
+        for (rate, (now, next)) in self.rates.iter_mut().zip(self.roots.iter().zip(&next)) {
+            // Across a merging the rate is that of a root: it foretells nothing.
+            let smooth = now.is_real() == next.is_real();
+            *rate = if smooth { (next.sigma - now.sigma) / step } else { Complex::new(0.0, 0.0) };
+        }
+        for (trace, &root) in self.trace.iter_mut().zip(&next) {
+            trace.push((value, root));
+        }
+        self.roots = next;
+        self.value = value;
+        Ok(())
+    }
+
+    /// Two roots that have just merged are alike: they are numbered by [`order_of_merged`].
+    fn number_merged(&self, found: &[Root], order: &mut [usize]) {
+        for i in 0..order.len() {
+            for j in i + 1..order.len() {
+                let (a, b) = (found[order[i]], found[order[j]]);
+                let merged = self.roots[i].is_real()
+                    && self.roots[j].is_real()
+                    && !a.is_real()
+                    && a.sigma == b.sigma.conj();
+                if merged && order_of_merged(&a, &b) == Ordering::Greater {
+                    order.swap(i, j);
+                }
+            }
+        }
+    }
+
+    fn note_events(&mut self, value: f64, next: &[Root]) -> Result<(), Error> {
+        let mut paired = vec![false; next.len()];
+        for i in 0..next.len() {
+            if self.roots[i].is_real() != next[i].is_real() && !paired[i] {
+                let merge = self.roots[i].is_real();
+                let pair = if merge { next } else { &self.roots };
+                let partner = (i + 1..next.len())
+                    .find(|&j| !paired[j] && pair[j].sigma == pair[i].sigma.conj());
+                if let Some(j) = partner {
+                    paired[j] = true;
+                    let centre = |roots: &[Root]| 0.5 * (roots[i].sigma + roots[j].sigma);
+                    let ends = [(self.value, centre(&self.roots)), (value, centre(next))];
+                    let event = locate_coalescence(self.evaluate, [i, j], ends, merge)?;
+                    self.found.coalescences.push(event);
+                }
+            }
+            if self.roots[i].grows() != next[i].grows() {
+                let ends = [(self.value, self.roots[i]), (value, next[i])];
+                self.found.crossings.push(locate_crossing(self.evaluate, i, ends)?);
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Which found root continues which branch: the assignment that a swap of no two improves.
+fn assign(predicted: &[Complex<f64>], found: &[Root]) -> Vec<usize> {
+    let cost = |branch: usize, place: usize| (predicted[branch] - found[place].sigma).norm_sqr();
+    let mut order: Vec<usize> = (0..found.len()).collect();
+    let mut improved = true;
+    while improved {
+        improved = false;
+        for i in 0..order.len() {
+            for j in i + 1..order.len() {
+                let kept = cost(i, order[i]) + cost(j, order[j]);
+                let swapped = cost(i, order[j]) + cost(j, order[i]);
+                if swapped < kept * (1.0 - 1e-12) {
+                    order.swap(i, j);
+                    improved = true;
+                }
+            }
+        }
+    }
+    order
+}
+
+/// Might a branch as well continue in another root? Roots that are double are one.
+fn is_ambiguous(predicted: &[Complex<f64>], found: &[Root], order: &[usize]) -> bool {
+    predicted.iter().zip(order).any(|(predicted, &place)| {
+        let own = found[place].sigma;
+        let miss = (predicted - own).norm();
+        found.iter().any(|other| {
+            let apart = (other.sigma - own).norm();
+            apart > DOUBLE * own.norm() && miss > 0.2 * apart
+        })
+    })
+}

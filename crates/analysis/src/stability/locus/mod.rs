@@ -1,0 +1,294 @@
+//! Root loci: the modes of a contact state followed while a parameter changes.
+//!
+//! What is followed are the eigenvalues σ of M̃⁻¹ K̃, whose number never changes; each has one
+//! eigenvalue λ with Im λ ≥ 0, or two real ones. Real σ may cross (symmetric structures) or merge
+//! into a pair; the merging is exact, damped or not, because C̃ = α M̃ + β K̃ has the same
+//! eigenvectors. With single dampers there are no such σ, and modes come near each other instead of
+//! merging. Parts of a problem that do not couple, as the waves around a ring of equal modules,
+//! are followed one by one: their roots cross without a trace.
+//!
+//! | file | what it does |
+//! | --- | --- |
+//! | `follow` | tells roots apart from value to value |
+//! | `events` | locates where they merge, come nearest and begin to grow |
+
+mod events;
+mod follow;
+
+use amontons::Error;
+use amontons::contact::ContactState;
+use amontons::model::LumpedModel;
+use amontons::stability::Spectrum;
+use amontons::stability::reduced_problem::quadratic_roots;
+use amontons::stability::symmetry::{Part, all_stiffness_eigenvalues};
+use nalgebra::Complex;
+use std::borrow::Cow;
+use std::cmp::Ordering;
+
+pub(super) use events::between;
+use follow::{Followed, follow};
+
+/// One eigenvalue of a contact state.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Root {
+    /// σ, 1/s².
+    pub sigma: Complex<f64>,
+    /// λ, 1/s: the one of σ's two with the larger imaginary or, if both are real, real part.
+    pub lambda: Complex<f64>,
+}
+
+impl Root {
+    /// Re λ > 0.
+    fn grows(self) -> bool {
+        self.lambda.re > 0.0
+    }
+
+    fn is_real(self) -> bool {
+        self.sigma.im == 0.0
+    }
+}
+
+/// What is followed of a contact state.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Followable {
+    /// The eigenvalues σ of a part that does not couple with the others.
+    Stiffness(Part),
+    /// All modes at once, because some model has damping that couples them. Where the damping vanishes at one value of
+    /// the parameter, as that of friction does where it ceases to fall, what stands for σ must stay the same.
+    Damped,
+}
+
+/// All roots of what is followed of a contact state, by σ.
+///
+/// # Errors
+/// The state cannot be analysed.
+fn roots(
+    model: &LumpedModel,
+    states: &[ContactState],
+    mu: f64,
+    what: Followable,
+) -> Result<Vec<Root>, Error> {
+    let Followable::Stiffness(part) = what else { return damped_roots(model, states, mu) };
+    let sigmas = part.stiffness_eigenvalues(model, states, mu)?;
+    let mut roots: Vec<Root> =
+        sigmas.into_iter().map(|sigma| rayleigh_root(model, sigma)).collect();
+    roots.sort_by(by_number);
+    Ok(roots)
+}
+
+/// The modes of a contact state that grow.
+///
+/// # Errors
+/// The state cannot be analysed.
+pub(super) fn growing(
+    model: &LumpedModel,
+    states: &[ContactState],
+    mu: f64,
+) -> Result<Vec<Root>, Error> {
+    let mut found = if model.has_single_damping_in(states) {
+        damped_roots(model, states, mu)?
+    } else {
+        let sigmas = all_stiffness_eigenvalues(model, states, mu)?;
+        sigmas.into_iter().map(|sigma| rayleigh_root(model, sigma)).collect()
+    };
+    found.retain(|root| root.grows());
+    Ok(found)
+}
+
+fn rayleigh_root(model: &LumpedModel, sigma: Complex<f64>) -> Root {
+    Root { sigma, lambda: upper(quadratic_roots(model, sigma)) }
+}
+
+/// With single dampers: what stands for σ is made of the product and the sum of a mode's two λ, which
+/// are smooth where a mode ceases to oscillate.
+fn damped_roots(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec<Root>, Error> {
+    let root = |[a, b]: [Complex<f64>; 2]| {
+        let product = (a * b).re;
+        let sigma = Complex::new(product, (a + b).re * product.abs().sqrt());
+        Root { sigma, lambda: upper([a, b]) }
+    };
+    let Spectrum { oscillating, real } = Spectrum::of(model, states, mu)?;
+    let pairs = oscillating.into_iter().map(|value| root([value, value.conj()]));
+    let real = real.chunks_exact(2).map(|pair| root([pair[0].into(), pair[1].into()]));
+    let mut roots: Vec<Root> = pairs.chain(real).collect();
+    roots.sort_by(by_number);
+    Ok(roots)
+}
+
+/// Of a mode's two λ the one with the larger imaginary or, if both are real, real part.
+fn upper([a, b]: [Complex<f64>; 2]) -> Complex<f64> {
+    if (a.im, a.re) >= (b.im, b.re) { a } else { b }
+}
+
+/// The order in which modes are numbered.
+fn by_number(a: &Root, b: &Root) -> Ordering {
+    let pair = !a.is_real() && a.sigma == b.sigma.conj();
+    if pair { order_of_merged(a, b) } else { a.sigma.re.total_cmp(&b.sigma.re) }
+}
+
+/// Which of a pair that has merged comes first: the one with the lower frequency or, without
+/// damping, where both have the same, the one that decays. So the higher of them is the one that
+/// grows, as the paper numbers them.
+fn order_of_merged(a: &Root, b: &Root) -> Ordering {
+    let apart = (a.lambda.im - b.lambda.im).abs() > 1e-12 * a.lambda.norm();
+    let frequency = a.lambda.im.total_cmp(&b.lambda.im);
+    if apart { frequency } else { a.lambda.re.total_cmp(&b.lambda.re) }
+}
+
+/// The modes of a contact state over the values of a parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Locus {
+    /// The values of the parameter, ascending.
+    pub values: Vec<f64>,
+    /// One branch a mode, numbered by σ at the first value; one root a value of the parameter.
+    pub branches: Vec<Vec<Root>>,
+    /// Where two modes merge or part.
+    pub coalescences: Vec<Coalescence>,
+    /// Where a mode begins or ceases to grow.
+    pub crossings: Vec<Crossing>,
+    /// Where single dampers keep two modes from merging: where they come nearest to each other.
+    pub approaches: Vec<Approach>,
+    /// Values near which modes could not be told apart: there they may have changed their numbers.
+    pub undecided: Vec<f64>,
+    /// `true` where damping other than α M + β K couples the modes: they come near each other and do not merge.
+    pub is_damped: bool,
+}
+
+/// Two modes with one eigenvalue.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coalescence {
+    /// The value of the parameter.
+    pub value: f64,
+    /// The two modes, from 0.
+    pub modes: [usize; 2],
+    /// Their common frequency, Hz.
+    pub frequency_hz: f64,
+    /// Do they merge (or part) as the parameter grows?
+    pub merge: bool,
+}
+
+/// Two modes that come near each other without merging.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Approach {
+    /// The value of the parameter.
+    pub value: f64,
+    /// The two modes, from 0.
+    pub modes: [usize; 2],
+    /// |λ_i − λ_j| / 2π, Hz.
+    pub distance_hz: f64,
+    /// The mean of their frequencies, Hz.
+    pub frequency_hz: f64,
+}
+
+/// A mode whose growth rate changes its sign.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Crossing {
+    /// The value of the parameter: with Re λ ≤ 0 to its stable side.
+    pub value: f64,
+    /// The mode, from 0.
+    pub mode: usize,
+    /// Its frequency where it grows, Hz; zero where it diverges.
+    pub frequency_hz: f64,
+    /// Does it grow above the value (or below)?
+    pub becomes_unstable: bool,
+}
+
+/// The model, and the µ, that belong to a value of the parameter.
+pub type ModelAt<'a> = dyn Fn(f64) -> Result<(Cow<'a, LumpedModel>, f64), Error> + 'a;
+
+/// Follows all modes of a contact state over ascending values of a parameter, of which there are at
+/// least two, in steps of at most a two-hundredth of the range; `done` hears of each value done in
+/// each of the parts, whose number the first call of it has heard. A mode that grows only within a
+/// narrower range, without a sign of it beside that, is missed.
+///
+/// # Errors
+/// What `model_at` fails with, or a state that cannot be analysed.
+pub fn locus(
+    model_at: &ModelAt<'_>,
+    states: &[ContactState],
+    values: &[f64],
+    done: &dyn Fn(usize, usize),
+) -> Result<Locus, Error> {
+    let [first, .., last] = values else {
+        return Err(Error::analysis("a root locus needs at least two values of its parameter"));
+    };
+    let ends = [*first, 0.5 * (first + last), *last].map(|value| Ok(model_at(value)?.0));
+    let ends: Vec<Cow<'_, LumpedModel>> = ends.into_iter().collect::<Result<_, Error>>()?;
+    let is_damped = ends.iter().any(|model| model.has_single_damping_in(states));
+    let parts: Vec<(Followable, usize)> = if is_damped {
+        vec![(Followable::Damped, 1)]
+    } else {
+        let parts = Part::all(ends.iter().map(AsRef::as_ref), states);
+        parts.into_iter().map(|part| (Followable::Stiffness(part), part.copies())).collect()
+    };
+    let all = parts.len() * values.len();
+    let count = std::cell::Cell::new(0);
+    let mut followed = Vec::new();
+    for &(part, copies) in &parts {
+        let evaluate = |value: f64| {
+            let (model, mu) = model_at(value)?;
+            roots(&model, states, mu, part)
+        };
+        let one_done = || {
+            count.set(count.get() + 1);
+            done(count.get(), all);
+        };
+        followed.push((follow(&evaluate, values, !is_damped, &one_done)?, copies));
+    }
+    Ok(Locus { is_damped, ..together(values, followed) })
+}
+
+/// Puts parts, each so many times, into one locus, and numbers its modes.
+fn together(values: &[f64], parts: Vec<(Followed, usize)>) -> Locus {
+    let mut branches = Vec::new();
+    let (mut coalescences, mut crossings) = (Vec::new(), Vec::new());
+    let (mut approaches, mut undecided) = (Vec::new(), Vec::new());
+    for (part, copies) in parts {
+        undecided.extend(part.undecided);
+        for _ in 0..copies {
+            let place = |mode: usize| branches.len() + mode;
+            coalescences.extend(
+                part.coalescences.iter().map(|c| Coalescence { modes: c.modes.map(place), ..*c }),
+            );
+            approaches.extend(
+                part.approaches.iter().map(|a| Approach { modes: a.modes.map(place), ..*a }),
+            );
+            crossings.extend(part.crossings.iter().map(|c| Crossing { mode: place(c.mode), ..*c }));
+            branches.extend(part.branches.iter().cloned());
+        }
+    }
+    let mut order: Vec<usize> = (0..branches.len()).collect();
+    order.sort_by(|&a: &usize, &b: &usize| by_number(&branches[a][0], &branches[b][0]));
+    let mut number = vec![0; order.len()];
+    for (new, &old) in order.iter().enumerate() {
+        number[old] = new;
+    }
+    for event in &mut coalescences {
+        event.modes = event.modes.map(|mode| number[mode]);
+        event.modes.sort_unstable();
+    }
+    for event in &mut approaches {
+        event.modes = event.modes.map(|mode| number[mode]);
+        event.modes.sort_unstable();
+    }
+    for event in &mut crossings {
+        event.mode = number[event.mode];
+    }
+    coalescences.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.modes.cmp(&b.modes)));
+    crossings.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.mode.cmp(&b.mode)));
+    approaches.sort_by(|a, b| a.value.total_cmp(&b.value).then(a.modes.cmp(&b.modes)));
+    undecided.sort_by(f64::total_cmp);
+    let branches = order.iter().map(|&old| branches[old].clone()).collect();
+    Locus {
+        values: values.to_vec(),
+        branches,
+        coalescences,
+        crossings,
+        approaches,
+        undecided,
+        is_damped: false,
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,31 @@
+//! Stability of the contact states of a scene: modes, and how they change over a parameter.
+//!
+//! | file | what it finds |
+//! | --- | --- |
+//! | `parallel` | work shared among threads, its results in order |
+//! | `modes` | eigenvalues and shapes of one contact state |
+//! | `states` | the eigenvalues of all contact states |
+//! | `departure` | how large a mode may become before a contact leaves sliding |
+//! | `locus` | modes over a parameter: where they merge, where they begin to grow |
+//! | `linearised` | a scene's model as eigenvalues need it |
+//! | `growth` | ranges of a parameter in which modes grow |
+//! | `reach` | how large a motion must be before contacts can be in another state |
+//! | `candidates` | ranges of µ that can be bi-stable |
+//! | `map` | the verdict over two parameters |
+
+pub mod candidates;
+mod departure;
+mod growth;
+mod linearised;
+pub mod locus;
+pub mod map;
+mod modes;
+pub mod parallel;
+mod reach;
+mod states;
+
+pub use departure::{Departure, departure};
+pub use linearised::Linearised;
+pub use modes::{Mode, Modes, modes};
+pub use reach::{Reach, reach};
+pub use states::{MAX_CONTACTS, StateClasses};

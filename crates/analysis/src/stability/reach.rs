@@ -1,0 +1,249 @@
+//! How large a motion is when contacts are in another state than that of uniform sliding.
+//!
+//! The measure is the energy ½ q̇ᵀ M q̇ + ½ qᵀ K q of the deviation q from the equilibrium. A contact that sticks, or slides
+//! the other way, has its surface's velocity at that instant; one that opens has a normal force that falls to zero. The
+//! normal force is linear in q and q̇ while the other contacts slide, so that its least energy has a closed form. This ranks
+//! states: a blow that lifts a mass off opens a contact with less.
+
+use super::linearised::Linearised;
+use amontons::Error;
+use amontons::contact::ContactState;
+use amontons::model::{Contact, LumpedModel, SparseMatrix};
+use nalgebra::{DMatrix, DVector};
+
+/// How large a motion is whose contacts are in a state. It ranks states and is no threshold: friction may feed a smaller
+/// motion until it is as large.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// The energy of the deviation from uniform sliding, J.
+    pub energy: f64,
+    /// The velocity, m/s, with which the heaviest degree of freedom has this energy.
+    pub push: f64,
+}
+
+/// The greater of two energies: the least kinetic one with which the contacts that stick or slide the other way have the
+/// velocities of their surfaces and closed ones stay closed, and the least one at which the normal force of each contact
+/// that opens is zero while the others slide. `None` for states that no motion can reach: contacts that would stick on
+/// surfaces of velocities that their masses cannot have together, or that would slide the other way under a law that gives
+/// friction the direction of the surface.
+///
+/// # Errors
+/// There is no equilibrium in uniform sliding.
+pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<Reach>, Error> {
+    let (model, sliding) = (here.model(), here.uniform_sliding()?);
+    let equilibrium = here.equilibrium()?;
+    let turns = |(state, usual): (&ContactState, &ContactState)| {
+        state.sliding_direction().is_some() && state != usual
+    };
+    if model.law.is_frozen() && states.iter().zip(&sliding).any(turns) {
+        return Ok(None);
+    }
+    let mass = dense(&model.mass);
+    let Some(inverse) = mass.clone().try_inverse() else { return Ok(None) };
+    let problem = Problem { here, model, inverse, damping: damping(model) };
+    let Some(mut energy) = problem.kinetic(states, &sliding) else { return Ok(None) };
+    for i in (0..states.len()).filter(|i| states[*i] == ContactState::Detached) {
+        let opens = problem.opening(i, equilibrium.normal_force[i]);
+        energy = energy.max(opens.unwrap_or(0.0));
+    }
+    let heaviest = mass.diagonal().max();
+    Ok(Some(Reach { energy, push: (2.0 * energy / heaviest).sqrt() }))
+}
+
+struct Problem<'a> {
+    here: &'a Linearised,
+    model: &'a LumpedModel,
+    /// M⁻¹.
+    inverse: DMatrix<f64>,
+    /// C, with what falling friction adds.
+    damping: DMatrix<f64>,
+}
+
+impl Problem<'_> {
+    /// The least kinetic energy with which contacts that are not to slide as before have their surface's velocity, and
+    /// closed ones stay closed. `None` where they cannot stick together.
+    fn kinetic(&self, states: &[ContactState], sliding: &[ContactState]) -> Option<f64> {
+        let (mut rows, mut speeds) = (Vec::new(), Vec::new());
+        for ((contact, state), usual) in self.model.contacts.iter().zip(states).zip(sliding) {
+            if *state != ContactState::Detached {
+                rows.push(self.row(&contact.normal.0));
+                speeds.push(0.0);
+            }
+            if *state == ContactState::Stick
+                || *state != *usual && state.sliding_direction().is_some()
+            {
+                rows.push(self.row(&contact.tangent.0));
+                speeds.push(contact.velocity(self.here.velocity()));
+            }
+        }
+        if rows.is_empty() {
+            return Some(0.0);
+        }
+        let rows = DMatrix::from_columns(&rows).transpose();
+        let speeds = DVector::from_vec(speeds);
+        let compliance = &rows * &self.inverse * rows.transpose();
+        let eigen = compliance.clone().symmetric_eigen();
+        let floor = 1e-12 * eigen.eigenvalues.amax();
+        let mut impulse = DVector::zeros(speeds.len());
+        for (value, vector) in eigen.eigenvalues.iter().zip(eigen.eigenvectors.column_iter()) {
+            if *value > floor {
+                impulse += vector * (vector.dot(&speeds) / value);
+            }
+        }
+        let missed = (&compliance * &impulse - &speeds).amax();
+        (missed <= 1e-9 * speeds.amax()).then(|| 0.5 * speeds.dot(&impulse))
+    }
+
+    /// The least energy at which the normal force of a contact, `usual` (N) in the equilibrium, is zero while all contacts
+    /// slide. `None` where no deviation changes it, or contacts are redundant.
+    fn opening(&self, contact: usize, usual: f64) -> Option<f64> {
+        let contacts = &self.model.contacts;
+        let rows: Vec<DVector<f64>> =
+            contacts.iter().map(|contact| self.row(&contact.normal.0)).collect();
+        let forces: Vec<DVector<f64>> = contacts
+            .iter()
+            .zip(&rows)
+            .map(|(other, normal)| {
+                let slope = other.sliding_slope(self.here.friction(), self.here.velocity());
+                normal + self.row(&other.tangent.0) * slope
+            })
+            .collect();
+        let mut wanted = DVector::zeros(contacts.len());
+        wanted[contact] = 1.0;
+        let (rows, forces) =
+            (DMatrix::from_columns(&rows).transpose(), DMatrix::from_columns(&forces));
+        // (G M⁻¹ F) dN = G M⁻¹ (K q + C q̇), because closed contacts are not accelerated along G.
+        let system = &rows * &self.inverse * forces;
+        let shares = system.transpose().lu().solve(&wanted)?;
+        let shape = &self.inverse * rows.transpose() * shares;
+        let stiffness = dense(&self.model.stiffness);
+        let damped = &self.damping * &shape;
+        let answer = shape.dot(&(stiffness * &shape)) + damped.dot(&(&self.inverse * &damped));
+        let energy = 0.5 * usual * usual / answer;
+        (answer > 0.0 && energy.is_finite()).then_some(energy)
+    }
+
+    fn row(&self, direction: &[(usize, f64)]) -> DVector<f64> {
+        let mut row = DVector::zeros(self.model.dofs());
+        direction.iter().for_each(|&(dof, value)| row[dof] += value);
+        row
+    }
+}
+
+/// C = α M + β K + D, and what friction that falls with the slip velocity adds along each tangent.
+fn damping(model: &LumpedModel) -> DMatrix<f64> {
+    let mut found =
+        dense(&model.mass) * model.damping.alpha + dense(&model.stiffness) * model.damping.beta;
+    if !model.dampers.is_empty() {
+        found += dense(&model.dampers);
+    }
+    for contact in model.contacts.iter().filter(|contact: &&Contact| contact.weakening() != 0.0) {
+        for &(i, a) in &contact.tangent.0 {
+            for &(j, b) in &contact.tangent.0 {
+                found[(i, j)] += contact.weakening() * a * b;
+            }
+        }
+    }
+    found
+}
+
+fn dense(matrix: &SparseMatrix) -> DMatrix<f64> {
+    let mut dense = DMatrix::zeros(matrix.rows(), matrix.rows());
+    for (row, column, value) in matrix.entries() {
+        dense[(row, column)] = value;
+    }
+    dense
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::parse;
+
+    /// One mass m on a belt, held along it by k, pressed on by a spring k_n across with N.
+    const BLOCK: &str = r#"
+description = "a block"
+[slider]
+velocity = -0.3
+angle = 0.0
+[friction]
+coefficient = 0.4
+[[mass]]
+name = "block"
+mass = 2.0
+force = [0.0, -10.0]
+[[spring]]
+name = "hold"
+between = ["block", "ground"]
+direction = "x"
+stiffness = 5000.0
+[[spring]]
+name = "press"
+between = ["block", "ground"]
+direction = 1.1
+stiffness = 300.0
+[[contact]]
+name = "belt"
+mass = "block"
+[integrator]
+step = 1.0e-5
+[experiment]
+stop_time = 1.0
+output_interval = 1.0e-3
+"#;
+
+    /// Friction that cannot stick keeps the direction of the surface, whatever the slip does; a contact may still open.
+    #[test]
+    fn without_sticking_no_contact_turns() {
+        let text = format!("{BLOCK}[effects]\nsticking = false\n");
+        let here = Linearised::of(&parse("block", &text).unwrap());
+        assert_eq!(here.uniform_sliding().unwrap(), [ContactState::ReverseSlide]);
+        let is_reached = |state| reach(&here, &[state]).unwrap().is_some();
+        assert!(is_reached(ContactState::Detached) && !is_reached(ContactState::Slide));
+        let whole = Linearised::of(&parse("block", BLOCK).unwrap());
+        assert!(reach(&whole, &[ContactState::Slide]).unwrap().is_some());
+    }
+
+    #[test]
+    fn one_block_has_the_energies_that_can_be_written_down() {
+        let here = Linearised::of(&parse("block", BLOCK).unwrap());
+        let needs = |state| reach(&here, &[state]).unwrap().unwrap();
+        // To stick: the belt's speed.
+        let stick = needs(ContactState::Stick);
+        assert!((stick.energy - 0.5 * 2.0 * 0.3 * 0.3).abs() < 1e-12);
+        assert!((stick.push - 0.3).abs() < 1e-12);
+        // To open: with c = cos 1.1, s = sin 1.1, k = 300 the spring presses with k (c s x + s² y) more. Of all (x, y)
+        // the least energy ½ (x, y) K (x, y)ᵀ with k c s x + k s² y = −N is N² / (2 a K⁻¹ aᵀ) with a the row of K for y,
+        // and a K⁻¹ aᵀ is K_yy.
+        let normal = here.equilibrium().unwrap().normal_force[0];
+        let k_yy = 300.0 * f64::sin(1.1).powi(2);
+        assert!(
+            (needs(ContactState::Detached).energy / (0.5 * normal * normal / k_yy) - 1.0).abs()
+                < 1e-9
+        );
+        // To slide the other way it has the belt's speed first, and a blow takes it there with no more.
+        assert_eq!(needs(ContactState::Slide).energy, stick.energy);
+        assert_eq!(needs(ContactState::ReverseSlide).energy, 0.0);
+    }
+
+    #[test]
+    fn contacts_of_one_mass_cannot_stick_on_surfaces_that_move_apart() {
+        let two = BLOCK.replace(
+            "[integrator]",
+            "[[contact]]\nname = \"other\"\nmass = \"block\"\nvelocity = -0.1\n[integrator]",
+        );
+        let Ok(scene) = parse("two", &two) else { panic!() };
+        let here = Linearised::of(&scene);
+        // Both press along one line, so there is no one equilibrium; the kinematics alone decide.
+        let problem = Problem {
+            here: &here,
+            model: here.model(),
+            inverse: dense(&here.model().mass).try_inverse().unwrap(),
+            damping: damping(here.model()),
+        };
+        let sliding = here.uniform_sliding().unwrap();
+        assert_eq!(problem.kinetic(&[ContactState::Stick; 2], &sliding), None);
+        let one = [ContactState::Stick, sliding[1]];
+        assert!((problem.kinetic(&one, &sliding).unwrap() - 0.09).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,267 @@
+//! Whether a motion takes the contact state of a candidate and stays: pushes along its mode, followed to what they end in.
+
+use super::Watch;
+use super::ending::{Ending, Kind};
+use super::look::{Look, Wish};
+use super::settling::settle;
+use super::visit::{Visited, visited};
+use crate::stability::candidates::Candidate;
+use crate::stability::parallel::collect;
+use crate::stability::{Linearised, modes};
+use amontons::Error;
+use amontons::contact::ContactState;
+use amontons::model::Contact;
+use amontons::scene::Scene;
+use amontons::simulation::Simulation;
+
+/// The fewest pushes: up to a hundred times the least one that a candidate's state asks for.
+const FEWEST_PUSHES: usize = 5;
+/// Pushes go on until one is this many times as fast as the fastest surface.
+const FAST: f64 = 10.0;
+/// Places in the candidate's range of µ, from its end, where the mode grows most, to its start.
+pub const PLACES: [f64; 3] = [0.98, 0.6, 0.2];
+
+/// A push and what it ended in.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Attempt {
+    /// µ.
+    pub friction: f64,
+    /// The largest velocity that it gave a degree of freedom, m/s.
+    pub push: f64,
+    /// The motion that it ended in, or why it failed.
+    pub ending: Result<Ending, String>,
+    /// The states that contacts took together in that motion; `None` of a motion that rests or has not settled.
+    pub visited: Option<Visited>,
+}
+
+impl Attempt {
+    /// `true` where the motion has settled and does not come to rest.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        self.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle())
+    }
+
+    /// `true` where the motion is one at a µ of the candidate's range, does not come to rest, and contacts take the
+    /// candidate's states in it.
+    #[must_use]
+    pub fn meets(&self, candidate: &Candidate) -> bool {
+        let [from, to] = candidate.range;
+        (from..=to).contains(&self.friction)
+            && self.visited.as_ref().is_some_and(|visited| visited.has(&candidate.states))
+    }
+}
+
+/// The pushes that were tried for a candidate. They end with the first one that met it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tried {
+    /// In the order in which they were made.
+    pub attempts: Vec<Attempt>,
+    /// The push that met the candidate: one of its own or, where none of those did, one of another candidate.
+    pub met: Option<Attempt>,
+    /// s that a motion may take to settle.
+    pub longest: f64,
+    /// The output whose amplitude is told.
+    pub of: String,
+}
+
+impl Tried {
+    /// How many attempts ended in rest, in another motion, had not settled, and failed.
+    #[must_use]
+    pub fn count(&self) -> [usize; 4] {
+        let mut count = [0; 4];
+        for attempt in &self.attempts {
+            count[match &attempt.ending {
+                Ok(ending) if ending.rests() => 0,
+                Ok(ending) if ending.kind == Kind::Unsettled => 2,
+                Ok(_) => 1,
+                Err(_) => 3,
+            }] += 1;
+        }
+        count
+    }
+}
+
+/// Pushes the scene along each candidate's mode, at a few µ of its range, out of the equilibrium; on all cores. `None`
+/// if the watch ended it. The scene has no signals.
+///
+/// # Errors
+/// A scene that cannot be looked at.
+pub fn confirm(
+    scene: &Scene,
+    candidates: &[&Candidate],
+    watch: Watch<'_>,
+) -> Result<Option<Vec<Tried>>, Error> {
+    #[allow(clippy::cast_precision_loss)]
+    let done = |done: usize| (watch.progress)(done as f64 / candidates.len() as f64);
+    let found = collect(candidates.len(), &|i| tried(scene, candidates[i], watch), &done)?;
+    let Some(mut found) = found.into_iter().collect::<Option<Vec<Tried>>>() else {
+        return Ok(None);
+    };
+    let all: Vec<Attempt> = found.iter().flat_map(|tried| tried.attempts.clone()).collect();
+    for (tried, candidate) in found.iter_mut().zip(candidates) {
+        if tried.met.is_none() {
+            tried.met = all.iter().find(|attempt| attempt.meets(candidate)).cloned();
+        }
+    }
+    Ok(Some(found))
+}
+
+fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Option<Tried>, Error> {
+    let mut found = Tried { attempts: Vec::new(), met: None, longest: 0.0, of: String::new() };
+    let Some(reach) = candidate.reach else { return Ok(Some(found)) };
+    let [from, to] = candidate.range;
+    for place in PLACES {
+        let friction = from + (to - from) * place;
+        let mut scene = Scene { friction_coefficient: friction, ..scene.clone() };
+        scene.rest();
+        let look = Look::paced(&mut scene, &Wish::default())?;
+        (found.longest, found.of) = (found.longest.max(look.longest), look.of.clone());
+        let Some(along) = direction(&scene, candidate)? else { continue };
+        for push in pushes(reach.push, &scene) {
+            let attempt = match run(&scene, &along, push, &look, watch) {
+                Ok(None) => return Ok(None),
+                Ok(Some((ending, visited))) => {
+                    Attempt { friction, push, ending: Ok(ending), visited }
+                }
+                Err(error) => {
+                    Attempt { friction, push, ending: Err(error.to_string()), visited: None }
+                }
+            };
+            found.met = attempt.meets(candidate).then(|| attempt.clone());
+            found.attempts.push(attempt);
+            if found.met.is_some() {
+                return Ok(Some(found));
+            }
+        }
+    }
+    Ok(Some(found))
+}
+
+/// Pushes, m/s: 1, 3, 10, 30, … times the least one.
+fn pushes(least: f64, scene: &Scene) -> Vec<f64> {
+    let here = Linearised::of(scene);
+    let speed = |contact: &Contact| contact.velocity(here.velocity()).abs();
+    let fastest = here.model().contacts.iter().map(speed).fold(0.0, f64::max);
+    let mut pushes = vec![least];
+    while pushes.len() < FEWEST_PUSHES || least > 0.0 && pushes[pushes.len() - 1] < FAST * fastest {
+        let factor = if pushes.len() % 2 == 1 { 3.0 } else { 10.0 };
+        let before = pushes[(pushes.len() - 1) / 2 * 2];
+        pushes.push(factor * before);
+    }
+    pushes
+}
+
+/// The velocities of the candidate's growing mode, the largest 1, in the sense that brings contacts into the state: along
+/// the surface's velocity where they are to stick, off the surface where they are to open. `None` where the mode does not
+/// grow here.
+fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, Error> {
+    let here = Linearised::of(scene);
+    let found = modes(here.model(), &candidate.states, here.friction())?;
+    let miss = |frequency: f64| (frequency - candidate.frequency_hz).abs();
+    let mode = found
+        .all()
+        .filter(|mode| mode.growth_rate() > 0.0)
+        .min_by(|a, b| miss(a.frequency_hz()).total_cmp(&miss(b.frequency_hz())));
+    let Some(mode) = mode else { return Ok(None) };
+    let mut along: Vec<f64> = mode.shape.iter().map(|part| part.re).collect();
+    let contacts = || here.model().contacts.iter().zip(&candidate.states);
+    let inwards: f64 = contacts()
+        .map(|(contact, state)| match state {
+            ContactState::Detached => contact.normal.dot(&along),
+            _ => contact.tangent.dot(&along) * contact.velocity(here.velocity()).signum(),
+        })
+        .sum();
+    if inwards < 0.0 {
+        along.iter_mut().for_each(|part| *part = -*part);
+    }
+    for (contact, _) in contacts() {
+        // A push into the surface is none.
+        let into = contact.normal.dot(&along);
+        if into < 0.0 {
+            let square: f64 = contact.normal.0.iter().map(|(_, part)| part * part).sum();
+            contact.normal.add_to(&mut along, -into / square);
+        }
+    }
+    let largest = along.iter().fold(0.0, |most: f64, part| most.max(part.abs()));
+    along.iter_mut().for_each(|part| *part /= largest);
+    Ok((largest > 0.0).then_some(along))
+}
+
+/// Pushes the scene and follows the motion to its end. Gives that motion and, if it goes on, the states that contacts
+/// take together in it.
+fn run(
+    scene: &Scene,
+    along: &[f64],
+    push: f64,
+    look: &Look,
+    watch: Watch<'_>,
+) -> Result<Option<(Ending, Option<Visited>)>, Error> {
+    let mut simulation = Simulation::new(scene.clone(), 0.0)?;
+    for (dof, part) in along.iter().enumerate().filter(|(_, part)| **part != 0.0) {
+        simulation.push(dof, push * part);
+    }
+    let is_over = || watch.is_over();
+    let Some(ending) = settle(&mut simulation, look, &is_over)? else { return Ok(None) };
+    let goes_on = ending.kind.is_cycle();
+    let visited = goes_on.then(|| visited(&simulation, look, ending.period)).transpose()?;
+    Ok(Some((ending, visited)))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stability::candidates::bistability;
+    use amontons::scene::{builtin, parse};
+
+    /// A ring of two modules that differ squeals with one contact stuck while the other slides.
+    #[test]
+    fn one_contact_that_sticks_while_the_other_slides_is_met_where_modules_differ() {
+        let text = "[slider]\nvelocity = 0.03\nangle = 0.5\n[friction]\ncoefficient = 1.8\n\
+                    [damping]\nbeta = 3e-5\n[ring]\nmodules = 2\nm1 = [0.3, 0.32]\nm2 = [0.7, 0.68]\n\
+                    k1 = 55e3\nk2 = 53e3\nk3 = 22e3\nk4 = [60e3, 58e3]\nk5 = 300e3\nk6 = [250e3, 240e3]\n\
+                    preload = [5e-3, 4.8e-3]\n[integrator]\nstep = 1e-6\n\
+                    [experiment]\nstop_time = 2.0\noutput_interval = 2e-4\n";
+        let scene = parse("unequal", text).unwrap();
+        let found = bistability(&scene, [1.0, 1.8], &|_| {}).unwrap();
+        let states = [ContactState::Slide, ContactState::Stick];
+        let candidate = found.candidates.iter().find(|candidate| candidate.states == states);
+        let candidate = candidate.unwrap();
+        let [tried] = &confirm(&scene, &[candidate], Watch::IDLE).unwrap().unwrap()[..] else {
+            panic!()
+        };
+        let met = tried.met.as_ref().unwrap_or_else(|| panic!("{tried:?}"));
+        assert!(met.push >= candidate.reach.unwrap().push && met.friction > 1.0);
+    }
+
+    /// The modules of Set 2 are alike, and in its squeal beside rest (the paper's Figs. 6, 7) they stick together.
+    #[test]
+    fn the_squeal_of_set_2_has_both_contacts_stuck_and_meets_no_state_with_one() {
+        let scene = builtin("set2").unwrap().scene();
+        let found = bistability(&scene, [1.9, 2.06], &|_| {}).unwrap();
+        let sticks = |candidate: &&Candidate| candidate.states.contains(&ContactState::Stick);
+        let candidate = found.candidates.iter().find(sticks).unwrap();
+        let [tried] = &confirm(&scene, &[candidate], Watch::IDLE).unwrap().unwrap()[..] else {
+            panic!()
+        };
+        assert!(tried.met.is_none());
+        let squeals = |attempt: &Attempt| {
+            attempt.ending.as_ref().is_ok_and(|ending| ending.kind.is_cycle() && ending.taken[2])
+        };
+        assert!(tried.attempts.iter().any(squeals), "{tried:?}");
+    }
+
+    #[test]
+    fn pushes_go_on_until_they_are_fast_beside_the_surface() {
+        // Its slider moves with 0.025 m/s.
+        let scene = builtin("set2").unwrap().scene();
+        let near = |found: Vec<f64>, wanted: &[f64]| {
+            assert_eq!(found.len(), wanted.len(), "{found:?}");
+            assert!(
+                found.iter().zip(wanted).all(|(a, b)| (a / b - 1.0).abs() < 1e-12),
+                "{found:?}"
+            );
+        };
+        near(pushes(0.02, &scene), &[0.02, 0.06, 0.2, 0.6, 2.0]);
+        near(pushes(1e-4, &scene), &[1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3]);
+    }
+}

@@ -1,0 +1,235 @@
+//! What a motion ends in: rest, a motion of some kind for ever, or growth without bound.
+
+use super::parting::MOST_WINDOWS_APART;
+use super::recurrence::Closure;
+use crate::spectral::{Line, Lines};
+use amontons::contact::ContactState;
+use serde::{Deserialize, Serialize};
+
+/// No more lines of a motion are told.
+const MOST_LINES: usize = 8;
+/// Two lines that are not told apart have no frequency of their own if the fainter one has this part of the stronger one.
+const BLURRING: f64 = 0.05;
+
+/// The kind of motion that a motion ends in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Kind {
+    /// It rests, or decays to rest.
+    Equilibrium,
+    /// Its whole state comes back after a period.
+    Periodic,
+    /// Its state does not come back within 64 periods of its strongest line and of its signals together, and neighbouring
+    /// motions do not part exponentially over 32 windows. Signals that have no common period below 100 windows count as having
+    /// none.
+    QuasiPeriodic,
+    /// Its state does not come back, and neighbouring motions part exponentially.
+    Irregular,
+    /// It goes on with a steady size, but none of the other kinds could be shown.
+    Undecided,
+    /// It grows, and nothing in the scene can stop it: the motion leaves the range in which the model holds.
+    Unbounded,
+    /// It had not settled when it was left.
+    Unsettled,
+}
+
+impl Kind {
+    /// As a table has it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Equilibrium => "equilibrium",
+            Self::Periodic => "periodic",
+            Self::QuasiPeriodic => "quasi-periodic",
+            Self::Irregular => "irregular",
+            Self::Undecided => "undecided",
+            Self::Unbounded => "unbounded",
+            Self::Unsettled => "unsettled",
+        }
+    }
+
+    /// `true` of a motion that has settled and does not rest.
+    #[must_use]
+    pub const fn is_cycle(self) -> bool {
+        matches!(self, Self::Periodic | Self::QuasiPeriodic | Self::Irregular | Self::Undecided)
+    }
+}
+
+/// What a motion ends in.
+///
+/// Amplitude, extents and shares of a periodic motion are found over one period, those of another one that goes on over a
+/// window after the last one, all in the motion itself; of what rests or has not settled in the rows of the last window.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Ending {
+    /// What kind of motion it is.
+    pub kind: Kind,
+    /// Half of the difference between the output's largest and smallest value, in its unit; 0 of an equilibrium.
+    pub amplitude: f64,
+    /// Of the output's strongest line, Hz; `None` where nothing oscillates, or the motion has not settled and its lines may
+    /// yet be others.
+    pub frequency: Option<f64>,
+    /// s after which the whole state of a periodic motion comes back.
+    pub period: Option<f64>,
+    /// How far the state of a motion with a period is from itself after that period, root mean square over a period, in
+    /// parts of the motion's size; 0 is exact.
+    #[serde(default)]
+    pub closure: Option<f64>,
+    /// `true` of a quasi-periodic motion whose strong lines are all combinations of two frequencies.
+    #[serde(default)]
+    pub two_frequencies: bool,
+    /// `true` of a quasi-periodic motion that follows signals without a common period: neighbouring motions come together.
+    #[serde(default)]
+    pub follows: bool,
+    /// Of an undecided motion, the longest step of the paper's scheme, s, that can tell its kind, where the steps were longer.
+    #[serde(default)]
+    pub longest_step: Option<f64>,
+    /// The rate at which neighbours of an irregular motion part, 1/s.
+    #[serde(default)]
+    pub parting: Option<f64>,
+    /// The output's strongest lines, the strongest first: frequency, Hz, and amplitude in its unit.
+    pub lines: Vec<[f64; 2]>,
+    /// The part of the time for which contacts are in each state, all contacts together, in the order of
+    /// [`ContactState::ALL`](amontons::contact::ContactState::ALL).
+    pub shares: [f64; 4],
+    /// `true` for each state that a contact took, also between the rows.
+    pub taken: [bool; 4],
+    /// `true` for each state that contacts of a periodic motion take ever more briefly, so that in the end they take it no more: as
+    /// where slips get shorter for ever.
+    #[serde(default)]
+    pub fading: [bool; 4],
+    /// s from where the motion was first looked at.
+    pub time: f64,
+    /// How fast the motion still grew or, below zero, decayed at the end, 1/s: of a linear motion the growth rate of its
+    /// fastest growing mode. 0 where signals drive it on.
+    pub rate: f64,
+    /// `true` of a small motion about the equilibrium that goes on with whatever size it has: contacts were in the states
+    /// of rest throughout the last window, their forces are linear, and motions of every size near this one are possible.
+    /// `false` where the motion is driven and all else decays, and of the largest motion of such a family.
+    #[serde(default)]
+    pub linear: bool,
+    /// Size of the motion of all degrees of freedom together, m: root mean square of a mixture of their displacements.
+    #[serde(default)]
+    pub size: f64,
+    /// By how much that size differs over the last windows, logarithm of the largest by the smallest.
+    #[serde(default)]
+    pub scatter: f64,
+    /// Half of the difference between the largest and the smallest displacement of each degree of freedom, m.
+    #[serde(default)]
+    pub extents: Vec<f64>,
+}
+
+impl Ending {
+    /// `true` if it had settled, or was seen to leave rest or to come to it.
+    #[must_use]
+    pub fn is_known(&self) -> bool {
+        match self.kind {
+            Kind::Equilibrium | Kind::Unbounded => true,
+            Kind::Unsettled => self.linear && self.rate != 0.0,
+            _ => !self.linear,
+        }
+    }
+
+    /// `true` if it rests, or was left on its way to rest.
+    #[must_use]
+    pub fn rests(&self) -> bool {
+        self.kind == Kind::Equilibrium
+            || self.kind == Kind::Unsettled && self.rate < 0.0 && self.linear
+    }
+
+    /// How the kind is known, in words; `None` where the kind says all.
+    #[must_use]
+    pub fn evidence(&self) -> Option<String> {
+        if let (Kind::Undecided, Some(step)) = (self.kind, self.longest_step) {
+            return Some(format!(
+                "the paper's scheme sees changes of contact state at the ends of its steps only, too coarsely to tell whether the state comes \
+                 back; --step {:.1e} or less may decide",
+                0.95 * step
+            ));
+        }
+        match (self.kind, self.period, self.closure, self.parting) {
+            (Kind::Periodic, Some(period), Some(closure), _) => Some(format!(
+                "the state comes back after {period:.6e} s to within {closure:.1e} of its size"
+            )),
+            (Kind::QuasiPeriodic | Kind::Undecided, ..) if self.linear => Some(
+                "contacts stay in one state and modes neither grow nor decay: the motion is the sum of those modes, of any \
+                 size, and of what signals drive; it comes back only if all its frequencies are multiples of one \
+                 frequency, and amontons-stability states prints those of the modes"
+                    .to_owned(),
+            ),
+            (Kind::QuasiPeriodic, ..) if self.follows => Some(
+                "neighbouring motions come together: the motion follows its signals, which have no common period, or one of \
+                 more than 100 windows"
+                    .to_owned(),
+            ),
+            (Kind::QuasiPeriodic, ..) if !self.two_frequencies => Some(format!(
+                "the state does not come back within 64 periods, and neighbouring motions do not part over \
+                 {MOST_WINDOWS_APART} windows; not all strong lines combine two frequencies: there are more, or combinations of \
+                 high order"
+            )),
+            (Kind::QuasiPeriodic, ..) => Some(format!(
+                "the state does not come back within 64 periods, neighbouring motions do not part over \
+                 {MOST_WINDOWS_APART} windows, and all strong lines combine two frequencies"
+            )),
+            (Kind::Irregular, .., Some(rate)) => Some(format!(
+                "neighbouring motions part as fast as e^({rate:.0e} t/s), by one stretch of the motion: elsewhere the rate may \
+                 be half or twice as large"
+            )),
+            (Kind::Undecided, Some(period), Some(closure), _) => Some(format!(
+                "the state comes back after {period:.6e} s to within {closure:.1e} of its size, and no nearer; a longer \
+                 --window or --longest or, of the paper's scheme, another --step may decide"
+            )),
+            (Kind::Undecided, ..) => Some(
+                "neither is the state known to come back, nor neighbouring motions to part, nor all lines to combine two \
+                 frequencies; a longer --window may decide"
+                    .to_owned(),
+            ),
+            _ => None,
+        }
+    }
+
+    /// Forgets what was left of the motion: at its end it rests in these contact states.
+    #[allow(clippy::cast_precision_loss)]
+    pub(super) fn come_to_rest(&mut self, states: &[ContactState]) {
+        (self.amplitude, self.frequency) = (0.0, None);
+        self.lines.clear();
+        self.extents.fill(0.0);
+        self.taken = [false; 4];
+        self.shares = [0.0; 4];
+        for state in states {
+            self.taken[*state as usize - 1] = true;
+            self.shares[*state as usize - 1] += 1.0 / states.len() as f64;
+        }
+    }
+
+    /// Takes over the strongest of these lines.
+    pub(super) fn take_lines(&mut self, found: &Lines) {
+        let strongest = found.lines.first().filter(|line| is_told_apart(line, found));
+        self.frequency = strongest.map(|line| line.frequency);
+        let lines = found.lines.iter().take(MOST_LINES);
+        self.lines = lines.map(|line| [line.frequency, line.amplitude]).collect();
+    }
+
+    /// Takes over what was found of a periodic motion.
+    pub(super) fn come_back(&mut self, Closure { period, distance, .. }: Closure) {
+        (self.period, self.closure) = (Some(period), Some(distance));
+        // A line of a periodic motion is a multiple of its base frequency.
+        let exact = |frequency: f64| match (frequency * period).round() {
+            0.0 => frequency,
+            multiple => multiple / period,
+        };
+        if self.kind == Kind::Periodic {
+            self.frequency = self.frequency.map(exact);
+            self.lines.iter_mut().for_each(|line| line[0] = exact(line[0]));
+        }
+    }
+}
+
+/// Does no other line that counts beside this one lie so near that they have moved each other?
+fn is_told_apart(line: &Line, found: &Lines) -> bool {
+    let blurs = |other: &&Line| {
+        other.frequency != line.frequency
+            && (other.frequency - line.frequency).abs() <= found.resolution
+            && other.amplitude >= BLURRING * line.amplitude
+    };
+    !found.lines.iter().any(|other| blurs(&other))
+}

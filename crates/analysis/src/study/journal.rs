@@ -1,0 +1,345 @@
+//! Finished pieces of work in a file, one a line, as JSON.
+//!
+//! The first line says what study it is: all that a piece depends on. A piece has a key, such as the value of the
+//! parameter that it was made for; so a study may also be given a wider range, and makes only what is new. A last
+//! line without an end, as a full disk or a switched off machine leaves it, is dropped.
+
+use amontons::Error;
+use serde::Serialize;
+use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
+use std::collections::HashMap;
+use std::fs::{File, TryLockError};
+use std::io::{ErrorKind, Read, Seek, SeekFrom, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, MutexGuard};
+
+/// The pieces of a study that are finished.
+pub struct Journal {
+    /// None of one that is not kept.
+    path: Option<PathBuf>,
+    pages: Mutex<Pages>,
+}
+
+struct Pages {
+    file: Option<File>,
+    done: HashMap<String, Value>,
+}
+
+impl Journal {
+    /// One that is forgotten when it is dropped.
+    #[must_use]
+    pub fn forgotten() -> Self {
+        Self { path: None, pages: Mutex::new(Pages { file: None, done: HashMap::new() }) }
+    }
+
+    /// The journal in a file, with what it has of this study; one is begun where there is none, or with `anew`.
+    ///
+    /// # Errors
+    /// It cannot be written, another program is writing it, it is of another study, or it is no journal.
+    pub fn open(path: &Path, study: &Value, anew: bool) -> Result<Self, Error> {
+        let failed = |error: std::io::Error| Error::file(path, &error);
+        let options = File::options().read(true).write(true).create(true).truncate(false).clone();
+        let mut file = options.open(path).map_err(failed)?;
+        match file.try_lock() {
+            Ok(()) => {}
+            Err(TryLockError::WouldBlock) => {
+                return Err(Error::unusable_file(format!(
+                    "{} is being written by another study; wait for it, or give another folder",
+                    path.display()
+                )));
+            }
+            // A file system without locks.
+            Err(TryLockError::Error(_)) => {}
+        }
+        let mut bytes = Vec::new();
+        file.read_to_end(&mut bytes).map_err(failed)?;
+        // What follows the last end of a line was cut off.
+        let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
+        let (mut done, mut kept) = (HashMap::new(), 0);
+        let has_lines = !anew && whole > 0;
+        if has_lines && let Some(pieces) = read(path, &bytes[..whole], study)? {
+            (done, kept) = (pieces, whole);
+        }
+        file.set_len(kept as u64).map_err(failed)?;
+        file.seek(SeekFrom::End(0)).map_err(failed)?;
+        if kept == 0 {
+            append(&mut file, &json!({ "study": study })).map_err(failed)?;
+        }
+        let pages = Mutex::new(Pages { file: Some(file), done });
+        Ok(Self { path: Some(path.to_owned()), pages })
+    }
+
+    /// How many pieces are finished.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.pages().done.len()
+    }
+
+    /// Is nothing finished?
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The piece of work with this key: as it is noted here, or made and noted now. `None` where it was ended
+    /// before it was finished.
+    ///
+    /// # Errors
+    /// The work's, or the journal cannot be written; what was noted before is kept.
+    pub fn piece<T: Serialize + DeserializeOwned>(
+        &self,
+        key: &str,
+        work: impl FnOnce() -> Result<Option<T>, Error>,
+    ) -> Result<Option<T>, Error> {
+        // In a statement of its own: the lock is not held during the work.
+        let known = self.pages().done.get(key).cloned();
+        if let Some(value) = known {
+            let path = self.path.as_deref().unwrap_or(Path::new(""));
+            return serde_json::from_value(value).map(Some).map_err(|_| damaged(path));
+        }
+        let Some(piece) = work()? else { return Ok(None) };
+        let value = serde_json::to_value(&piece)
+            .map_err(|error| Error::unusable_file(format!("cannot note {key}: {error}")))?;
+        let pages = &mut *self.pages();
+        if let (Some(file), Some(path)) = (&mut pages.file, &self.path) {
+            append(file, &json!({ "key": key, "piece": value })).map_err(|error| {
+                Error::unusable_file(format!(
+                    "cannot write {}: {error}; what was finished before is kept there, and the same command \
+                     continues from it",
+                    path.display()
+                ))
+            })?;
+        }
+        pages.done.insert(key.to_owned(), value);
+        Ok(Some(piece))
+    }
+
+    fn pages(&self) -> MutexGuard<'_, Pages> {
+        // A worker that panicked has noted nothing half.
+        self.pages.lock().unwrap_or_else(std::sync::PoisonError::into_inner)
+    }
+}
+
+/// Whose a journal's file is.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Owner {
+    /// There is none, or one without a first line.
+    Nobody,
+    /// This study's.
+    This,
+    /// Another study's.
+    Another {
+        /// In what it is another.
+        why: String,
+        /// Is any of its pieces finished?
+        has_pieces: bool,
+    },
+}
+
+impl Owner {
+    /// Whose the journal in a file is: this study's, or another's.
+    #[must_use]
+    pub fn of(path: &Path, study: &Value) -> Self {
+        let Ok(text) = std::fs::read(path) else { return Self::Nobody };
+        // A line that is not whole was cut off.
+        let Some(end) = text.iter().position(|byte| *byte == b'\n') else { return Self::Nobody };
+        let has_pieces = text[end + 1..].contains(&b'\n');
+        let head: Option<Value> = serde_json::from_slice(&text[..end]).ok();
+        match head.as_ref().and_then(|head| head.get("study")) {
+            Some(known) if known == study => Self::This,
+            Some(known) => Self::Another { why: difference(known, study), has_pieces },
+            None => Self::Another {
+                why: "its journal is none that a study of this version has written".to_owned(),
+                has_pieces: true,
+            },
+        }
+    }
+}
+
+/// Adds a line, which is there as a whole or cut off.
+fn append(file: &mut File, line: &Value) -> std::io::Result<()> {
+    let mut text = line.to_string();
+    text.push('\n');
+    file.write_all(text.as_bytes())?;
+    match file.sync_data() {
+        // What cannot be brought to a disk, as a pipe.
+        Err(error) if error.kind() == ErrorKind::InvalidInput => Ok(()),
+        synced => synced,
+    }
+}
+
+/// The pieces in whole lines of a journal of this study; `None` of one of another study without pieces.
+fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<String, Value>>, Error> {
+    let mut lines = serde_json::Deserializer::from_slice(bytes).into_iter::<Value>();
+    let head = lines.next().and_then(Result::ok).ok_or_else(|| damaged(path))?;
+    let known = head.get("study").ok_or_else(|| damaged(path))?;
+    if known != study {
+        // Nothing is lost with it.
+        if lines.next().is_none() {
+            return Ok(None);
+        }
+        return Err(Error::unusable_file(format!(
+            "{} is of another study: {}; give another folder with -o, or --anew to drop it",
+            path.display(),
+            difference(known, study)
+        )));
+    }
+    lines
+        .map(|line| {
+            let mut line = line.map_err(|_| damaged(path))?;
+            let piece = line.get_mut("piece").map(Value::take);
+            let key = line.get("key").and_then(Value::as_str).map(str::to_owned);
+            key.zip(piece).ok_or_else(|| damaged(path))
+        })
+        .collect::<Result<_, _>>()
+        .map(Some)
+}
+
+/// The first thing in which two studies differ, with what it is there, in a file, and here.
+fn difference(there: &Value, here: &Value) -> String {
+    let (mut path, mut two) = (String::new(), [there, here]);
+    while let [Value::Object(a), Value::Object(b)] = two {
+        // What kind it is says more than the settings that go with it, and these more than what follows from them.
+        let first = ["study", "scene", "set", "settings"].into_iter();
+        let keys = first.chain(a.keys().chain(b.keys()).map(String::as_str));
+        let mut keys = keys.filter(|key| a.get(*key) != b.get(*key));
+        let Some(key) = keys.next() else { break };
+        path = if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") };
+        two = [a, b].map(|object| object.get(key).unwrap_or(&Value::Null));
+    }
+    let told = |value: &Value| match value {
+        Value::Null => Some("not given".to_owned()),
+        Value::Bool(_) | Value::Number(_) => Some(value.to_string()),
+        Value::String(text) if text.len() <= LONGEST => Some(text.clone()),
+        _ => None,
+    };
+    match [told(two[0]), told(two[1])] {
+        [Some(there), Some(here)] => format!("{path} is {there} there and {here} here"),
+        _ => format!("{path} is another one there"),
+    }
+}
+
+/// The longest text that is told of a study.
+const LONGEST: usize = 60;
+
+fn damaged(path: &Path) -> Error {
+    Error::unusable_file(format!(
+        "{} is not what a study of this version has written; give another folder with -o, or --anew to drop it",
+        path.display()
+    ))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    fn made(journal: &Journal, key: &str, value: f64) -> (bool, Option<f64>) {
+        let worked = Cell::new(false);
+        let piece = journal.piece(key, || {
+            worked.set(true);
+            Ok(Some(value))
+        });
+        (worked.get(), piece.unwrap())
+    }
+
+    #[test]
+    fn what_is_noted_is_the_same_double_when_it_is_read_again() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        let study = json!({ "kind": "test" });
+        let values = [0.1 + 0.2, 1.0 / 3.0, 5e-324, 1.797_693_134_862_315_7e308, -0.0];
+        let journal = Journal::open(&path, &study, false).unwrap();
+        for value in values {
+            assert_eq!(made(&journal, &format!("{value:e}"), value), (true, Some(value)));
+        }
+        drop(journal);
+        let again = Journal::open(&path, &study, false).unwrap();
+        for value in values {
+            let (worked, found) = made(&again, &format!("{value:e}"), 7.0);
+            assert!(!worked && found.unwrap().to_bits() == value.to_bits());
+        }
+    }
+
+    #[test]
+    fn a_line_that_was_cut_off_is_made_again_and_those_before_it_are_kept() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        let study = json!({ "kind": "test" });
+        let journal = Journal::open(&path, &study, false).unwrap();
+        made(&journal, "a", 1.0);
+        made(&journal, "b", 2.0);
+        drop(journal);
+        let bytes = std::fs::read(&path).unwrap();
+        for cut in 1..bytes.len() {
+            std::fs::write(&path, &bytes[..cut]).unwrap();
+            let again = Journal::open(&path, &study, false).unwrap();
+            let lines = bytes[..cut].iter().filter(|byte| **byte == b'\n').count();
+            assert_eq!(again.len(), lines.saturating_sub(1), "{cut}");
+            assert_eq!(made(&again, "b", 2.0), (lines < 3, Some(2.0)));
+        }
+    }
+
+    #[test]
+    fn another_study_is_not_mixed_in_and_what_is_there_is_not_lost() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        made(&Journal::open(&path, &json!({ "window": 1.0 }), false).unwrap(), "a", 1.0);
+        let other = Journal::open(&path, &json!({ "window": 2.0 }), false).map(|_| ()).unwrap_err();
+        assert!(other.is_file() && other.to_string().contains("window is 1.0 there and 2.0 here"));
+        assert_eq!(Owner::of(&path, &json!({ "window": 1.0 })), Owner::This);
+        let why = "window is 1.0 there and 2.0 here".to_owned();
+        let another = Owner::Another { why, has_pieces: true };
+        assert_eq!(Owner::of(&path, &json!({ "window": 2.0 })), another);
+        assert_eq!(Owner::of(&folder.path().join("none"), &json!({})), Owner::Nobody);
+        assert_eq!(Journal::open(&path, &json!({ "window": 1.0 }), false).unwrap().len(), 1);
+        assert_eq!(Journal::open(&path, &json!({ "window": 2.0 }), true).unwrap().len(), 0);
+        std::fs::write(&path, "speed,amplitude\n").unwrap();
+        assert!(Journal::open(&path, &json!({}), false).map(|_| ()).unwrap_err().is_file());
+        assert!(matches!(Owner::of(&path, &json!({})), Owner::Another { .. }));
+    }
+
+    #[test]
+    fn in_what_two_studies_differ_is_told_with_both_values() {
+        let there =
+            json!({ "a": 1, "file": "x".repeat(100), "set": {}, "settings": { "of": null } });
+        let mut here = there.clone();
+        here["file"] = json!("another");
+        assert_eq!(difference(&there, &here), "file is another one there");
+        here["settings"]["of"] = json!("block.x");
+        assert_eq!(difference(&there, &here), "settings.of is not given there and block.x here");
+        here["set"] = json!({ "friction.coefficient": 0.5 });
+        assert_eq!(
+            difference(&there, &here),
+            "set.friction.coefficient is not given there and 0.5 here"
+        );
+    }
+
+    #[test]
+    fn two_studies_do_not_write_one_journal() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("journal.jsonl");
+        let _first = Journal::open(&path, &json!({}), false).unwrap();
+        assert!(Journal::open(&path, &json!({}), false).map(|_| ()).unwrap_err().is_file());
+    }
+
+    #[test]
+    fn a_full_disk_keeps_what_was_finished_and_says_so() {
+        let journal = Journal::forgotten();
+        made(&journal, "a", 1.0);
+        let full = File::options().write(true).open("/dev/full").unwrap();
+        journal.pages().file = Some(full);
+        let journal = Journal { path: Some("/dev/full".into()), ..journal };
+        let error = journal.piece("b", || Ok(Some(2.0))).unwrap_err();
+        assert!(error.is_file() && error.to_string().contains("kept"), "{error}");
+        assert_eq!(made(&journal, "a", 7.0), (false, Some(1.0)));
+    }
+
+    #[test]
+    fn work_that_was_ended_is_not_noted() {
+        let journal = Journal::forgotten();
+        assert_eq!(journal.piece::<f64>("a", || Ok(None)), Ok(None));
+        assert_eq!(made(&journal, "a", 3.0), (true, Some(3.0)));
+    }
+}

@@ -1,0 +1,130 @@
+//! This module tells what is known of a simulation's motion before one looks at it: whether it is linear, and
+//! whether it then grows or decays, as its eigenvalues have it.
+
+use crate::stability::candidates::resting_state;
+use amontons::contact::ContactState;
+use amontons::model::{Contact, LumpedModel};
+use amontons::scene::Scene;
+use amontons::simulation::Simulation;
+use amontons::stability::Spectrum;
+
+/// Rounding may feign a growth of this part of the fastest mode's angular frequency.
+pub(super) const MORE_THAN_ROUNDING: f64 = 1e-9;
+
+/// The growth rate of the fastest growing mode.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Growth {
+    /// 1/s.
+    pub rate: f64,
+    /// In parts of the fastest mode's angular frequency.
+    pub relative: f64,
+}
+
+impl Growth {
+    /// Does a mode grow, by more than rounding?
+    pub(super) fn is_growing(self) -> bool {
+        self.relative > MORE_THAN_ROUNDING
+    }
+
+    /// Do all modes decay, by more than rounding?
+    pub(super) fn is_decaying(self) -> bool {
+        self.relative < -MORE_THAN_ROUNDING
+    }
+}
+
+/// The growth rate in the contact states that the motion is in. `None` where motion in these states is not linear, or
+/// cannot be analysed.
+pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
+    has_linear_friction(simulation.acting()).then(|| growth_of_small(simulation))?
+}
+
+/// The growth rate of motions beside the equilibrium that are small enough for any law of friction, in the contact states that
+/// the motion is in. `None` where these cannot be analysed.
+pub(super) fn growth_of_small(simulation: &Simulation) -> Option<Growth> {
+    let (states, friction) =
+        (simulation.contact_states(), simulation.acting().friction_coefficient);
+    let spectrum = Spectrum::of(&linearised(simulation), states, friction).ok()?;
+    let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
+    let rate = spectrum.growth_rate();
+    Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })
+}
+
+/// The model of what acts now, linearised about the equilibrium; contacts that do not rub have no friction.
+pub(super) fn linearised(simulation: &Simulation) -> LumpedModel {
+    let scene = simulation.acting();
+    let mut model = LumpedModel::from(scene);
+    model.linearise(simulation.reference());
+    for contact in &mut model.contacts {
+        if !rubs(scene, contact) {
+            (contact.own.friction_coefficient, contact.steady) = (Some(0.0), None);
+        }
+    }
+    model
+}
+
+/// Can friction take no other size than in proportion to the normal force?
+pub(super) fn has_linear_friction(scene: &Scene) -> bool {
+    scene.friction_law.about().is_constant()
+}
+
+/// Can a contact pull while its friction follows the size of the normal force?
+pub(super) fn may_pull(scene: &Scene) -> bool {
+    scene.effects.sticking && !scene.effects.detachment && scene.contact_count() > 0
+}
+
+/// Without sticking, friction has the direction of the surface's velocity, and so a surface that stands still does not rub.
+fn rubs(scene: &Scene, contact: &Contact) -> bool {
+    scene.effects.sticking || contact.velocity(scene.slider.velocity) != 0.0
+}
+
+/// Is every contact closed in a state of rest, or open? One that sticks to a moving surface is carried on by it.
+pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
+    let scene = simulation.acting();
+    let model = LumpedModel::from(scene);
+    let at_rest = resting_state(&model, scene.slider.velocity);
+    let contacts = model.contacts.iter().zip(&at_rest);
+    simulation.contact_states().iter().zip(contacts).all(|(state, (contact, at_rest))| {
+        state == at_rest || *state == ContactState::Detached || !rubs(scene, contact)
+    })
+}
+
+/// How far, m, its load and the contact forces at rest, along the normal or the tangent, would bend the degree of freedom that
+/// they bend most, each held by its own stiffness alone.
+pub(super) fn deflection(simulation: &Simulation) -> f64 {
+    let model = LumpedModel::from(simulation.scene());
+    let mut forces: Vec<f64> = model.load.iter().map(|load| load.abs()).collect();
+    for (contact, normal_force) in model.contacts.iter().zip(&simulation.reference().normal_force) {
+        for (dof, part) in contact.normal.0.iter().chain(&contact.tangent.0) {
+            forces[*dof] += (part * normal_force).abs();
+        }
+    }
+    let bend = |(dof, force): (usize, &f64)| {
+        let stiffness = model.stiffness.get(dof, dof);
+        if stiffness > 0.0 { force / stiffness } else { 0.0 }
+    };
+    forces.iter().enumerate().map(bend).fold(0.0, f64::max)
+}
+
+/// Is a motion so large that what loads and moves the surfaces no longer matters? Its equations are then homogeneous: what
+/// they do with a motion they do with one that is larger by any factor.
+pub(super) fn is_far(simulation: &Simulation) -> bool {
+    const FAR: f64 = 1e6;
+    let scene = simulation.acting();
+    let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+    let at_rest = largest(&simulation.reference().displacement);
+    if at_rest == 0.0 || largest(simulation.displacement()) <= FAR * at_rest {
+        return false;
+    }
+    let contacts = LumpedModel::from(scene).contacts;
+    let speed = |contact: &Contact| contact.velocity(scene.slider.velocity).abs();
+    // Without sticking only the direction of a surface's velocity matters.
+    let speeds = contacts.iter().filter(|_| scene.effects.sticking).map(speed);
+    largest(simulation.velocity()) > FAR * speeds.fold(0.0, f64::max)
+}
+
+/// `true` where no contact can stick, open or slip the other way, so that motions are linear at any size.
+pub(super) fn stays_linear(simulation: &Simulation) -> bool {
+    let scene = simulation.scene();
+    has_linear_friction(scene)
+        && (scene.contact_count() == 0 || !scene.effects.sticking && !scene.effects.detachment)
+}

@@ -1,0 +1,232 @@
+//! How a motion is looked at: which output, how often, for how long.
+
+use super::drive::last_edge;
+pub(super) use crate::sweep::observed::{ROWS_A_PERIOD, frequencies};
+pub use crate::sweep::observed::{output, unit};
+use amontons::Error;
+use amontons::error::Short;
+use amontons::integrator::EventDriven;
+use amontons::model::LumpedModel;
+use amontons::scene::{Method, Scene, Selection, Shape};
+use serde::Serialize;
+
+/// Periods of the slowest mode in a window: lines a fiftieth of its frequency apart are told from each other.
+const PERIODS: f64 = 50.0;
+/// A person may ask for fewer, but not for less than these.
+const FEWEST_PERIODS: f64 = 5.0;
+/// A window has at most so many rows, whatever lies between the slowest and the fastest mode.
+const MOST_ROWS: f64 = 100_000.0;
+/// Nor may a person ask for more than these, whose spectrum would take all memory.
+const MOST_WISHED_ROWS: f64 = 5e6;
+/// And no fewer, which its spectrum needs.
+const FEWEST_ROWS: f64 = 64.0;
+/// Steps of exact motion in the period of a sine that drives friction: held over a step it is then true to 4e-7.
+const STEPS_A_SIGNAL: f64 = 2000.0;
+/// Windows that a motion may take to settle, after as many as signals take to their last edge, but no more than these.
+const LONGEST: f64 = 60.0;
+const MOST_WAITED: f64 = 1000.0;
+
+/// What is looked at of a motion.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Look {
+    /// The output whose amplitude and frequency are told, by its name in the FMU.
+    pub of: String,
+    /// s between two rows.
+    pub interval: f64,
+    /// s over which a motion is looked at to know it: a whole number of intervals.
+    pub window: f64,
+    /// s that a motion may take to settle: a whole number of windows.
+    pub longest: f64,
+}
+
+/// What a person wants otherwise; `None` is derived from the scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Wish<'a> {
+    /// As [`Look::of`].
+    pub of: Option<&'a str>,
+    /// As [`Look::interval`], s.
+    pub interval: Option<f64>,
+    /// As [`Look::window`], s.
+    pub window: Option<f64>,
+    /// As [`Look::longest`], s.
+    pub longest: Option<f64>,
+}
+
+impl Look {
+    /// How a scene is looked at: its first displacement; rows a twentieth of the fastest mode's period apart,
+    /// rounded down to a 1, 2 or 5; windows of 50 periods of the slowest mode at rest in sliding, rounded up;
+    /// 60 windows after the last edge of a signal. What has no modes is looked at as its experiment says.
+    ///
+    /// Rows that are wished farther apart than the fastest mode allows are taken as often as that asks for, at a whole
+    /// part of the interval, so that no frequency is mistaken for another one.
+    ///
+    /// # Errors
+    /// No such output, a window of fewer than 64 rows or five periods, or a signal whose last edge is more than 1000 windows away.
+    pub fn of(scene: &Scene, wish: &Wish<'_>) -> Result<Self, Error> {
+        let of = match wish.of {
+            Some(name) => output(scene, name)?.name,
+            None => scene.dof_names().into_iter().next().ok_or_else(|| {
+                Error::scene(format!("{} has no degree of freedom to look at", scene.name))
+            })?,
+        };
+        let frequencies = frequencies(scene);
+        let needed = frequencies.map(|[_, fastest]| round_down(1.0 / (ROWS_A_PERIOD * fastest)));
+        let interval = match (wish.interval, needed) {
+            (Some(wished), Some(needed)) => wished / (wished / needed * (1.0 - 1e-9)).ceil(),
+            (Some(wished), None) => wished,
+            (None, Some(needed)) => needed,
+            (None, None) => scene.experiment.output_interval,
+        };
+        let wanted = wish.window.unwrap_or_else(|| match frequencies {
+            Some([slowest, _]) => round_up(PERIODS / slowest).min(MOST_ROWS * interval),
+            None => scene.experiment.stop_time,
+        });
+        let rows = (wanted / interval).round();
+        if rows < FEWEST_ROWS {
+            return Err(Error::argument(format!(
+                "a window of {} s has {rows} rows, {} s apart, too few for its spectrum; give a \
+                 --window of {} s or more, or a shorter --interval",
+                Short(wanted),
+                Short(interval),
+                Short(FEWEST_ROWS * interval)
+            )));
+        }
+        if rows > MOST_WISHED_ROWS {
+            return Err(Error::argument(format!(
+                "a window of {} s has {rows:.3e} rows, {} s apart, more than fit into memory; give a --window \
+                 of {} s or less, or a longer --interval",
+                Short(wanted),
+                Short(interval),
+                Short(MOST_WISHED_ROWS * interval)
+            )));
+        }
+        let window = rows * interval;
+        if let Some([slowest, _]) =
+            frequencies.filter(|[slowest, _]| window * slowest < FEWEST_PERIODS)
+        {
+            return Err(Error::argument(format!(
+                "a window of {window} s has {:.1} periods of the slowest mode ({slowest:.4} Hz), too few to know a \
+                 motion by; give a --window of {} s or more",
+                window * slowest,
+                round_up(FEWEST_PERIODS / slowest)
+            )));
+        }
+        let edge = last_edge(scene);
+        let waits = (edge / window).ceil();
+        let windows = match wish.longest {
+            Some(longest) => (longest / window).round().max(1.0),
+            None if waits <= MOST_WAITED => waits + LONGEST,
+            None => {
+                return Err(Error::argument(format!(
+                    "what a scene ends in is known after the last edge of its signals, at {} s, more than {MOST_WAITED} \
+                     windows of {} s away; give a --longest beyond it, or end the signals sooner",
+                    Short(edge),
+                    Short(window)
+                )));
+            }
+        };
+        Ok(Self { of, interval, window, longest: windows * window })
+    }
+
+    /// Looks at a scene as [`of`](Self::of) does, and gives it the method and step of [`pace`].
+    ///
+    /// # Errors
+    /// As of [`of`](Self::of).
+    pub fn paced(scene: &mut Scene, wish: &Wish<'_>) -> Result<Self, Error> {
+        let look = Self::of(scene, wish)?;
+        pace(scene, &look);
+        Ok(look)
+    }
+
+    /// Rows in a window.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub fn rows(&self) -> u64 {
+        (self.window / self.interval).round() as u64
+    }
+
+    /// Windows that a motion may take to settle.
+    #[must_use]
+    #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
+    pub fn windows(&self) -> usize {
+        (self.longest / self.window).round() as usize
+    }
+}
+
+/// Says how the motion of a scene is looked at, and gives the scene the method and step in which that motion is computed.
+///
+/// A study over a parameter calls it for each value: other stiffnesses and masses have other frequencies.
+pub type Prepare<'a> = &'a (dyn Fn(&mut Scene) -> Result<Look, Error> + Sync);
+
+/// Gives a scene the method and step that studies take unless told otherwise: exact motion from row to row, which is
+/// the quickest way to where a motion ends, and the truest. A step holds friction that a signal drives, so such signals
+/// make steps shorter. What exact motion does not take, as Stribeck's law, keeps its own.
+pub fn pace(scene: &mut Scene, look: &Look) {
+    if EventDriven::new(&LumpedModel::from(&*scene)).is_ok() {
+        let held = scene.signals.iter().filter(|signal| signal.drives_friction());
+        let longest = held.map(|signal| span(&signal.shape) / STEPS_A_SIGNAL);
+        let longest = longest.fold(look.interval, f64::min);
+        let step = look.interval / (look.interval / longest * (1.0 - 1e-9)).ceil();
+        (scene.method, scene.step) = (Method::EventDriven, step);
+        scene.selection = Selection::Given;
+    }
+}
+
+/// The time in which a signal changes, s: the period of a sine, the length of a ramp or a pulse, the shortest time between
+/// two points of a table. Infinite for what stays.
+fn span(shape: &Shape) -> f64 {
+    match shape {
+        Shape::Constant(_) => f64::INFINITY,
+        Shape::Ramp(ramp) => ramp.end - ramp.start,
+        Shape::Pulse(pulse) => pulse.end.map_or(f64::INFINITY, |end| end - pulse.start),
+        Shape::Sine(sine) => 1.0 / sine.frequency,
+        Shape::Table(table) => table
+            .points
+            .windows(2)
+            .map(|two| two[1][0] - two[0][0])
+            .filter(|time| *time > 0.0)
+            .fold(f64::INFINITY, f64::min),
+    }
+}
+
+/// The largest 1, 2 or 5 times a power of ten that is not above a value.
+fn round_down(value: f64) -> f64 {
+    let power = libm::log10(value).floor();
+    let digits = [5, 2, 1].map(|digit| format!("{digit}e{power}").parse().unwrap_or(value));
+    digits.into_iter().find(|round| *round <= value * (1.0 + 1e-12)).unwrap_or(value)
+}
+
+/// The smallest that is not below it.
+fn round_up(value: f64) -> f64 {
+    let down = round_down(value);
+    if down >= value * (1.0 - 1e-12) { down } else { round_down(2.5 * down) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::builtin;
+
+    #[test]
+    fn intervals_and_windows_are_round_numbers() {
+        for (value, down, up) in
+            [(2.2e-4, 2e-4, 5e-4), (1.15, 1.0, 2.0), (5.0, 5.0, 5.0), (7.0, 5.0, 10.0)]
+        {
+            assert_eq!([round_down(value), round_up(value)], [down, up]);
+        }
+    }
+
+    #[test]
+    fn set_1_is_looked_at_for_two_seconds_at_a_time() {
+        // Its slowest mode in sliding has 43.52 Hz (Table 2), its fastest in any state some 232 Hz.
+        let scene = builtin("set1").unwrap().scene();
+        let look = Look::of(&scene, &Wish::default()).unwrap();
+        assert_eq!((look.interval, look.window, look.longest), (2e-4, 2.0, 120.0));
+        assert_eq!((look.rows(), look.windows(), &*look.of), (10_000, 60, "module[1].x1"));
+        let wrong =
+            Look::of(&scene, &Wish { of: Some("modul[1].x1"), ..Wish::default() }).unwrap_err();
+        assert!(wrong.is_argument() && wrong.to_string().contains("did you mean"), "{wrong}");
+        let short = Look::of(&scene, &Wish { window: Some(1e-3), ..Wish::default() }).unwrap_err();
+        assert!(short.is_argument(), "{short}");
+    }
+}

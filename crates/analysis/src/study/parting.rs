@@ -1,0 +1,164 @@
+//! How neighbouring motions part. A motion whose state does not come back is irregular where they part exponentially, and
+//! quasi-periodic where they stay near over many windows; where neither can be shown, its kind stays undecided.
+
+use super::recurrence::{Scale, State, begin_fast};
+use amontons::Error;
+use amontons::simulation::Simulation;
+
+/// How far apart neighbouring motions start, in parts of the motion's size.
+const APART: f64 = 1e-9;
+/// Neighbours beyond the larger distance, or below the smaller one, are brought back to the first one along the line through both.
+/// Farther away they are no neighbours, and much nearer the difference is lost in rounding.
+const PARTED: f64 = 1e-3;
+const NEAR: f64 = 1e-2 * APART;
+/// Windows over which neighbours are followed, and over how many at the most where that does not tell how they part.
+const WINDOWS_APART: u64 = 4;
+pub(super) const MOST_WINDOWS_APART: u64 = 32;
+/// From one half of that time to the next, neighbours that part exponentially move away by at least this factor; those
+/// of a regular motion, whose distance grows in proportion to time at most, by less than [`REGULAR`].
+const EXPONENTIAL: f64 = 30.0;
+const REGULAR: f64 = 6.0;
+/// Neighbours whose distance has shrunk to this part come together, if it still shrinks by [`SHRINKING`] from one half to the
+/// next. Irregular ones come nearer for a while only, so that is asked after this many windows.
+const TOGETHER: f64 = 1e-2;
+const SHRINKING: f64 = 0.1;
+const LEAST_WINDOWS_TOGETHER: u64 = 8;
+/// Slower ones have shrunk to this part from the first half of the longest time to the second.
+const SLOWLY: f64 = 0.5;
+
+/// How neighbouring motions part.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Parting {
+    /// Exponentially, at about this rate, 1/s.
+    Exponential(f64),
+    /// In proportion to time, or not at all.
+    Regular,
+    /// They come together: the motion has no say in where it is, and follows what drives it.
+    Together,
+    /// It cannot be told.
+    Unknown,
+}
+
+/// Follows a motion and a neighbour of it over [`WINDOWS_APART`] windows of `rows` rows, then twice as long, and so on, until
+/// it is known that they part exponentially, or they do not over all of them. Slow parting shows over many windows alone, so
+/// fewer never tell that a motion is regular: where only a fast one is looked for (not `is_long`), neighbours that stay near
+/// over the first windows leave it unknown.
+///
+/// # Errors
+/// A step fails.
+#[allow(clippy::cast_precision_loss)]
+pub(super) fn parting(
+    simulation: &Simulation,
+    interval: f64,
+    frequency: f64,
+    (rows, is_long): (u64, bool),
+    is_over: &dyn Fn() -> bool,
+) -> Result<Parting, Error> {
+    let mut motion = Simulation::resume(simulation.save())?;
+    let scale = begin_fast(&mut motion, interval, frequency, rows)?;
+    let Some(mut neighbour) = neighbour(&mut motion, interval, (&scale, rows), is_over)? else {
+        return Ok(Parting::Unknown);
+    };
+    let start = motion.time();
+    let mut windows = WINDOWS_APART;
+    // By how much the distance had grown when it was last brought back, and its largest growth over a while at the end of the
+    // first half, and of the whole, which is the first half of the next; logarithms.
+    let mut before = 0.0;
+    let (mut early, mut late) = (f64::NEG_INFINITY, f64::NEG_INFINITY);
+    let mut row = 0;
+    loop {
+        let half = windows * rows / 2;
+        while row < 2 * half {
+            row += 1;
+            if row.is_multiple_of(256) && is_over() {
+                return Ok(Parting::Unknown);
+            }
+            let after = row as f64 * interval;
+            motion.advance_to(start + after)?;
+            neighbour.advance_to(start + after)?;
+            let distance = scale.distance(&motion, &State::of(&neighbour));
+            // What is left of the difference is lost in rounding.
+            if distance == 0.0 {
+                return Ok(Parting::Together);
+            }
+            // Between an event of one and the same event of the other they are as far apart as the event changes the motion.
+            if neighbour.contact_states() != motion.contact_states() {
+                continue;
+            }
+            let grown = before + libm::log(distance / APART);
+            if grown >= libm::log(PARTED / APART) {
+                return Ok(Parting::Exponential(grown / after));
+            }
+            if !(NEAR..=PARTED).contains(&distance) {
+                neighbour.set_apart_from(&motion, APART / distance);
+                before = grown;
+            }
+            if row <= half && row > half - half / 4 {
+                early = early.max(grown);
+            }
+            if row > 2 * half - half / 4 {
+                late = late.max(grown);
+            }
+        }
+        // No number, and so no answer, where contact states differed all the while.
+        let is_seen = early > f64::NEG_INFINITY && late > f64::NEG_INFINITY;
+        let grown = if is_seen { libm::exp(late - early) } else { f64::NAN };
+        if windows >= LEAST_WINDOWS_TOGETHER && late <= libm::log(TOGETHER) && grown <= SHRINKING {
+            return Ok(Parting::Together);
+        }
+        if grown >= EXPONENTIAL && late > libm::log(100.0) {
+            return Ok(Parting::Exponential((late - early) / (half as f64 * interval)));
+        }
+        if grown <= REGULAR && !is_long && late > libm::log(TOGETHER) {
+            return Ok(Parting::Unknown);
+        }
+        if 2 * windows > MOST_WINDOWS_APART {
+            return Ok(match grown {
+                ..=SLOWLY => Parting::Together,
+                ..=REGULAR => Parting::Regular,
+                _ => Parting::Unknown,
+            });
+        }
+        windows *= 2;
+        (early, late) = (late, f64::NEG_INFINITY);
+    }
+}
+
+/// A neighbour of a motion, each of whose velocities was pushed where the push lives longer than a row, over a window at the most.
+/// Both are advanced until then. A contact that sticks undoes a push at once, and so does one that is pressed down. `None` if no
+/// push has lived, or the watch ended the search.
+fn neighbour(
+    motion: &mut Simulation,
+    interval: f64,
+    (scale, rows): (&Scale, u64),
+    is_over: &dyn Fn() -> bool,
+) -> Result<Option<Simulation>, Error> {
+    let start = motion.time();
+    let count = motion.velocity().len();
+    let mut neighbour = Simulation::resume(motion.save())?;
+    let mut is_apart = vec![false; count];
+    // What undoes a push goes on to do so until a contact changes its state.
+    let mut tried_in = Vec::new();
+    for row in 1..=rows {
+        if is_over() || is_apart.iter().all(|apart| *apart) {
+            break;
+        }
+        if tried_in != motion.contact_states() {
+            tried_in = motion.contact_states().to_vec();
+            for dof in (0..count).filter(|dof| !is_apart[*dof]) {
+                // Equal masses that move alike, pushed by equal parts, would part in no other way.
+                let part = (dof + 1) as f64 / count as f64;
+                neighbour.push(dof, part * APART * scale.velocity);
+            }
+        }
+        let time = start + row as f64 * interval;
+        motion.advance_to(time)?;
+        neighbour.advance_to(time)?;
+        for (dof, apart) in is_apart.iter_mut().enumerate() {
+            let velocity = motion.velocity()[dof] - neighbour.velocity()[dof];
+            let displacement = motion.displacement()[dof] - neighbour.displacement()[dof];
+            *apart |= scale.part([displacement, velocity]) > NEAR / count as f64;
+        }
+    }
+    Ok((!is_over() && is_apart.contains(&true)).then_some(neighbour))
+}

@@ -1,0 +1,85 @@
+//! A small push out of an equilibrium, or off a cycle.
+
+use amontons::model::{Contact, LumpedModel};
+use amontons::scene::Scene;
+use amontons::simulation::Simulation;
+use serde::Serialize;
+
+/// In parts of the fastest surface's velocity, and of a motion's own: far below what makes a contact stick, far above rounding.
+const SMALL: f64 = 1e-3;
+/// Where all surfaces stand still, m/s.
+const STANDING: f64 = 1e-6;
+
+/// Another velocity of one degree of freedom.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct Push {
+    /// The degree of freedom, from 0.
+    pub dof: usize,
+    /// What is added to its velocity, m/s.
+    pub velocity: f64,
+}
+
+impl Push {
+    /// The usual one of a scene: to the first degree of freedom that no contact lies along, else to the first that
+    /// does not lift a mass off, else to the first.
+    #[must_use]
+    pub fn of(scene: &Scene) -> Self {
+        let model = LumpedModel::from(scene);
+        let lies_along = |dof: usize, directions: fn(&Contact) -> &[(usize, f64)]| {
+            let mut parts = model.contacts.iter().flat_map(directions);
+            parts.any(|(touched, part)| *touched == dof && *part != 0.0)
+        };
+        let lifts = |dof: &usize| lies_along(*dof, |contact| &contact.normal.0);
+        let rubs = |dof: &usize| lies_along(*dof, |contact| &contact.tangent.0);
+        let mut free = (0..model.dofs()).filter(|dof| !lifts(dof));
+        let first = free.clone().next();
+        let dof = free.find(|dof| !rubs(dof)).or(first).unwrap_or(0);
+        let speed = |contact: &Contact| contact.velocity(scene.slider.velocity).abs();
+        let fastest = model.contacts.iter().map(speed).fold(0.0, f64::max);
+        Self { dof, velocity: if fastest > 0.0 { SMALL * fastest } else { STANDING } }
+    }
+
+    /// The usual one of a scene that rests in its equilibrium, where friction may hold it for ever: without initial
+    /// displacements, initial velocities and signals. `None` of any other.
+    #[must_use]
+    pub fn of_resting(scene: &Scene) -> Option<Self> {
+        let mut initial = scene.initial_displacements().chain(scene.initial_velocities());
+        let rests = initial.all(|value| value == 0.0) && scene.signals.is_empty();
+        rests.then(|| Self::of(scene))
+    }
+
+    /// Gives it; to a faster motion the same part of its largest velocity, so that what grows beside a large cycle
+    /// is seen at once.
+    pub(crate) fn give(&self, simulation: &mut Simulation) {
+        self.give_part(simulation, 1.0);
+    }
+
+    /// Gives so small a part of it.
+    pub(crate) fn give_part(&self, simulation: &mut Simulation, part: f64) {
+        let fastest = simulation.velocity().iter().fold(0.0, |most, v| f64::max(most, v.abs()));
+        simulation.push(self.dof, part * self.velocity.max(SMALL * fastest));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::builtin;
+
+    #[test]
+    fn what_rests_is_pushed_where_no_contact_holds_it() {
+        let mut set1 = builtin("set1").unwrap().scene();
+        assert_eq!(Push::of_resting(&set1), None);
+        set1.rest();
+        assert_eq!(Push::of_resting(&set1), Some(Push { dof: 0, velocity: 2.5e-5 }));
+        set1.slider.velocity = -0.025;
+        assert_eq!(Push::of(&set1).velocity, 2.5e-5);
+        set1.slider.velocity = 0.0;
+        assert_eq!(Push::of(&set1).velocity, 1e-6);
+        // Its one mass moves along the belt and away from it; a signal drives the other one.
+        let mut block = builtin("stick_slip").unwrap().scene();
+        block.rest();
+        assert_eq!(Push::of_resting(&block), Some(Push { dof: 0, velocity: 1e-4 }));
+        assert_eq!(Push::of_resting(&builtin("den_hartog").unwrap().scene()), None);
+    }
+}

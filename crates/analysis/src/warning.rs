@@ -1,0 +1,224 @@
+//! What is possible, but hardly meant.
+
+use crate::doubts::doubts;
+use amontons::error::Short;
+use amontons::model::LumpedModel;
+use amontons::scene::{Method, Pulse, Scene, Selection, Shape, Signal, Sine};
+use amontons::simulation::Simulation;
+use amontons::simulation::catalogue::{Quantity, variables};
+use amontons::stability::critical_step;
+
+/// A critical step this many times the given one is more than accuracy asks for.
+const SUSPICIOUS: f64 = 1e3;
+
+/// Words on a step that does not go with the scene: more than a thousand times below the critical
+/// step, or above it. A stiffness or mass in other units than SI shows so.
+#[must_use]
+pub fn step_warning(scene: &Scene) -> Option<String> {
+    // What a tolerance has chosen is as short as that asks for.
+    if scene.method != Method::ForwardIncrement || scene.selection != Selection::Given {
+        return None;
+    }
+    let mut model = LumpedModel::from(scene);
+    model.raise_friction(scene);
+    let critical = critical_step(&model, scene.friction_coefficient).ok()?;
+    let (step, relation) = match scene.step {
+        step if step > critical.step => (step, "above the critical step"),
+        step if SUSPICIOUS * step < critical.step => {
+            (step, "more than a thousand times below the critical step")
+        }
+        _ => return None,
+    };
+    Some(format!(
+        "integrator.step = {step:e} s is {relation}, {critical}; is a stiffness given in N/m and a \
+         mass in kg?"
+    ))
+}
+
+/// All of it: the step, contacts without load, signals that the step cannot follow, values that look like those of
+/// another unit.
+#[must_use]
+pub fn warnings(simulation: &Simulation) -> Vec<String> {
+    let step = step_warning(simulation.acting()).into_iter();
+    let tolerance = simulation.selected().and_then(|selected| selected.shortfall());
+    let scene = simulation.scene();
+    // What a tolerance has chosen follows the signals as well as it asks for.
+    let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
+    let direction = direction_warning(simulation.acting());
+    let steps = step_at_start_warnings(scene);
+    step.chain(tolerance)
+        .chain(load_warnings(simulation))
+        .chain(doubts(simulation))
+        .chain(direction)
+        .chain(signals)
+        .chain(steps)
+        .collect()
+}
+
+/// Contacts whose friction has the direction of a surface that stands still.
+fn direction_warning(scene: &Scene) -> Option<String> {
+    if !scene.effects.has_frozen_slip(scene.contact_law().friction) {
+        return None;
+    }
+    let common = scene.slider.velocity;
+    let places = scene.network().map_or(&[][..], |network| &network.contacts);
+    let stands = if scene.network().is_none() {
+        common == 0.0
+    } else {
+        places.iter().any(|place| place.velocity.unwrap_or(common) == 0.0)
+    };
+    stands.then(|| {
+        "friction without sticking has the direction of the surface's velocity: where that is zero \
+         there is none"
+            .to_owned()
+    })
+}
+
+/// Signals that change faster than the step can follow.
+fn signal_warnings(scene: &Scene) -> impl Iterator<Item = String> + '_ {
+    const STEPS_A_PERIOD: f64 = 10.0;
+    let of = |(i, signal): (usize, &Signal)| {
+        let step = scene.step;
+        let fault = match signal.shape {
+            Shape::Sine(Sine { frequency, .. }) if frequency * step * STEPS_A_PERIOD > 1.0 => {
+                "has fewer than ten steps a period"
+            }
+            Shape::Pulse(Pulse { start, end: Some(end), .. }) if end - start < step => {
+                "is shorter than a step"
+            }
+            _ => return None,
+        };
+        let name = &signal.input;
+        Some(format!("signal[{}] on {name} {fault}; integrator.step = {step:e} s", i + 1))
+    };
+    scene.signals.iter().enumerate().filter_map(of)
+}
+
+/// Signals that are not zero at t = 0, where that is a step: a force is not part of the equilibrium in which a run
+/// begins; what else is switched on at t = 0 is, so that nothing of its step is seen.
+fn step_at_start_warnings(scene: &Scene) -> Vec<String> {
+    let forces: Vec<String> = variables(scene)
+        .into_iter()
+        .filter(|variable| variable.template.quantity == Quantity::ExternalForce)
+        .map(|variable| variable.name)
+        .collect();
+    let of = |(i, signal): (usize, &Signal)| {
+        let (value, input) = (signal.shape.at(0.0, 0.0), &signal.input);
+        let is_switched_on = matches!(
+            &signal.shape,
+            Shape::Pulse(Pulse { start, .. }) | Shape::Sine(Sine { start, .. }) if *start == 0.0
+        );
+        let consequence = if forces.contains(input) {
+            "a run begins at rest in the equilibrium without it; write a load that always acts into the scene, or let \
+             the signal begin at zero"
+        } else if is_switched_on {
+            "a run begins in the equilibrium that has it already, so nothing of the step is seen; let it begin later"
+        } else {
+            return None;
+        };
+        (value != 0.0).then(|| {
+            let value = Short(value);
+            format!("signal[{}] on {input} is a step to {value} at t = 0: {consequence}", i + 1)
+        })
+    };
+    scene.signals.iter().enumerate().filter_map(of).collect()
+}
+
+/// Contacts that nothing presses on in the equilibrium, by name: their load may have been forgotten.
+fn load_warnings(simulation: &Simulation) -> Vec<String> {
+    let scene = simulation.scene();
+    if scene.network().is_none() && !scene.effects.preload {
+        return vec![
+            "the ring has no preload, so no contact carries load in the equilibrium; \
+             write `preload` into its [ring]"
+                .to_owned(),
+        ];
+    }
+    let forces = simulation.reference().normal_force.iter().enumerate();
+    let idle = forces.filter(|(_, force)| **force == 0.0);
+    let warning = |(i, _)| {
+        format!(
+            "{} carries no load in the equilibrium; press it on, by a preload or a force",
+            scene.contact_name(i)
+        )
+    };
+    idle.map(warning).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use amontons::scene::{BUILTIN, Structure, builtin, parse};
+
+    #[test]
+    fn stiffnesses_in_newtons_a_millimetre_stand_out_and_the_built_in_scenes_do_not() {
+        for builtin in BUILTIN {
+            let warnings = warnings(&Simulation::new(builtin.scene(), 0.0).unwrap());
+            assert!(warnings.is_empty(), "{}: {warnings:?}", builtin.name);
+        }
+        let mut scene = builtin("set1").unwrap().scene();
+        for module in scene.modules_mut() {
+            module.stiffness = module.stiffness.map(|stiffness| 1e-3 * stiffness);
+        }
+        let warning = step_warning(&scene).unwrap();
+        assert!(warning.contains("a thousand times below") && warning.contains("N/m"), "{warning}");
+        for module in scene.modules_mut() {
+            module.stiffness = module.stiffness.map(|stiffness| 1e9 * stiffness);
+        }
+        let warning = step_warning(&scene).unwrap();
+        assert!(warning.contains("is above the critical step"), "{warning}");
+    }
+
+    #[test]
+    fn a_contact_whose_load_was_forgotten_stands_out() {
+        let mut scene = builtin("belt").unwrap().scene();
+        let Structure::Network(network) = &mut scene.structure else { panic!("it is a network") };
+        network.masses[0].load = [0.0; 2];
+        let warnings = warnings(&Simulation::new(scene, 0.0).unwrap());
+        assert!(warnings.len() == 1 && warnings[0].contains("contact.belt"), "{warnings:?}");
+    }
+
+    #[test]
+    fn signals_that_fall_between_the_steps_stand_out() {
+        let text = builtin("belt").unwrap().text;
+        let signal = |shape: &str| {
+            let signal = format!("[[signal]]\ninput = \"mass.block.fx\"\n{shape}");
+            let scene = parse("mine", &format!("{text}{signal}")).unwrap();
+            warnings(&Simulation::new(scene, 0.0).unwrap())
+        };
+        for (shape, count) in [
+            ("sine = { amplitude = 1.0, frequency = 399.0 }", 0),
+            ("sine = { amplitude = 1.0, frequency = 401.0 }", 1),
+            ("pulse = { value = 1.0, start = 0.1, end = 0.1003 }", 0),
+            ("pulse = { value = 1.0, start = 0.1, end = 0.1002 }", 1),
+            ("pulse = { value = 1.0, start = 0.1 }", 0),
+            // Steps of a force at t = 0.
+            ("pulse = { value = 1.0 }", 1),
+            ("constant = { value = 1.0 }", 1),
+            ("ramp = { from = 1.0, to = 2.0, end = 1.0 }", 1),
+            ("sine = { amplitude = 1.0, frequency = 1.0, phase = 1.0 }", 1),
+            ("sine = { amplitude = 1.0, frequency = 1.0, phase = 1.0, start = 0.1 }", 0),
+        ] {
+            assert_eq!(signal(shape).len(), count, "{shape}");
+        }
+    }
+
+    /// A force at t = 0 moves the block; a belt that has its speed from t = 0 on is part of the equilibrium.
+    #[test]
+    fn a_step_at_the_start_is_warned_of_as_what_a_run_makes_of_it() {
+        let text = builtin("belt").unwrap().text;
+        for (input, shape, words, moves) in [
+            ("mass.block.fx", "constant = { value = 1.0 }", "without it", true),
+            ("slider.velocity", "pulse = { value = 1.0 }", "nothing of the step is seen", false),
+        ] {
+            let signal = format!("[[signal]]\ninput = \"{input}\"\n{shape}\n");
+            let mut scene = parse("mine", &format!("{text}{signal}")).unwrap();
+            scene.rest();
+            let mut run = Simulation::new(scene, 0.0).unwrap();
+            let found = warnings(&run);
+            assert!(found.len() == 1 && found[0].contains(words), "{found:?}");
+            run.advance_to(0.05).unwrap();
+            assert_eq!(run.displacement().iter().any(|x| x.abs() > 1e-9), moves);
+        }
+    }
+}

@@ -1,0 +1,169 @@
+//! What the command line understands.
+
+use amontons::Error;
+use amontons_analysis::sweep::range::{self, assignment, ends};
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use std::path::PathBuf;
+
+/// Complex eigenvalues of a scene in its contact states: which modes grow, and from which friction
+/// coefficient on?
+#[derive(Parser)]
+#[command(name = "amontons-stability", version, arg_required_else_help = true, after_help = EXIT_CODES)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub command: Command,
+}
+
+const EXIT_CODES: &str = "Runs, studies of motions and FMUs are the first program's: `amontons --help`; `amontons scenes` \
+lists scenes to begin from.\n\nExit codes: 0 done, 1 a file could not be read or written, 2 the \
+command line makes no sense (an unknown option, variable or contact state), 3 the scene is \
+impossible or cannot be analysed";
+
+/// The exit code that belongs to an error.
+pub fn exit_code(error: &Error) -> u8 {
+    match error {
+        error if error.is_argument() => 2,
+        error if error.is_picture() || error.is_file() => 1,
+        _ => 3,
+    }
+}
+
+#[derive(Subcommand)]
+pub enum Command {
+    /// Eigenvalues of all contact states (the paper's Tables 2 and 3)
+    States(States),
+    /// Modes over the friction coefficient or any other parameter (Fig. 2a and b)
+    Locus(Locus),
+    /// Mode shapes of one contact state (Fig. 2c)
+    Modes(Modes),
+    /// Ranges of the friction coefficient that can be bi-stable
+    Bistable(Bistable),
+    /// Stable, candidate, unstable over two parameters
+    Map(Map),
+}
+
+#[derive(Args)]
+pub struct Common {
+    /// A scene file (TOML), or the name of a built-in scene
+    pub scene: String,
+    /// Give a parameter or input another value; the names are those of the FMU
+    #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
+    pub set: Vec<(String, f64)>,
+    /// When the signals of the scene are looked at, s: eigenvalues are those of one instant [default: 0]
+    #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
+    pub at: Option<f64>,
+}
+
+#[derive(Clone, Copy, ValueEnum)]
+pub enum Format {
+    Table,
+    Csv,
+    Json,
+}
+
+/// One friction coefficient, one contact state.
+#[derive(Args)]
+pub struct Point {
+    /// Friction coefficient [default: the scene's]
+    #[arg(long, value_name = "MU", allow_hyphen_values = true)]
+    pub friction: Option<f64>,
+    /// Contact state, of Sl (slip velocity v − ẋ above 0), R-Sl (below 0), St (sticks), Dt (detached): one for all
+    /// contacts, or one for each, such as Sl-St [default of states: all of them; of modes: uniform sliding]
+    #[arg(long, value_name = "STATE")]
+    pub state: Option<String>,
+}
+
+#[derive(Args)]
+pub struct States {
+    #[command(flatten)]
+    pub common: Common,
+    #[command(flatten)]
+    pub point: Point,
+    /// How to print
+    #[arg(long, value_enum, default_value = "table")]
+    pub format: Format,
+}
+
+#[derive(Args)]
+pub struct Locus {
+    #[command(flatten)]
+    pub common: Common,
+    /// Friction coefficients from A to B, in steps or N of them
+    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = steps, allow_hyphen_values = true,
+        required_unless_present = "parameter")]
+    pub friction: Option<Values>,
+    /// Another parameter and its values; with --friction, one locus over µ for each of them
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_steps)]
+    pub parameter: Option<(String, Values)>,
+    /// Contact state, one for all contacts (Sl), or one for each (Sl-St) [default: uniform sliding]
+    #[arg(long, value_name = "STATE")]
+    pub state: Option<String>,
+    /// Print the points of all branches as CSV instead of the events
+    #[arg(long)]
+    pub csv: bool,
+    /// Draw the locus
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Modes {
+    #[command(flatten)]
+    pub common: Common,
+    #[command(flatten)]
+    pub point: Point,
+    /// Draw the shapes; an SVG moves
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct Bistable {
+    #[command(flatten)]
+    pub common: Common,
+    /// Friction coefficients from A to B
+    #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
+    pub friction: [f64; 2],
+    /// Push the scene along the mode of each candidate, and say which are met by a motion that stays
+    #[arg(long)]
+    pub confirm: bool,
+}
+
+#[derive(Args)]
+pub struct Map {
+    #[command(flatten)]
+    pub common: Common,
+    /// The parameter along x and its values from A to B, in steps or N of them
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
+    pub x: (String, Values),
+    /// The parameter along y and its values from A to B, in steps or N of them
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
+    pub y: (String, Values),
+    /// Print every point as CSV instead of their numbers
+    #[arg(long)]
+    pub csv: bool,
+    /// Draw the map
+    #[arg(long, value_name = "FILE.svg|png")]
+    pub plot: Option<PathBuf>,
+}
+
+/// Values of a parameter, ascending.
+#[derive(Clone, Debug)]
+pub struct Values(pub Vec<f64>);
+
+fn time(text: &str) -> Result<f64, String> {
+    let time = range::number(text)?;
+    if time >= 0.0 { Ok(time) } else { Err("must not be negative".into()) }
+}
+
+fn steps(text: &str) -> Result<Values, String> {
+    range::steps(text).map(Values)
+}
+
+fn named_steps(text: &str) -> Result<(String, Values), String> {
+    range::named(text, steps)
+}
+
+fn named_grid(text: &str) -> Result<(String, Values), String> {
+    range::named(text, |values| range::grid(values).map(Values))
+}

@@ -1,0 +1,239 @@
+//! `amontons-stability bistable`.
+
+use crate::arguments::Bistable;
+use crate::labels::{LOCATED, significant, turn};
+use crate::{Failure, configured};
+use amontons::contact::Joined;
+use amontons::scene::Scene;
+use amontons_analysis::stability::candidates::{Bistability, Candidate, bistability};
+use amontons_analysis::stability::{Linearised, Reach, StateClasses};
+use amontons_analysis::study::Watch;
+use amontons_analysis::study::confirm::{Attempt, Tried, confirm};
+use amontons_analysis::sweep::FRICTION;
+use amontons_cli::progress::Progress;
+use std::io::Write;
+
+pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
+    let [first, last] = arguments.friction;
+    let given = configured(&arguments.common, Some(first), &[FRICTION])?;
+    let scene = &given.scene;
+    let here = Linearised::of(scene);
+    let classes = StateClasses::of(here.model())?.representatives.len() as u64;
+    let bar = Progress::new("the contact states", classes);
+    let found = bistability(scene, [first, last], &|done| bar.set(done as u64))?;
+    bar.finish();
+
+    let sliding = here.uniform_sliding()?;
+    writeln!(out, "{}: µ from {first} to {last}", scene.name)?;
+    if found.range[1] < last {
+        let greatest = found.range[1];
+        let note = format!(
+            "friction.coefficient above {greatest} is left out: there static friction would be below \
+             kinetic friction"
+        );
+        eprintln!("note: {note}");
+        writeln!(out, "{note}")?;
+    }
+    writeln!(out, "{}", given.head())?;
+    writeln!(out, "Uniform sliding ({})", Joined(&sliding))?;
+    print_uniform(&found, found.range, out)?;
+    print_candidates(&found.candidates, found.widest, out)?;
+    if arguments.confirm {
+        confirm_candidates(scene, &found.candidates, out)?;
+    }
+    Ok(())
+}
+
+fn print_uniform(
+    found: &Bistability,
+    [first, last]: [f64; 2],
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    for [from, to] in &found.equilibrium {
+        if *from > first || *to < last {
+            let [from, to] = [from, to].map(|mu| significant(*mu, LOCATED));
+            writeln!(out, "  has an equilibrium from µ = {from} to {to} only")?;
+        }
+    }
+    if found.uniform.is_empty() {
+        let all = if found.stable.is_empty() {
+            "grows"
+        } else if found.stable == found.equilibrium {
+            "is stable"
+        } else {
+            "grows in some ranges and is stable in others,"
+        };
+        writeln!(out, "  {all} wherever it has an equilibrium")?;
+    }
+    for crossing in &found.uniform {
+        writeln!(out, "  µ = {}  {}", significant(crossing.value, LOCATED), turn(crossing))?;
+    }
+    let is_everywhere = found.stable == found.equilibrium || found.uniform.is_empty();
+    for [from, to] in found.stable.iter().filter(|_| !is_everywhere) {
+        let [from, to] = [from, to].map(|mu| significant(*mu, LOCATED));
+        writeln!(out, "  is stable from µ = {from} to {to}")?;
+    }
+    if found.stable.is_empty() && !found.uniform.is_empty() {
+        writeln!(out, "  is stable nowhere: another mode grows")?;
+    }
+    Ok(())
+}
+
+fn print_candidates(
+    candidates: &[Candidate],
+    widest: f64,
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    writeln!(
+        out,
+        "\nCandidates: states that grow where uniform sliding does not (a transient confirms)"
+    )?;
+    if candidates.is_empty() {
+        writeln!(
+            out,
+            "  none, which does not say that there is no second motion: stick and slip, for one, need no state that grows; \
+             `amontons study continuation` looks for motions"
+        )?;
+        return print_width(widest, out);
+    }
+    writeln!(
+        out,
+        "  {:12} {:>6}  {:>27}  {:>13}  {:>27}  {:>10}  {:>10}",
+        "state",
+        "alike",
+        "range of µ",
+        "onset at [Hz]",
+        "at the end [Hz], [1/s]",
+        "needs [J]",
+        "push [m/s]"
+    )?;
+    // A mode that does not oscillate diverges.
+    let hz = |frequency: f64| match frequency {
+        0.0 => "real".to_owned(),
+        frequency => format!("{frequency:.2}"),
+    };
+    for candidate in candidates {
+        let needs = |part: fn(&Reach) -> f64| match &candidate.reach {
+            Some(reach) => significant(part(reach), 3),
+            None => "never".to_owned(),
+        };
+        writeln!(
+            out,
+            "  {:12} {:>6}  {:>3}{} … {}  {:>13}  {:>13} {:>+13.4}  {:>10}  {:>10}",
+            Joined(&candidate.states).to_string(),
+            candidate.alike,
+            if candidate.begins { "" } else { "<" },
+            significant(candidate.range[0], LOCATED),
+            significant(candidate.range[1], LOCATED),
+            hz(candidate.frequency_hz),
+            hz(candidate.at_end[0]),
+            candidate.at_end[1],
+            needs(|reach| reach.energy),
+            needs(|reach| reach.push),
+        )?;
+    }
+    if candidates.iter().any(|candidate| !candidate.begins) {
+        writeln!(out, "\n< grows already where the range of stable sliding begins")?;
+    }
+    writeln!(
+        out,
+        "\n`needs` ranks the states, the least first: contacts that stick or turn round then have the velocities of their \
+         surfaces, and the normal force of each that opens falls to zero while the others slide. `push` is the velocity of \
+         the heaviest degree of freedom with this energy. Neither is a threshold: friction feeds smaller motions until they \
+         are as large, and a blow that lifts a mass off opens its contact with less"
+    )?;
+    print_width(widest, out)
+}
+
+/// The most candidates that are confirmed: each takes fifteen runs, or more where small pushes may do.
+const MOST_CONFIRMED: usize = 20;
+
+fn confirm_candidates(
+    scene: &Scene,
+    candidates: &[Candidate],
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    let all: Vec<&Candidate> =
+        candidates.iter().filter(|candidate| candidate.reach.is_some()).collect();
+    if all.is_empty() {
+        writeln!(
+            out,
+            "\nNothing to confirm: there is no candidate that a push may reach; a second motion may exist all the same, \
+             which `amontons study continuation` looks for"
+        )?;
+        return Ok(());
+    }
+    let first = &all[..all.len().min(MOST_CONFIRMED)];
+    let bar = Progress::in_parts("pushing the scene");
+    let watch = Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE };
+    let tried = confirm(scene, first, watch)?.unwrap_or_default();
+    bar.finish();
+    writeln!(out, "\nConfirmed by pushes along each candidate's mode, out of the equilibrium")?;
+    for (candidate, tried) in first.iter().zip(&tried) {
+        let (states, hz) = (Joined(&candidate.states), candidate.frequency_hz);
+        write!(out, "  {states} ({hz:.2} Hz): ")?;
+        match &tried.met {
+            Some(Attempt { friction, push, ending: Ok(ending), .. }) => writeln!(
+                out,
+                "met at µ = {} by a push of {} m/s: {}, {:.4e} of {}{}",
+                significant(*friction, 6),
+                significant(*push, 3),
+                ending.kind.name(),
+                ending.amplitude,
+                tried.of,
+                ending.frequency.map_or_else(String::new, |hz| format!(" at {hz:.2} Hz")),
+            )?,
+            _ => print_not_met(tried, out)?,
+        }
+    }
+    if first.len() < all.len() {
+        writeln!(
+            out,
+            "  the other {} were not tried: these {MOST_CONFIRMED} need least; a narrower --friction has fewer",
+            all.len() - first.len()
+        )?;
+    }
+    Ok(())
+}
+
+/// What was tried of a candidate that was not met.
+fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
+    let list = |value: fn(&Attempt) -> f64, digits: usize| {
+        let mut all: Vec<f64> = tried.attempts.iter().map(value).collect();
+        all.sort_by(f64::total_cmp);
+        all.dedup();
+        all.iter().map(|value| significant(*value, digits)).collect::<Vec<_>>().join(", ")
+    };
+    let [rested, other, unsettled, failed] = tried.count();
+    let second =
+        tried.attempts.iter().find(|attempt| attempt.moves()).map_or_else(String::new, |attempt| {
+            format!(
+                "; a second motion there is all the same: a push of {} m/s at µ = {} ends in it",
+                significant(attempt.push, 3),
+                significant(attempt.friction, 6)
+            )
+        });
+    writeln!(
+        out,
+        "not met by what was tried: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; \
+         {rested} came to rest, {other} ended in a motion that has not all of these states at one time, {unsettled} had not settled, {failed} \
+         failed{second}",
+        list(|attempt| attempt.push, 3),
+        list(|attempt| attempt.friction, 4),
+        tried.longest,
+    )?;
+    Ok(())
+}
+
+/// Says how closely the states were looked at.
+fn print_width(widest: f64, out: &mut dyn Write) -> Result<(), Failure> {
+    if widest > 0.0 {
+        let widest = significant(widest, 2);
+        writeln!(
+            out,
+            "\nEach state was looked at every {widest} of µ: a mode that grows over less may be missed; a \
+             narrower --friction looks closer"
+        )?;
+    }
+    Ok(())
+}

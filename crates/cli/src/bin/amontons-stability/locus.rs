@@ -1,0 +1,371 @@
+//! `amontons-stability locus`.
+
+use crate::arguments::{Locus as Arguments, Values};
+use crate::labels::{LOCATED, at_frequency, significant, turn};
+use crate::{Failure, Given, check_effect, configured, state, with};
+use amontons::Error;
+use amontons::contact::{ContactState, Joined};
+use amontons::model::LumpedModel;
+use amontons::scene::Scene;
+use amontons_analysis::assign::assign;
+use amontons_analysis::stability::Linearised;
+use amontons_analysis::stability::candidates::equilibrium_ranges;
+use amontons_analysis::stability::locus::{Locus, locus};
+use amontons_analysis::sweep::range::MAX_VALUES;
+use amontons_analysis::sweep::{FRICTION, Possible, axis};
+use amontons_cli::progress::Progress;
+use amontons_pictures::picture::{self, Chart, locus_chart};
+use std::borrow::Cow;
+use std::f64::consts::TAU;
+use std::io::Write;
+
+/// What is followed: one locus, or one over µ for each value of another parameter.
+struct Family<'a> {
+    given: &'a Given,
+    /// What is left out of the values.
+    notes: Vec<String>,
+    states: Vec<ContactState>,
+    /// The parameter along x.
+    name: &'a str,
+    values: &'a [f64],
+    /// The other parameter.
+    other: Option<&'a str>,
+    members: Vec<Member>,
+}
+
+/// A locus, and the value of the other parameter that it was made with.
+struct Member {
+    at: Option<f64>,
+    locus: Locus,
+    /// Where uniform sliding has an equilibrium; of other states nothing is known.
+    equilibrium: Option<Vec<[f64; 2]>>,
+}
+
+/// The most loci that a picture can tell apart.
+const MAX_DRAWN: usize = 24;
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+    arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
+    let (name, Values(values), other) = match (&arguments.friction, &arguments.parameter) {
+        (Some(friction), parameter) => (FRICTION, friction, parameter.as_ref()),
+        (None, Some((name, values))) => (name.as_str(), values, None),
+        (None, None) => unreachable!("the command line asks for one of them"),
+    };
+    let (other, others) = match other {
+        Some((other, Values(others))) => (Some(other.as_str()), Some(others)),
+        None => (None, None),
+    };
+    if other == Some(name) {
+        return Err(Failure::Usage(format!("{name} is given twice; name another --parameter")));
+    }
+    let varied: Vec<&str> = [name].into_iter().chain(other).collect();
+    let given = configured(&arguments.common, None, &varied)?;
+    let scene = &given.scene;
+    let count = others.map_or(1, Vec::len);
+    if values.len() as f64 * count as f64 > MAX_VALUES {
+        return Err(Failure::Usage(format!(
+            "{} × {count} values are too many; a locus has at most {MAX_VALUES:e}",
+            values.len()
+        )));
+    }
+    if arguments.plot.is_some() && count > MAX_DRAWN {
+        return Err(Failure::Usage(format!(
+            "a picture tells at most {MAX_DRAWN} loci apart, not {count}; choose a longer step, or \
+             leave --plot out"
+        )));
+    }
+    let is_uniform = arguments.state.is_none();
+    if is_uniform {
+        Linearised::of(scene).uniform_sliding().or_else(|error| {
+            // Another velocity may be among the values.
+            if varied.iter().any(|name| name.ends_with("velocity")) {
+                Ok(Vec::new())
+            } else {
+                Err(error)
+            }
+        })?;
+    }
+    for (name, values) in [Some((name, values)), other.zip(others)].into_iter().flatten() {
+        let seen = |value: f64| {
+            let mut scene = scene.clone();
+            assign(&mut scene, name, value)?;
+            let model = Linearised::of(&scene).into_model();
+            let LumpedModel { mass, stiffness, damping, dampers, contacts, .. } = model;
+            Ok((mass, stiffness, damping, dampers, contacts, scene.friction_coefficient))
+        };
+        let wish = "eigenvalues depend on masses, stiffnesses, damping, slider.angle and \
+                    friction.coefficient, and on velocities and loads where friction falls with the slip velocity";
+        check_effect(name, values, seen, wish)?;
+    }
+    let mut notes = Vec::new();
+    let mut values = values.clone();
+    for &at in others.map_or(&[0.0][..], Vec::as_slice) {
+        let mut scene = scene.clone();
+        if let Some(other) = other {
+            assign(&mut scene, other, at)?;
+        }
+        let possible = Possible::of(&scene, name, &values)?;
+        notes.extend(possible.note(name));
+        values = possible.values;
+        if values.len() < 2 {
+            let only =
+                format!("only {} of {name} is possible; a locus needs two values", values[0]);
+            return Err(Failure::Usage(only));
+        }
+        if is_uniform {
+            let (kept, note) = sliding_values(&scene, name, &values)?;
+            values = kept;
+            notes.extend(note);
+        }
+    }
+    for note in &notes {
+        eprintln!("note: {note}");
+    }
+    let first = with(scene, name, values[0])?;
+    let states = state(arguments.state.as_deref(), scene, &Linearised::of(&first))?;
+    let mut family =
+        Family { given: &given, notes, states, name, values: &values, other, members: Vec::new() };
+    let progress = Progress::in_parts("the locus");
+    match others {
+        None => family.follow(None, is_uniform, &|part| progress.set_part(part))?,
+        Some(others) => {
+            for (place, &at) in others.iter().enumerate() {
+                let done =
+                    |part: f64| progress.set_part((place as f64 + part) / others.len() as f64);
+                family.follow(Some(at), is_uniform, &done)?;
+            }
+        }
+    }
+    progress.finish();
+    if arguments.csv {
+        family.print_csv(out)?;
+    } else {
+        family.print_events(out)?;
+    }
+    match &arguments.plot {
+        Some(path) => Ok(family.chart().write(path)?),
+        None => Ok(()),
+    }
+}
+
+impl Family<'_> {
+    /// Adds the locus for one value of the other parameter.
+    fn follow(
+        &mut self,
+        at: Option<f64>,
+        is_uniform: bool,
+        progress: &(dyn Fn(f64) + Sync),
+    ) -> Result<(), Failure> {
+        let scene = match self.other.zip(at) {
+            Some((other, at)) => with(&self.given.scene, other, at)?,
+            None => self.given.scene.clone(),
+        };
+        let here = |value: f64| Ok::<_, Error>(Linearised::of(&with(&scene, self.name, value)?));
+        let has_equilibrium = |value: f64| here(value)?.equilibrium().map(|_| ());
+        let equilibrium = equilibrium_ranges(&has_equilibrium, self.values);
+        let falls = !scene.contact_law().friction.about().is_constant();
+        if falls && equilibrium != [[self.values[0], self.values[self.values.len() - 1]]] {
+            return Err(self.explain_missing_slopes(&equilibrium, has_equilibrium));
+        }
+        let model_at = |value: f64| {
+            let found = here(value)?;
+            let mu = found.friction();
+            Ok((Cow::Owned(found.into_model()), mu))
+        };
+        let done = |done: usize, all: usize| progress(done as f64 / all as f64);
+        let locus = locus(&model_at, &self.states, self.values, &done)?;
+        let equilibrium = is_uniform.then_some(equilibrium);
+        self.members.push(Member { at, locus, equilibrium });
+        Ok(())
+    }
+
+    /// Why eigenvalues cannot be followed where there is no equilibrium to linearise friction about.
+    fn explain_missing_slopes(
+        &self,
+        ranges: &[[f64; 2]],
+        has_equilibrium: impl Fn(f64) -> Result<(), Error>,
+    ) -> Failure {
+        let lost = self.values.iter().find_map(|value| has_equilibrium(*value).err());
+        let why = lost.map_or_else(String::new, |error| format!(" ({error})"));
+        let widest = ranges.iter().max_by(|a, b| (a[1] - a[0]).total_cmp(&(b[1] - b[0])));
+        let wish = match widest {
+            Some([from, to]) => format!("; there is one from {from} to {to}: give that range"),
+            None => String::new(),
+        };
+        let name = self.name;
+        Failure::Usage(format!(
+            "friction that depends on the slip velocity is linearised about an equilibrium, which is missing for some \
+             values of {name}{why}{wish}"
+        ))
+    }
+
+    fn print_events(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        let [first, .., last] = self.values else { unreachable!("a range has two ends") };
+        let states = Joined(&self.states);
+        writeln!(
+            out,
+            "{}: state {states}, {} from {first} to {last}",
+            self.given.scene.name, self.name
+        )?;
+        write!(out, "{}", self.given.head())?;
+        for note in &self.notes {
+            writeln!(out, "{note}")?;
+        }
+        for Member { at, locus, equilibrium } in &self.members {
+            if let (Some(other), Some(at)) = (self.other, at) {
+                writeln!(out, "\n{other} = {at}")?;
+            }
+            if let Some(ranges) = equilibrium {
+                print_equilibrium(ranges, [*first, *last], out)?;
+            }
+            print_events(locus, out)?;
+        }
+        Ok(())
+    }
+
+    fn print_csv(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        let first = self.other.map_or_else(String::new, |other| format!("{other},"));
+        writeln!(out, "{first}{},mode,growth_rate,real_hz,imaginary_hz", self.name)?;
+        for Member { at, locus, .. } in &self.members {
+            let first = at.map_or_else(String::new, |at| format!("{at:?},"));
+            for (i, value) in locus.values.iter().enumerate() {
+                for (mode, branch) in locus.branches.iter().enumerate() {
+                    let lambda = branch[i].lambda;
+                    writeln!(
+                        out,
+                        "{first}{value:?},{},{:?},{:?},{:?}",
+                        mode + 1,
+                        lambda.re,
+                        lambda.re / TAU,
+                        lambda.im / TAU
+                    )?;
+                }
+            }
+        }
+        Ok(())
+    }
+
+    /// Fig. 2(a) and (b): real and imaginary parts of λ/2π.
+    fn chart(&self) -> Chart {
+        let states = Joined(&self.states);
+        let title = match self.other {
+            None => format!("{}: eigenvalues in state {states}", self.given.scene.name),
+            Some(other) => {
+                format!("{}: eigenvalues in state {states}, by {other}", self.given.scene.name)
+            }
+        };
+        let label = |at: Option<f64>| Some(format!("{} = {}", self.other?, at?));
+        let loci = self.members.iter().map(|member| (label(member.at), &member.locus));
+        locus_chart(title, axis(&self.given.scene, self.name), &loci.collect::<Vec<_>>())
+    }
+}
+
+/// The values of a parameter at which every contact slides, and a note on the others, if there are any.
+fn sliding_values(
+    scene: &Scene,
+    name: &str,
+    values: &[f64],
+) -> Result<(Vec<f64>, Option<String>), Failure> {
+    let mut kept = Vec::new();
+    let mut first: Option<(f64, Vec<ContactState>)> = None;
+    for &value in values {
+        let Ok(states) = Linearised::of(&with(scene, name, value)?).uniform_sliding() else {
+            continue;
+        };
+        match &first {
+            Some((from, before)) if *before != states => {
+                return Err(Failure::Usage(format!(
+                    "uniform sliding is {} at {name} = {from} and {} at {value}: give a range in which no surface \
+                     turns, or name a contact state with --state",
+                    Joined(before),
+                    Joined(&states)
+                )));
+            }
+            Some(_) => {}
+            None => first = Some((value, states)),
+        }
+        kept.push(value);
+    }
+    let missing: Vec<String> =
+        values.iter().filter(|value| !kept.contains(value)).map(f64::to_string).collect();
+    if kept.len() < 2 {
+        // The reason is the same for all.
+        let reason = Linearised::of(&with(scene, name, values[0])?).uniform_sliding();
+        reason?;
+        return Err(Failure::Usage(format!(
+            "fewer than two values of {name} leave every contact sliding"
+        )));
+    }
+    let note = (!missing.is_empty()).then(|| {
+        format!("{name} = {} is left out: a surface stands still there", missing.join(", "))
+    });
+    Ok((kept, note))
+}
+
+/// Says where uniform sliding has an equilibrium, unless it has everywhere.
+fn print_equilibrium(
+    ranges: &[[f64; 2]],
+    [first, last]: [f64; 2],
+    out: &mut dyn Write,
+) -> Result<(), Failure> {
+    if ranges.is_empty() {
+        writeln!(out, "  note: uniform sliding has no equilibrium anywhere in this range")?;
+    }
+    if !ranges.is_empty() && ranges != [[first, last]] {
+        let range = |range: &[f64; 2]| {
+            let [from, to] = range.map(|value| significant(value, LOCATED));
+            format!("from {from} to {to}")
+        };
+        let ranges: Vec<String> = ranges.iter().map(range).collect();
+        let ranges = ranges.join(" and ");
+        writeln!(out, "  note: uniform sliding has an equilibrium {ranges} only")?;
+    }
+    Ok(())
+}
+
+fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
+    if locus.is_damped {
+        writeln!(
+            out,
+            "  single dampers or falling friction keep modes from merging exactly; they come nearest:"
+        )?;
+    } else {
+        writeln!(out, "  modes merge or part, exactly, damped or not (C = α M + β K):")?;
+    }
+    for event in &locus.approaches {
+        let [a, b] = event.modes.map(|mode| mode + 1);
+        writeln!(
+            out,
+            "    {}  modes {a} and {b} are {} Hz apart {}",
+            significant(event.value, 6),
+            significant(event.distance_hz, 4),
+            at_frequency(event.frequency_hz),
+        )?;
+    }
+    for event in &locus.coalescences {
+        let [a, b] = event.modes.map(|mode| mode + 1);
+        writeln!(
+            out,
+            "    {}  modes {a} and {b} {} {}",
+            significant(event.value, LOCATED),
+            if event.merge { "merge" } else { "part" },
+            at_frequency(event.frequency_hz),
+        )?;
+    }
+    if locus.coalescences.is_empty() && locus.approaches.is_empty() {
+        writeln!(out, "    none")?;
+    }
+    writeln!(out, "  critical values:")?;
+    for event in &locus.crossings {
+        writeln!(out, "    {}  {}", significant(event.value, LOCATED), turn(event))?;
+    }
+    if locus.crossings.is_empty() {
+        let grows = locus.branches.iter().any(|branch| branch[0].lambda.re > 0.0);
+        writeln!(out, "    none found: {}", if grows { "unstable" } else { "no mode grows" })?;
+    }
+    for value in &locus.undecided {
+        let value = significant(*value, LOCATED);
+        writeln!(out, "  note: modes may have changed their numbers at {value}")?;
+    }
+    Ok(())
+}

@@ -1,0 +1,183 @@
+//! The stability analyser's command line: arguments in, tables and pictures out; the work is the
+//! library's.
+
+mod arguments;
+mod bistable;
+mod labels;
+mod locus;
+mod map;
+mod modes;
+mod states;
+
+use amontons::Error;
+use amontons::contact::{ContactState, Friction, parse_states};
+use amontons::scene::Scene;
+use amontons::simulation::at_instant;
+use amontons_analysis::assign::assign;
+use amontons_analysis::doubts::doubts_of;
+use amontons_analysis::instant::{require_undriven, signals_left_out};
+use amontons_analysis::stability::Linearised;
+use amontons_analysis::sweep::FRICTION;
+use amontons_analysis::sweep::range::check_once;
+use amontons_export::scene;
+use arguments::{Arguments, Command, Common};
+use clap::Parser;
+use std::io::{self, BufWriter, Write};
+use std::process::ExitCode;
+
+/// Why a command ended early.
+enum Failure {
+    /// The command line makes no sense: what would be right.
+    Usage(String),
+    Analysis(Error),
+    Output(io::Error),
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        Self::Analysis(error)
+    }
+}
+
+impl From<io::Error> for Failure {
+    fn from(error: io::Error) -> Self {
+        Self::Output(error)
+    }
+}
+
+fn main() -> ExitCode {
+    let mut out = BufWriter::new(io::stdout().lock());
+    let result = match Arguments::parse().command {
+        Command::States(arguments) => states::run(&arguments, &mut out),
+        Command::Locus(arguments) => locus::run(&arguments, &mut out),
+        Command::Modes(arguments) => modes::run(&arguments, &mut out),
+        Command::Bistable(arguments) => bistable::run(&arguments, &mut out),
+        Command::Map(arguments) => map::run(&arguments, &mut out),
+    };
+    let flushed = out.flush().map_err(Failure::Output);
+    match result.and(flushed) {
+        Ok(()) => ExitCode::SUCCESS,
+        // Who reads has read enough.
+        Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
+            ExitCode::SUCCESS
+        }
+        Err(Failure::Output(error)) => {
+            eprintln!("error: cannot print: {error}");
+            ExitCode::from(1)
+        }
+        Err(Failure::Usage(wish)) => {
+            eprintln!("error: {wish}");
+            ExitCode::from(2)
+        }
+        Err(Failure::Analysis(error)) => {
+            eprintln!("error: {error}");
+            ExitCode::from(arguments::exit_code(&error))
+        }
+    }
+}
+
+/// A scene as a command looks at it.
+struct Given {
+    /// At one instant, without signals.
+    scene: Scene,
+    /// When, s; only of a scene with signals.
+    at: Option<f64>,
+    /// What is left out of its signals.
+    left_out: Option<String>,
+}
+
+impl Given {
+    /// The line under a heading that says what is left out, if anything is.
+    fn head(&self) -> String {
+        self.left_out.as_ref().map_or_else(String::new, |left_out| format!("{left_out}\n"))
+    }
+}
+
+/// The scene with the values of the command line, at the instant that it names. `varied` are the parameters through
+/// whose values the command goes.
+fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result<Given, Error> {
+    let (mut scene, _) = scene::find(&common.scene)?;
+    check_once(&common.set)?;
+    for (name, value) in &common.set {
+        assign(&mut scene, name, *value)?;
+    }
+    if let Some(friction) = friction {
+        if common.set.iter().any(|(set, _)| set == FRICTION) {
+            eprintln!("note: {FRICTION} takes the value of --friction, not that of --set");
+        }
+        assign(&mut scene, FRICTION, friction)?;
+    }
+    scene.check()?;
+    for doubt in doubts_of(&scene) {
+        eprintln!("warning: {doubt}");
+    }
+    varied.iter().try_for_each(|name| require_undriven(&scene, name))?;
+    let time = common.at.unwrap_or(0.0);
+    let left_out = signals_left_out(&scene, time);
+    match (&left_out, common.at) {
+        (Some(left_out), None) => eprintln!("note: {left_out}; --at TIME takes another instant"),
+        (Some(left_out), Some(_)) => eprintln!("note: {left_out}"),
+        (None, Some(_)) => eprintln!("note: the scene has no signals, so --at changes nothing"),
+        (None, None) => {}
+    }
+    let at = left_out.is_some().then_some(time);
+    let scene = at_instant(&scene, time)?;
+    scene.check()?;
+    Ok(Given { scene, at, left_out })
+}
+
+/// µ as the heading of a table says it.
+fn friction(scene: &Scene) -> String {
+    let about = scene.contact_law().friction.about();
+    let Friction { kinetic, static_, .. } = scene.friction();
+    if about.is_constant() {
+        format!("µ = {}", of_contacts(scene).unwrap_or_else(|| kinetic.to_string()))
+    } else {
+        format!("µ = {static_} to {kinetic} ({}), linearised at the slider's velocity", about.name)
+    }
+}
+
+/// µ of each contact, of a scene in which some have one of their own.
+fn of_contacts(scene: &Scene) -> Option<String> {
+    let contacts = &scene.network()?.contacts;
+    contacts.iter().find(|contact| contact.friction.is_some())?;
+    let each = contacts.iter().map(|contact| {
+        let friction = contact.friction.unwrap_or(scene.friction_coefficient);
+        format!("{friction} (contact.{})", contact.name)
+    });
+    Some(each.collect::<Vec<_>>().join(", "))
+}
+
+/// Refuses a parameter of which nothing depends that an analysis looks at.
+fn check_effect<T: PartialEq>(
+    name: &str,
+    values: &[f64],
+    seen: impl Fn(f64) -> Result<T, Error>,
+    wish: &str,
+) -> Result<(), Failure> {
+    if let Some((last, others)) = values.split_last() {
+        let first = seen(*last)?;
+        for value in others {
+            if seen(*value)? != first {
+                return Ok(());
+            }
+        }
+    }
+    Err(Failure::Usage(format!("nothing here depends on {name}; {wish}")))
+}
+
+/// The scene with another value of a parameter.
+fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
+    let mut scene = scene.clone();
+    assign(&mut scene, name, value)?;
+    scene.check()?;
+    Ok(scene)
+}
+
+/// The contact state that a command is to look at: the one named, or uniform sliding.
+fn state(name: Option<&str>, scene: &Scene, here: &Linearised) -> Result<Vec<ContactState>, Error> {
+    match name {
+        Some(name) => parse_states(name, scene.contact_count()),
+        None => here.uniform_sliding(),
+    }
+}

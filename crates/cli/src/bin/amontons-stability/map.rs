@@ -1,0 +1,96 @@
+//! `amontons-stability map`.
+
+use crate::arguments::{Map as Arguments, Values};
+use crate::{Failure, check_effect, configured};
+use amontons_analysis::assign::assign;
+use amontons_analysis::stability::map::{Verdict, map};
+use amontons_analysis::stability::{Linearised, MAX_CONTACTS};
+use amontons_analysis::sweep::axis;
+use amontons_analysis::sweep::range::MAX_VALUES;
+use amontons_cli::progress::Progress;
+use amontons_pictures::picture::{self, Class, Map};
+use std::io::Write;
+
+/// Places in the palette that belong to the verdicts, in their order.
+const COLOURS: [usize; 6] = [5, 4, 3, 1, 6, 7];
+
+pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
+    arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
+    let given = configured(&arguments.common, None, &[&*arguments.x.0, &*arguments.y.0])?;
+    let scene = &given.scene;
+    let (x_name, Values(x)) = &arguments.x;
+    let (y_name, Values(y)) = &arguments.y;
+    let points = x.len() * y.len();
+    if points as f64 > MAX_VALUES {
+        return Err(Failure::Usage(format!(
+            "{} × {} points are too many; a map has at most {MAX_VALUES:e}",
+            x.len(),
+            y.len()
+        )));
+    }
+    if x_name == y_name {
+        return Err(Failure::Usage(format!(
+            "--x and --y both are {x_name}; a map needs two parameters"
+        )));
+    }
+    for (name, values) in [&arguments.x, &arguments.y] {
+        let seen = |value: f64| {
+            let mut scene = scene.clone();
+            assign(&mut scene, name, value)?;
+            let velocity = scene.slider.velocity.partial_cmp(&0.0);
+            Ok((Linearised::of(&scene).into_model(), scene.friction_coefficient, velocity))
+        };
+        let wish = "the verdict depends on masses, stiffnesses, damping, preload, slider.angle, \
+                    friction.coefficient and the sign of slider.velocity";
+        check_effect(name, &values.0, seen, wish)?;
+    }
+    let contacts = scene.contact_count();
+    if contacts > MAX_CONTACTS {
+        eprintln!("note: {contacts} contacts: only uniform sliding is looked at");
+    }
+    let scene_at = |column: usize, row: usize| {
+        let mut scene = scene.clone();
+        assign(&mut scene, x_name, x[column])?;
+        assign(&mut scene, y_name, y[row])?;
+        Ok(scene)
+    };
+    let bar = Progress::new("the map", y.len() as u64);
+    let found = map(x.len(), y.len(), &scene_at, &|done| bar.set(done as u64))?;
+    bar.finish();
+    let share = |verdict: Verdict| found.iter().flatten().filter(|v| **v == verdict).count();
+    if arguments.csv {
+        writeln!(out, "{x_name},{y_name},verdict")?;
+        for (row, y) in found.iter().zip(y) {
+            for (verdict, x) in row.iter().zip(x) {
+                writeln!(out, "{x:?},{y:?},{verdict}")?;
+            }
+        }
+    } else {
+        writeln!(out, "{}: {points} points of {x_name} and {y_name}", scene.name)?;
+        write!(out, "{}", given.head())?;
+        let is_told = |verdict: &Verdict| *verdict != Verdict::Impossible || share(*verdict) > 0;
+        for verdict in Verdict::ALL.into_iter().filter(is_told) {
+            writeln!(out, "  {:31} {}", verdict.to_string(), share(verdict))?;
+        }
+    }
+    let Some(path) = &arguments.plot else { return Ok(()) };
+    // The legend has only what is there.
+    let classes: Vec<(Verdict, usize)> =
+        Verdict::ALL.into_iter().zip(COLOURS).filter(|(verdict, _)| share(*verdict) > 0).collect();
+    let place = |v: &Verdict| {
+        classes.iter().position(|(verdict, _)| verdict == v).expect("every verdict found is there")
+    };
+    let picture = Map {
+        title: format!("{}: uniform sliding", scene.name),
+        x_label: axis(scene, x_name),
+        y_label: axis(scene, y_name),
+        x: [x[0], x[x.len() - 1]],
+        y: [y[0], y[y.len() - 1]],
+        cells: found.iter().map(|row| row.iter().map(place).collect()).collect(),
+        classes: classes
+            .iter()
+            .map(|&(verdict, colour)| Class::plain(verdict.to_string(), colour))
+            .collect(),
+    };
+    Ok(picture.write(path)?)
+}

@@ -1,0 +1,295 @@
+//! `amontons-stability states`.
+
+use crate::arguments::{Format, States};
+use crate::{Failure, Given, configured, friction, state};
+use amontons::Error;
+use amontons::contact::{ContactState, Joined};
+use amontons::model::Equilibrium;
+use amontons::scene::Scene;
+use amontons::stability::Spectrum;
+use amontons_analysis::stability::{
+    Departure, Linearised, MAX_CONTACTS, StateClasses, departure, modes,
+};
+use amontons_cli::progress::Progress;
+use serde_json::{Map, Value, json};
+use std::f64::consts::TAU;
+use std::io::Write;
+
+/// The most contacts of which departures are printed: each mode asks for the forces of all.
+const MAX_LEAVING: usize = 32;
+
+/// A state and what was found of it.
+struct Row {
+    states: Vec<ContactState>,
+    spectrum: Spectrum,
+    has_equilibrium: bool,
+    /// How many states symmetry makes equal to it, where it is the first of them; else zero.
+    alike: usize,
+}
+
+/// What is to be printed.
+struct Report {
+    given: Given,
+    rows: Vec<Row>,
+    /// The state of all contacts at rest.
+    resting: Vec<ContactState>,
+    equilibrium: Result<Equilibrium, Error>,
+    /// Or why there are none.
+    departures: Result<Vec<(Leaving, Option<Departure>)>, String>,
+}
+
+/// A mode of uniform sliding, as its departure is printed.
+struct Leaving {
+    frequency_hz: f64,
+    growth_rate: f64,
+    /// |λ|, 1/s.
+    rate: f64,
+}
+
+pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
+    let given = configured(&arguments.common, arguments.point.friction, &[])?;
+    let scene = &given.scene;
+    let here = Linearised::of(scene);
+    if let Err(error) = here.equilibrium() {
+        eprintln!("note: {error}");
+    }
+    here.require_slopes()?;
+    let found = spectra(arguments.point.state.as_deref(), scene, &here)?;
+    let resting = here.resting_state();
+    let rows = found.into_iter().map(|(states, spectrum, alike)| Row {
+        has_equilibrium: here.equilibrium().is_ok() && *states == *resting,
+        states,
+        spectrum,
+        alike,
+    });
+    let report = Report {
+        rows: rows.collect(),
+        departures: match scene.contact_count() {
+            0..=MAX_LEAVING => departures(&here).map_err(|error| error.to_string()),
+            _ => Err(format!("they are looked at for up to {MAX_LEAVING} contacts")),
+        },
+        equilibrium: here.equilibrium().cloned(),
+        resting,
+        given,
+    };
+    match arguments.format {
+        Format::Json => writeln!(out, "{:#}", report.as_json())?,
+        Format::Csv => report.print_csv(out)?,
+        Format::Table => report.print_table(out)?,
+    }
+    Ok(())
+}
+
+/// The states asked for, one or all, with their spectra and how many are alike ([`Row::alike`]).
+fn spectra(
+    name: Option<&str>,
+    scene: &Scene,
+    here: &Linearised,
+) -> Result<Vec<(Vec<ContactState>, Spectrum, usize)>, Error> {
+    let (model, mu) = (here.model(), here.friction());
+    let contacts = model.contacts.len();
+    if name.is_none() && contacts > MAX_CONTACTS {
+        eprintln!(
+            "note: {contacts} contacts: only uniform sliding is looked at; name another state with \
+             --state"
+        );
+    }
+    if name.is_some() || contacts > MAX_CONTACTS {
+        let states = state(name, scene, here)?;
+        let spectrum = Spectrum::of(model, &states, mu)?;
+        return Ok(vec![(states, spectrum, 1)]);
+    }
+    let classes = StateClasses::of(model)?;
+    let bar = Progress::new("the contact states", classes.representatives.len() as u64);
+    let spectra = classes.spectra(model, mu, &|done| bar.set(done as u64))?;
+    bar.finish();
+    eprintln!("{} states, {} solved", classes.states.len(), spectra.len());
+    let found = classes.states.iter().map(|(states, class)| {
+        let (states, class) = (states.clone(), *class);
+        let is_first = states == classes.representatives[class];
+        let alike = if is_first { classes.members(class).count() } else { 0 };
+        (states, spectra[class].clone(), alike)
+    });
+    Ok(found.collect())
+}
+
+/// The way from the linear answer to the non-linear one: where each mode of uniform sliding makes a
+/// contact leave it.
+fn departures(here: &Linearised) -> Result<Vec<(Leaving, Option<Departure>)>, Error> {
+    let (model, mu) = (here.model(), here.friction());
+    let sliding = here.uniform_sliding()?;
+    let equilibrium = here.equilibrium()?;
+    let found = modes(model, &sliding, mu)?;
+    let leaving = found.all().map(|mode| {
+        let leaving = Leaving {
+            frequency_hz: mode.frequency_hz(),
+            growth_rate: mode.growth_rate(),
+            rate: mode.eigenvalue.norm(),
+        };
+        (leaving, departure(model, equilibrium, mu, here.velocity(), mode))
+    });
+    Ok(leaving.collect())
+}
+
+impl Report {
+    fn as_json(&self) -> Value {
+        let states: Map<String, Value> = self
+            .rows
+            .iter()
+            .map(|Row { states, spectrum, has_equilibrium, .. }| {
+                let oscillating = spectrum.oscillating.iter().map(|v| [v.re / TAU, v.im / TAU]);
+                let value = json!({
+                    "eigenvalues_hz": oscillating.collect::<Vec<_>>(),
+                    "real_hz": spectrum.real.iter().map(|v| v / TAU).collect::<Vec<_>>(),
+                    "unstable": spectrum.unstable(),
+                    "has_equilibrium": has_equilibrium,
+                });
+                (Joined(states).to_string(), value)
+            })
+            .collect();
+        let names = self.given.scene.dof_names();
+        let departures = self.departures.iter().flatten().filter_map(|(leaving, departure)| {
+            let departure = departure.as_ref()?;
+            Some(json!({
+                "frequency_hz": leaving.frequency_hz,
+                "growth_rate": leaving.growth_rate,
+                "amplitude": departure.amplitude,
+                "of": names[departure.dof],
+                "speed": departure.amplitude * leaving.rate,
+                "contact": self.given.scene.contact_name(departure.contact),
+                "into": departure.into.to_string(),
+            }))
+        });
+        json!({
+            "scene": self.given.scene.name,
+            "friction": self.given.scene.has_common_friction().then_some(self.given.scene.friction_coefficient),
+            "states": states,
+            "departures": departures.collect::<Vec<_>>(),
+            "at": self.given.at,
+            "left_out": self.given.left_out,
+            "equilibrium_error": self.equilibrium.as_ref().err().map(Error::to_string),
+        })
+    }
+
+    fn print_csv(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        writeln!(out, "state,kind,real_hz,imaginary_hz,growth_rate,unstable")?;
+        for row in &self.rows {
+            let name = Joined(&row.states);
+            for v in &row.spectrum.oscillating {
+                let (re, im) = (v.re / TAU, v.im / TAU);
+                writeln!(out, "{name},oscillating,{re:?},{im:?},{:?},{}", v.re, v.re > 0.0)?;
+            }
+            for v in &row.spectrum.real {
+                writeln!(out, "{name},real,{:?},0.0,{v:?},{}", v / TAU, *v > 0.0)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn print_table(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        let (name, friction) = (&self.given.scene.name, friction(&self.given.scene));
+        writeln!(out, "{name}: eigenvalues / 2π [Hz] at {friction}; * grows")?;
+        writeln!(out, "{}", self.given.head())?;
+        if self.rows.len() == 16 && self.given.scene.network().is_none() {
+            print_paper_table(&self.rows, out)?;
+        } else {
+            print_list(&self.rows, out)?;
+        }
+        if self.equilibrium.is_ok() {
+            let is_shown = self.rows.iter().any(|row| row.has_equilibrium);
+            let note = if is_shown { "" } else { ", which is not among the states above" };
+            writeln!(out, "Equilibrium: {}{note}\n", Joined(&self.resting))?;
+        }
+        self.print_departures(out)
+    }
+
+    fn print_departures(&self, out: &mut dyn Write) -> Result<(), Failure> {
+        let departures = match &self.departures {
+            Ok(departures) => departures,
+            Err(error) => {
+                writeln!(out, "Uniform sliding has no departures: {error}")?;
+                return Ok(());
+            }
+        };
+        writeln!(
+            out,
+            "Uniform sliding: how large each mode may become before a contact leaves sliding"
+        )?;
+        let names = self.given.scene.dof_names();
+        for (Leaving { frequency_hz, rate, .. }, departure) in departures {
+            let frequency = match frequency_hz {
+                0.0 => "real".to_owned(),
+                frequency_hz => format!("{frequency_hz:.2} Hz"),
+            };
+            let Some(Departure { contact, into, amplitude, dof }) = departure else {
+                writeln!(out, "  {frequency:>11}  makes no contact leave it")?;
+                continue;
+            };
+            writeln!(
+                out,
+                "  {frequency:>11}  {amplitude:.3e} m of {} ({:.3e} m/s): {} into {into}",
+                names[*dof],
+                amplitude * rate,
+                self.given.scene.contact_name(*contact),
+            )?;
+        }
+        Ok(())
+    }
+}
+
+/// The eigenvalues of a state as the paper prints them.
+fn cells(spectrum: &Spectrum) -> Vec<String> {
+    let mark = |growth: f64| if growth > 0.0 { '*' } else { ' ' };
+    let oscillating = spectrum
+        .oscillating
+        .iter()
+        .map(|v| format!("{}{} ± {:.2}i", mark(v.re), rate(v.re / TAU), v.im / TAU));
+    let real = spectrum.real.iter().map(|v| format!("{}{} (real)", mark(*v), rate(v / TAU)));
+    oscillating.chain(real).collect()
+}
+
+/// A rate in Hz, with digits of its own where those of the others would show nothing of it.
+fn rate(hz: f64) -> String {
+    if hz == 0.0 || hz.abs() >= 0.005 { format!("{hz:.2}") } else { format!("{hz:.1e}") }
+}
+
+/// Two contacts: module 1 across, module 2 down, as in Tables 2 and 3.
+fn print_paper_table(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
+    const WIDTH: usize = 22;
+    let cell = |first: ContactState, second: ContactState| {
+        let row = rows.iter().find(|row| row.states == [first, second]).expect("all states");
+        cells(&row.spectrum)
+    };
+    write!(out, "{:9}", "Module 1")?;
+    for first in ContactState::ALL {
+        write!(out, "{:>WIDTH$}", first.to_string())?;
+    }
+    writeln!(out, "\nModule 2")?;
+    for second in ContactState::ALL {
+        let columns = ContactState::ALL.map(|first| cell(first, second));
+        let lines = columns.iter().map(Vec::len).max().unwrap_or(0);
+        for line in 0..lines {
+            let name = if line == 0 { second.to_string() } else { String::new() };
+            write!(out, "{name:9}")?;
+            for column in &columns {
+                write!(out, "{:>WIDTH$}", column.get(line).map_or("-", |cell| cell))?;
+            }
+            writeln!(out)?;
+        }
+        writeln!(out)?;
+    }
+    Ok(())
+}
+
+/// Each state that symmetry does not make equal to one before it.
+fn print_list(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
+    for row in rows.iter().filter(|row| row.alike > 0) {
+        let note = if row.alike > 1 { format!(" ({} alike)", row.alike) } else { String::new() };
+        writeln!(out, "{}{note}", Joined(&row.states))?;
+        for cell in cells(&row.spectrum) {
+            writeln!(out, "  {cell}")?;
+        }
+    }
+    writeln!(out)?;
+    Ok(())
+}

@@ -1,0 +1,154 @@
+//! `amontons accuracy`: what accuracy costs, on the user's own scene.
+
+mod chart;
+mod output;
+
+use crate::arguments::{Accuracy, Format};
+use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, stopped};
+use amontons::scene::Method;
+use amontons::simulation::Simulation;
+use amontons_analysis::accuracy::{Row, Rung, Study, assign, dof_named, short};
+use amontons_analysis::sweep::range::check_once;
+use amontons_cli::progress::Progress;
+use amontons_export::scene;
+use amontons_pictures::picture;
+use std::error::Error;
+use std::io::{ErrorKind, stdout};
+use std::ops::ControlFlow::{self, Break, Continue};
+use std::time::{Duration, Instant};
+
+/// A time is the best of so many runs, of more until they have taken so long, of fewer if they take too long.
+const FEWEST_RUNS: u32 = 3;
+const MOST_RUNS: u32 = 50;
+const LONG_ENOUGH: Duration = Duration::from_millis(200);
+const TOO_LONG: Duration = Duration::from_secs(3);
+/// A step of the event-driven integrator costs about so many of the paper's scheme.
+const STEPS_A_STEP: f64 = 100.0;
+
+/// A row with its time.
+struct Timed {
+    row: Row,
+    /// Order of the error, from the row before.
+    order: Option<f64>,
+    /// Seconds of computing for a simulated one; `None` where the run was ended.
+    seconds: Option<f64>,
+}
+
+/// What is to be printed.
+struct Report<'a> {
+    arguments: &'a Accuracy,
+    study: Study,
+    rows: Vec<Timed>,
+    notes: Vec<String>,
+    complete: bool,
+}
+
+pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
+    arguments.plot.as_deref().map_or(Ok(()), picture::check_name)?;
+    let (mut scene, _) = scene::find(&arguments.scene)?;
+    check_once(&arguments.set)?;
+    for (name, value) in &arguments.set {
+        assign(&mut scene, name, *value)?;
+    }
+    scene.experiment.stop_time = arguments.stop_time.unwrap_or(scene.experiment.stop_time);
+    let dof = arguments.of.as_deref().map(|name| dof_named(&scene, name)).transpose()?;
+    interrupt::listen();
+    let bar = interrupt::reference();
+    let study = interrupt::study(&scene, dof, &bar)?;
+    let mut report =
+        Report { arguments, study, rows: Vec::new(), notes: Vec::new(), complete: false };
+    report.complete = report.climb(&bar).is_continue();
+    bar.finish();
+    report.explain();
+    match report.print(&mut stdout().lock()) {
+        // Whoever reads has read enough.
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
+        result => result?,
+    }
+    if arguments.format != Format::Table {
+        for note in &report.notes {
+            eprintln!("note: {note}");
+        }
+    }
+    if let Some(path) = &arguments.plot {
+        report.chart().write(path)?;
+    }
+    if report.complete { Ok(()) } else { Err(Box::new(Interrupted)) }
+}
+
+impl Report<'_> {
+    /// All rows of the ladder, or those up to the interruption.
+    fn climb(&mut self, bar: &Progress) -> ControlFlow<()> {
+        let ladder = self.study.ladder();
+        let cost = |rung: &Rung| match rung.method {
+            Method::ForwardIncrement => rung.steps as f64,
+            Method::EventDriven => STEPS_A_STEP * rung.steps as f64,
+        };
+        let whole: f64 = ladder.iter().map(cost).sum();
+        let mut done = 0.0;
+        for rung in &ladder {
+            let part = (1.0 - REFERENCE_SHARE) * cost(rung) / whole;
+            let start = REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done / whole;
+            bar.say(&format!("{}, step {} s", rung.method, short(rung.step)));
+            // One run for the errors, three for the time.
+            let row = self.study.row(*rung, &mut |passed| {
+                bar.set_part(start + 0.25 * part * passed);
+                stopped()
+            });
+            match row {
+                Ok(None) => return Break(()),
+                Ok(Some(row)) => {
+                    let before = self.rows.last().map(|timed: &Timed| timed.row);
+                    let order = before.and_then(|before| self.study.order(&before, &row));
+                    let seconds = seconds(&self.study, rung, |passed| {
+                        bar.set_part(start + part * (0.25 + 0.75 * passed));
+                    });
+                    self.rows.push(Timed { row, order, seconds });
+                }
+                Err(error) => {
+                    let (method, step) = (rung.method, short(rung.step));
+                    self.notes.push(format!("{method} with {step} s is left out: {error}"));
+                }
+            }
+            done += cost(rung);
+            stopped()?;
+        }
+        Continue(())
+    }
+
+    /// Words on what is not to be seen in the rows.
+    fn explain(&mut self) {
+        let rows: Vec<Row> = self.rows.iter().map(|timed| timed.row).collect();
+        self.notes.extend(self.study.notes(&rows));
+        if !self.complete {
+            let all = self.study.ladder().len();
+            self.notes.push(format!("interrupted: {} of {all} rows", rows.len()));
+        }
+    }
+}
+
+/// Seconds of computing for a simulated one, best of several runs; `None` if interrupted before the first
+/// was over.
+fn seconds(study: &Study, rung: &Rung, watch: impl Fn(f64)) -> Option<f64> {
+    let (scene, grid) = (rung.scene(study.scene()), study.grid());
+    let (mut best, mut taken) = (None, Duration::ZERO);
+    for run in 0..MOST_RUNS {
+        watch((f64::from(run) / f64::from(FEWEST_RUNS)).min(1.0));
+        if (run >= FEWEST_RUNS && taken > LONG_ENOUGH) || taken > TOO_LONG {
+            break;
+        }
+        let mut simulation = Simulation::new(scene.clone(), 0.0).ok()?;
+        let start = Instant::now();
+        for interval in 1..=grid.intervals {
+            simulation.advance_to(grid.time(interval)).ok()?;
+            if stopped().is_break() {
+                return best;
+            }
+        }
+        let time = start.elapsed();
+        taken += time;
+        let time = time.as_secs_f64() / study.scene().experiment.stop_time;
+        best = Some(best.map_or(time, |best: f64| best.min(time)));
+    }
+    best
+}

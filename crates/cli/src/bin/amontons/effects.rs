@@ -1,0 +1,120 @@
+//! `amontons effects`.
+
+use crate::arguments::Effects;
+use amontons::scene::Scene;
+use amontons::simulation::Simulation;
+use amontons_analysis::effects::{Effect, effects};
+use amontons_export::scene;
+use std::error::Error;
+use std::io::{Write, stdout};
+use std::time::{Duration, Instant};
+
+/// A time is the shortest of this many slices, in which the scenes take turns; other work on the machine makes
+/// one only longer.
+const SLICES: u32 = 60;
+/// How long a slice takes, alike for all: a long one would be interrupted more often.
+const SLICE: Duration = Duration::from_micros(500);
+/// Variables of an effect that are named; of more, how many there are.
+const NAMED: usize = 8;
+
+pub fn run(arguments: &Effects) -> Result<(), Box<dyn Error>> {
+    let (scene, _) = scene::find(&arguments.scene)?;
+    let all = effects(&scene);
+    let others = all.iter().map(|effect| if effect.is_on { &effect.without } else { &effect.with });
+    let times = measure(&scene, others)?;
+    print(&scene, &all, &times, &mut stdout().lock())?;
+    Ok(())
+}
+
+/// How long steps of the scene take, s, and those of others; none where another cannot be run.
+struct Times {
+    own: f64,
+    others: Vec<Option<f64>>,
+}
+
+fn measure<'a>(
+    scene: &'a Scene,
+    others: impl Iterator<Item = &'a Scene>,
+) -> Result<Times, Box<dyn Error>> {
+    let mut own = Course::of(scene)?;
+    let mut others: Vec<Option<Course>> = others.map(|scene| Course::of(scene).ok()).collect();
+    own.choose_steps();
+    others.iter_mut().flatten().for_each(Course::choose_steps);
+    for _ in 0..SLICES {
+        own.take_slice();
+        others.iter_mut().flatten().for_each(Course::take_slice);
+    }
+    let time = |course: Option<Course>| course.map(|course| course.shortest);
+    let others = others.into_iter().map(|course| time(course).filter(|time| time.is_finite()));
+    Ok(Times { own: own.shortest, others: others.collect() })
+}
+
+/// A run that goes on and on.
+struct Course {
+    simulation: Simulation,
+    /// Steps of a slice.
+    steps: u32,
+    /// The shortest time of a step, s.
+    shortest: f64,
+}
+
+impl Course {
+    fn of(scene: &Scene) -> Result<Self, amontons::Error> {
+        let simulation = Simulation::new(scene.clone(), 0.0)?;
+        Ok(Self { simulation, steps: 1, shortest: f64::INFINITY })
+    }
+
+    /// As many steps as a slice lasts.
+    fn choose_steps(&mut self) {
+        while self.time().is_some_and(|time| time * f64::from(self.steps) < SLICE.as_secs_f64()) {
+            self.steps *= 2;
+        }
+    }
+
+    /// Takes the steps of a slice; the time of one, s, if they can be taken.
+    fn time(&mut self) -> Option<f64> {
+        let steps = f64::from(self.steps);
+        let target = self.simulation.time() + steps * self.simulation.scene().step;
+        let start = Instant::now();
+        self.simulation.advance_to(target).ok()?;
+        Some(start.elapsed().as_secs_f64() / steps)
+    }
+
+    fn take_slice(&mut self) {
+        self.shortest = self.shortest.min(self.time().unwrap_or(f64::INFINITY));
+    }
+}
+
+fn print(scene: &Scene, all: &[Effect], times: &Times, out: &mut dyn Write) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{}: a step of {:e} s takes {:.3} µs here\n\n\
+         cost: in parts of that step, what is saved without an effect that is on, or what one that is off adds\n\
+         (a law of friction in place of the one that there is); some percent are noise, – is what cannot be here\n",
+        scene.name,
+        scene.step,
+        1e6 * times.own
+    )?;
+    let width = all.iter().map(|effect| effect.name.len()).max().unwrap_or(0);
+    for (effect, other) in all.iter().zip(&times.others) {
+        let Effect { name, equation, is_on, .. } = effect;
+        let cost = other.map_or_else(
+            || "–".to_owned(),
+            |other| {
+                let more = if *is_on { times.own - other } else { other - times.own };
+                format!("{:+.0} %", 100.0 * more / times.own)
+            },
+        );
+        let state = if *is_on { "on" } else { "off" };
+        writeln!(out, "{name:width$}  {state:3}  {cost:>7}  {equation}")?;
+        let variables = effect.variables();
+        let named = variables.iter().take(NAMED).map(String::as_str).collect::<Vec<_>>().join(", ");
+        let blank = "";
+        match variables.len() {
+            0 => {}
+            count if count <= NAMED => writeln!(out, "{blank:width$}               {named}")?,
+            count => writeln!(out, "{blank:width$}               {named}, … ({count} in all)")?,
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,40 @@
+//! The page on accuracy in an FMU's documentation, from runs of the scene.
+
+use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, stopped};
+use amontons::scene::Scene;
+use amontons_analysis::accuracy::{Row, Rung, short};
+use amontons_export::documentation::accuracy_page;
+use std::error::Error;
+
+/// Runs the scene with both methods and writes the page.
+///
+/// # Errors
+/// The scene cannot be run, or the user has ended the command ([`Interrupted`]).
+pub fn page(scene: &Scene) -> Result<String, Box<dyn Error>> {
+    interrupt::listen();
+    let bar = interrupt::reference();
+    let study = interrupt::study(scene, None, &bar)?;
+    bar.say("methods and steps");
+    let ladder = study.ladder();
+    let share = (1.0 - REFERENCE_SHARE) / ladder.len().max(1) as f64;
+    let (mut rows, mut notes): (Vec<(Row, Option<f64>)>, _) = (Vec::new(), Vec::new());
+    for (start, rung) in ladder.into_iter().enumerate() {
+        let row = study.row(rung, &mut |passed| {
+            bar.set_part(REFERENCE_SHARE + share * (start as f64 + passed));
+            stopped()
+        });
+        match row {
+            Ok(None) => return Err(Interrupted.into()),
+            Ok(Some(row)) => {
+                let order = rows.last().and_then(|(before, _)| study.order(before, &row));
+                rows.push((row, order));
+            }
+            Err(error) => {
+                let Rung { method, step, .. } = rung;
+                notes.push(format!("{method} with {} s is left out: {error}", short(step)));
+            }
+        }
+    }
+    bar.finish();
+    Ok(accuracy_page(&study, &rows, &notes))
+}

@@ -1,0 +1,134 @@
+//! `amontons export`.
+
+mod accuracy;
+mod written;
+
+use crate::arguments::Export;
+use crate::say::say;
+use crate::scenes;
+use amontons::Error;
+use amontons::model::{Equilibrium, LumpedModel};
+use amontons::scene::{Method, Scene, Selection, Structure};
+use amontons::simulation::Simulation;
+use amontons::simulation::catalogue::{Causality, fmu_variables};
+use amontons::stability::critical_step;
+use amontons_analysis::output::{check_folder, check_inputs_stay};
+use amontons_export::documentation::{Subject, counted, documentation, first_forces};
+use amontons_export::package::{self, Library};
+use amontons_export::scene;
+use std::path::{Path, PathBuf};
+
+pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
+    let (mut scene, mut source) = scene::find(&arguments.scene)?;
+    let given = (scene.selection, scene.method, scene.step);
+    arguments.integrator.apply(&mut scene)?;
+    let path =
+        arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
+    // Before the work: what cannot be written, and what cannot be run.
+    check_folder(&path)?;
+    check_inputs_stay(&path, &[Path::new(&arguments.scene)])?;
+    scenes::check(&scene)?;
+    let page = arguments.with_accuracy.then(|| accuracy::page(&scene)).transpose()?;
+    if (scene.selection, scene.method, scene.step) != given {
+        match scene.selection {
+            Selection::Preset(preset) => scene::set_preset(&mut source, preset)?,
+            _ => scene::set_integrator(&mut source, scene.method, scene.step)?,
+        }
+    }
+    let simulation = scenes::start(&scene)?;
+    let run = written::run(&scene)?;
+    let subject = Subject { scene: &scene, source: &source, start: &simulation, run: &run };
+    let libraries = libraries(&arguments.platform);
+    let documentation = documentation(subject, page)?;
+    let fmu = package::fmu(&scene, &source, Some(&documentation), &libraries)?;
+    let check = arguments.with_reference.then(|| written::check(&scene)).transpose()?;
+    written::write(&path, &fmu)?;
+    let beside = check.as_ref().map_or_else(Vec::new, |check| written::files(check, &path));
+    for (path, text) in &beside {
+        written::write(path, text.as_bytes())?;
+    }
+    let colon = if scene.description.is_empty() { "" } else { ": " };
+    say!("{}{colon}{}", scene.name, scene.description);
+    print_contents(&scene, &simulation)?;
+    say!("  platform       {}", platforms(&libraries));
+    print_equilibrium(&scene, simulation.reference());
+    say!("  FMU            {} ({} kB)", path.display(), fmu.len().div_ceil(1000));
+    let mut label = "reference";
+    for (path, text) in &beside {
+        say!("  {label:13}  {} ({} kB)", path.display(), text.len().div_ceil(1000));
+        label = "";
+    }
+    if let Some(left_out @ 1..) = check.map(|check| check.left_out) {
+        eprintln!(
+            "note: the reference, whose size is limited, leaves out the last {}",
+            counted(left_out, "output", "outputs")
+        );
+    }
+    Ok(())
+}
+
+/// Those of the platforms asked for, or all; in one order, so that the FMU does not tell in which they were named.
+fn libraries(asked: &[Library]) -> Vec<Library> {
+    Library::carried()
+        .iter()
+        .filter(|library| asked.is_empty() || asked.contains(library))
+        .copied()
+        .collect()
+}
+
+/// Their names, for people.
+pub fn platforms(libraries: &[Library]) -> String {
+    libraries.iter().map(|library| library.platform).collect::<Vec<_>>().join(", ")
+}
+
+/// What went in: structure, variables, critical step of the values that act at the start.
+fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
+    let acting = simulation.acting();
+    let model = LumpedModel::from(acting);
+    let kind = match &scene.structure {
+        Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
+        Structure::Network(network) => {
+            format!("network of {}", counted(network.masses.len(), "mass", "masses"))
+        }
+    };
+    say!(
+        "  structure      {kind}: {}, {}",
+        counted(model.dofs(), "degree of freedom", "degrees of freedom"),
+        counted(model.contacts.len(), "contact", "contacts")
+    );
+    let variables = fmu_variables(scene);
+    let count = |causality| variables.iter().filter(|v| v.causality == causality).count();
+    say!(
+        "  variables      {}, {}, {}",
+        counted(count(Causality::Input), "input", "inputs"),
+        counted(count(Causality::Output), "output", "outputs"),
+        counted(count(Causality::Parameter), "parameter", "parameters")
+    );
+    if let Some(selected) = simulation.selected() {
+        say!("  chosen by      integrator.{}: {selected}", scene.selection);
+    }
+    say!("  step           {:e} s", acting.step);
+    match acting.method {
+        Method::ForwardIncrement => {
+            say!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
+        }
+        Method::EventDriven => {
+            say!("  integrator     event-driven, exact between changes of contact state");
+        }
+    }
+    if !scene.signals.is_empty() {
+        say!("  signals        {}", scene.signals.len());
+    }
+    Ok(())
+}
+
+/// The normal forces that the run starts with, of the first contacts.
+fn print_equilibrium(scene: &Scene, equilibrium: &Equilibrium) {
+    const MOST: usize = 4;
+    let all = &equilibrium.normal_force;
+    let forces = first_forces(scene, &all[..all.len().min(MOST)]);
+    let more = if all.len() > MOST { ", …" } else { "" };
+    if !forces.is_empty() {
+        say!("  equilibrium    {forces}{more}");
+    }
+}

@@ -1,0 +1,62 @@
+//! What an export writes beside the FMU, and what it puts into the FMU for people.
+
+use crate::interrupt::{self, Interrupted, stopped};
+use amontons::scene::Scene;
+use amontons_analysis::output::Pending;
+use amontons_cli::progress::Progress;
+use amontons_export::documentation::{CrossCheck, ReferenceRun, cross_check, reference_run};
+use std::error::Error;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// The run of the page.
+///
+/// # Errors
+/// What is wrong with the scene; [`Interrupted`].
+pub fn run(scene: &Scene) -> Result<ReferenceRun, Box<dyn Error>> {
+    watched("the reference run", |watch| reference_run(scene, watch))
+}
+
+/// The run that is written beside the FMU.
+///
+/// # Errors
+/// What is wrong with the scene, a step that fails; [`Interrupted`].
+pub fn check(scene: &Scene) -> Result<CrossCheck, Box<dyn Error>> {
+    watched("the cross-check's run", |watch| cross_check(scene, watch))
+}
+
+type Watched<'a> = &'a mut dyn FnMut(f64) -> std::ops::ControlFlow<()>;
+
+fn watched<T>(
+    what: &str,
+    work: impl FnOnce(Watched<'_>) -> Result<Option<T>, amontons::Error>,
+) -> Result<T, Box<dyn Error>> {
+    interrupt::listen();
+    let bar = Progress::in_parts(what);
+    let done = work(&mut |passed| {
+        bar.set_part(passed);
+        stopped()
+    });
+    bar.finish();
+    done?.ok_or_else(|| Interrupted.into())
+}
+
+/// Files of a cross-check with their names, for an FMU at this path.
+pub fn files(check: &CrossCheck, fmu: &Path) -> Vec<(PathBuf, String)> {
+    let stem = fmu.file_stem().unwrap_or_default().to_string_lossy();
+    let named =
+        |end: &str, text: &String| (fmu.with_file_name(format!("{stem}{end}")), text.clone());
+    let mut files = vec![named("_ref.csv", &check.reference), named("_ref.opt", &check.options)];
+    files.extend(check.inputs.as_ref().map(|inputs| named("_in.csv", inputs)));
+    files
+}
+
+/// Writes a file that appears whole or not at all.
+///
+/// # Errors
+/// It cannot be written.
+pub fn write(path: &Path, content: &[u8]) -> Result<(), amontons::Error> {
+    let mut file = Pending::create(path)?;
+    file.write_all(content).map_err(|error| amontons::Error::file(path, &error))?;
+    file.complete()
+}

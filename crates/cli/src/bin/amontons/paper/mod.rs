@@ -1,0 +1,127 @@
+//! `amontons paper`: the paper's figures and tables from the built-in scenes, its claims beside what came out.
+
+mod branches;
+mod claims;
+mod couplings;
+mod eigenvalues;
+mod growth;
+mod growth_claims;
+mod limit_cycles;
+mod measures;
+mod modes;
+mod motion;
+mod perturbations;
+
+use crate::interrupt::{self, Interrupted};
+use crate::say::say;
+use amontons::Error;
+use amontons::scene::{Scene, named};
+use amontons_analysis::assign::assign;
+use amontons_analysis::study::{Look, Watch, Wish};
+use amontons_cli::progress::Progress;
+use amontons_pictures::report::{Cell, Page, Section, Table, write};
+use clap::Args;
+use std::fs;
+use std::path::PathBuf;
+use std::time::Instant;
+
+#[derive(Args)]
+pub struct Paper {
+    /// Folder for the page, index.html; made if it is not there
+    #[arg(short, long, value_name = "DIR")]
+    pub output: PathBuf,
+}
+
+/// What makes a section; none where a person has ended it.
+type Work = fn(Watch<'_>) -> Result<Option<Section>, Error>;
+
+/// The sections, and how long each takes, roughly, in seconds.
+const SECTIONS: [(&str, f64, Work); 5] = [
+    ("Eigenvalues (Fig. 2, Tables 1 to 3)", 0.1, eigenvalues::section),
+    ("Limit cycles over the slider's velocity (Fig. 3)", 2.0, limit_cycles::section),
+    ("Growth of a small perturbation (Fig. 4)", 0.3, growth::section),
+    ("Small and large perturbations (Fig. 5)", 1.5, perturbations::section),
+    ("Branches over the friction coefficient (Figs. 6 and 7)", 30.0, branches::section),
+];
+
+pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
+    let folder = &arguments.output;
+    fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
+    let path = folder.join("index.html");
+    // A folder that cannot be written is known now, not after the work.
+    let pending = amontons_analysis::output::Pending::create(&path)?;
+    if let Some(partial) = pending.partial() {
+        let _ = fs::remove_file(partial);
+    }
+    interrupt::listen();
+    let bar = Progress::in_parts(SECTIONS[0].0);
+    let all: f64 = SECTIONS.iter().map(|(_, share, _)| share).sum();
+    let (mut done, mut sections, mut times) = (0.0, Vec::new(), Vec::new());
+    for (heading, share, work) in SECTIONS {
+        let progress = |part: f64| bar.set_part((done + share * part) / all);
+        bar.say(heading);
+        let start = Instant::now();
+        let section = work(Watch { go_on: &interrupt::stopped, progress: &progress });
+        let Some(section) = section? else {
+            bar.finish();
+            eprintln!("note: interrupted, so there is no page");
+            return Err(Box::new(Interrupted));
+        };
+        done += share;
+        times.push((heading, start.elapsed().as_secs_f64()));
+        sections.push(Section { heading: heading.to_owned(), ..section });
+    }
+    bar.finish();
+    sections.push(time(&times));
+    let page = Page {
+        title: "A lumped model with frictional contact: the paper and what came out".to_owned(),
+        lead: LEAD.iter().map(|text| (*text).to_owned()).collect(),
+        sections,
+        footer: format!("Made by amontons {} with: amontons paper", env!("CARGO_PKG_VERSION")),
+    };
+    write(&page, &path)?;
+    claims::print(&page);
+    let total: f64 = times.iter().map(|(_, seconds)| seconds).sum();
+    say!("{} in {total:.1} s", path.display());
+    Ok(())
+}
+
+const LEAD: [&str; 2] = [
+    "The paper studies two masses on springs that rub on a moving slider: in which contact states modes grow, what \
+     motion that ends in, and in which range of the friction coefficient rest and squeal exist side by side. Here \
+     each of its figures and tables is computed anew from the built-in scenes set1 and set2, and each of its claims \
+     stands beside what came out.",
+    "Verdicts are computed: a claim holds when the numbers found meet the condition that is stated with them. Nothing \
+     is adjusted to make one hold. What the paper calls “about” is taken as within half of the last digit that it \
+     prints, and zeros that end a whole number are no digits: about 168 Hz is 167.5 to 168.5 Hz, about 170 Hz is 165 to \
+     175 Hz. Motions are exact between events; where the paper's own scheme is used, the page says so.",
+];
+
+/// A built-in scene with other values, moved as studies move it, and how it is looked at.
+fn scene(name: &str, values: &[(&str, f64)]) -> Result<(Scene, Look), Error> {
+    let mut scene = named(name)?.scene();
+    for (name, value) in values {
+        assign(&mut scene, name, *value)?;
+    }
+    let look = Look::paced(&mut scene, &Wish::default())?;
+    Ok((scene, look))
+}
+
+fn time(times: &[(&str, f64)]) -> Section {
+    let row = |name: &str, seconds: f64| -> Vec<Cell> {
+        vec![name.into(), format!("{seconds:.2}").into()]
+    };
+    let mut rows: Vec<Vec<Cell>> =
+        times.iter().map(|(name, seconds)| row(name, *seconds)).collect();
+    rows.push(row("all", times.iter().map(|(_, seconds)| seconds).sum()));
+    let cores = std::thread::available_parallelism().map_or(1, usize::from);
+    Section {
+        heading: "Time".to_owned(),
+        tables: vec![Table {
+            caption: format!("Computing time on {cores} cores of the machine that made this page"),
+            head: vec!["section".to_owned(), "seconds".to_owned()],
+            rows,
+        }],
+        ..Section::default()
+    }
+}

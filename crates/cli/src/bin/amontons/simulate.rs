@@ -1,0 +1,202 @@
+//! `amontons simulate`.
+
+use crate::arguments::Simulate;
+use crate::interrupt::{self, Interrupted};
+use crate::{scenes, sweep};
+use amontons::error::Short;
+use amontons::scene::{Experiment, Scene};
+use amontons::simulation::catalogue::{Causality, Kind};
+use amontons::simulation::{Simulation, Variable, broken_assumptions, variables};
+use amontons_analysis::assign::assign;
+use amontons_analysis::inputs::{Inputs, is_close};
+use amontons_analysis::output::{Pending, check_inputs_stay};
+use amontons_analysis::sweep::range::check_once;
+use amontons_cli::progress::Progress;
+use amontons_export::scene;
+use std::error::Error;
+use std::io::{BufWriter, ErrorKind, Write, stdout};
+use std::ops::ControlFlow::{Break, Continue};
+use std::path::Path;
+
+pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
+    let (mut scene, experiment) = configured(arguments)?;
+    if let Some(output) = &arguments.output {
+        let files = [Some(Path::new(&arguments.scene)), arguments.input.as_deref()];
+        check_inputs_stay(output, &files.into_iter().flatten().collect::<Vec<_>>())?;
+    }
+    if let Some((name, values)) = &arguments.sweep {
+        return sweep::run(arguments, scene, experiment, name, &values.0);
+    }
+    let input = arguments.input.as_ref();
+    let inputs = input.map(|path| Inputs::read(path, &scene)).transpose()?;
+    if let Some(inputs) = &inputs {
+        let is_set = |name: &&str| arguments.set.iter().any(|(set, _)| set == name);
+        for name in inputs.names().filter(is_set) {
+            eprintln!("note: {name} follows the file of --input, not --set");
+        }
+        inputs.assign(&mut scene, 0.0)?;
+    }
+    let simulation = scenes::start(&scene)?;
+    if let Some(selected) = simulation.selected() {
+        eprintln!("{}: {selected}", scene.name);
+        if experiment.stop_time > scene.experiment.stop_time {
+            eprintln!(
+                "note: that is for the scene's {} s; for {} s give them in its [experiment]",
+                Short(scene.experiment.stop_time),
+                Short(experiment.stop_time)
+            );
+        }
+    }
+    let mut run = Run { simulation, inputs };
+    let result = write_output(arguments, &mut run, &scene, experiment);
+    for warning in broken_assumptions(&run.simulation) {
+        eprintln!("warning: {warning}");
+    }
+    result
+}
+
+fn write_output(
+    arguments: &Simulate,
+    run: &mut Run,
+    scene: &Scene,
+    experiment: Experiment,
+) -> Result<(), Box<dyn Error>> {
+    match &arguments.output {
+        None => write_run(run, scene, experiment, &mut BufWriter::new(stdout().lock())),
+        Some(path) => {
+            let mut file = Pending::create(path)?;
+            interrupt::listen();
+            if let Err(error) = write_run(run, scene, experiment, &mut file) {
+                let mut rows = "the rows up to the failure";
+                if error.is::<Interrupted>() {
+                    let [time, stop] = [run.simulation.time(), experiment.stop_time].map(Short);
+                    eprintln!("note: interrupted at {time} s of {stop} s");
+                    rows = "its rows";
+                }
+                if let Some(partial) = file.partial() {
+                    eprintln!("{rows} are in {}", partial.display());
+                }
+                return Err(error);
+            }
+            file.complete()?;
+            let statistics = run.simulation.statistics();
+            let ended = match statistics.ended_hops {
+                0 => String::new(),
+                count => format!(", {count} hops ended"),
+            };
+            eprintln!(
+                "{}: {} s in {} steps, {} changes of contact state, {} touch-downs{ended}",
+                path.display(),
+                Short(run.simulation.time()),
+                statistics.steps,
+                statistics.state_changes(),
+                statistics.touch_downs
+            );
+            Ok(())
+        }
+    }
+}
+
+/// The scene with the values of the command line, and what is to be run. A tolerance is one over the scene's
+/// own experiment, as in the FMU, however much of it is run.
+fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error>> {
+    let (mut scene, _) = scene::find(&arguments.scene)?;
+    check_once(&arguments.set)?;
+    for (name, value) in &arguments.set {
+        assign(&mut scene, name, *value)?;
+    }
+    let experiment = Experiment {
+        stop_time: arguments.stop_time.unwrap_or(scene.experiment.stop_time),
+        output_interval: arguments.output_interval.unwrap_or(scene.experiment.output_interval),
+    };
+    arguments.integrator.apply(&mut scene)?;
+    Scene { experiment, ..scene.clone() }.check()?;
+    Ok((scene, experiment))
+}
+
+/// A simulation, and what changes its inputs.
+struct Run {
+    simulation: Simulation,
+    inputs: Option<Inputs>,
+}
+
+impl Run {
+    /// Moves on to time `target` (s), inputs held, or only to where they jump on the way. Gives the time
+    /// reached.
+    fn advance_towards(&mut self, target: f64) -> Result<f64, Box<dyn Error>> {
+        let Self { simulation, inputs } = self;
+        let mut time = target;
+        if let Some(inputs) = inputs {
+            inputs.write(simulation, simulation.time())?;
+            let jump = inputs.next_jump(simulation.time());
+            if jump < target && !is_close(jump, target) {
+                time = jump;
+            }
+        }
+        match simulation.advance_while(time, interrupt::stopped)? {
+            Continue(()) => Ok(time),
+            Break(()) => Err(Box::new(Interrupted)),
+        }
+    }
+}
+
+/// One row at the start, one every interval, one at the end, and one where inputs jump, as FMPy has
+/// it.
+fn write_run(
+    run: &mut Run,
+    scene: &Scene,
+    experiment: Experiment,
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
+    let outputs: Vec<Variable> = variables(scene)
+        .into_iter()
+        .filter(|variable| variable.causality == Causality::Output)
+        .collect();
+    write!(out, "time")?;
+    for variable in &outputs {
+        write!(out, ",{}", variable.name)?;
+    }
+    writeln!(out)?;
+
+    let progress = Progress::in_parts("the run");
+    let mut time = run.simulation.time();
+    write_row(&mut run.simulation, time, &outputs, out)?;
+    for (intervals, (target, _)) in experiment.row_times().enumerate() {
+        while time < target {
+            if interrupt::stopped().is_break() {
+                return Err(Box::new(Interrupted));
+            }
+            time = run.advance_towards(target)?;
+            write_row(&mut run.simulation, time, &outputs, out)?;
+        }
+        if intervals.is_multiple_of(64) {
+            progress.set_part(time / experiment.stop_time);
+        }
+    }
+    progress.finish();
+    out.flush()?;
+    Ok(())
+}
+
+fn write_row(
+    simulation: &mut Simulation,
+    time: f64,
+    outputs: &[Variable],
+    out: &mut dyn Write,
+) -> Result<(), Box<dyn Error>> {
+    write!(out, "{time:?}")?;
+    for variable in outputs {
+        let value = simulation.read(variable)?;
+        match variable.template.kind {
+            // The shortest decimal that reads back as the same double.
+            Kind::Real { .. } => write!(out, ",{value:?}")?,
+            Kind::Integer | Kind::Boolean | Kind::Enumeration { .. } => write!(out, ",{value}")?,
+        }
+    }
+    writeln!(out)?;
+    Ok(())
+}
+
+pub fn is_broken_pipe(error: &(dyn Error + 'static)) -> bool {
+    error.downcast_ref::<std::io::Error>().is_some_and(|e| e.kind() == ErrorKind::BrokenPipe)
+}

@@ -1,0 +1,164 @@
+//! `amontons study basin`.
+
+use super::arguments::{Common, Looking};
+use super::attractor::{self, number, unit_of, words};
+use super::folder::Folder;
+use super::{heading, interrupted, prepared_with, watched};
+use crate::arguments::{Values, named_values};
+use crate::say::say;
+use amontons::scene::Scene;
+use amontons_analysis::study::basin::{
+    Axis, Basin as Found, Cell, Coverage, SHORT_WINDOWS, basin, check_points,
+};
+use amontons_analysis::study::{Look, initial_value};
+use amontons_pictures::picture::{Class, Map};
+use clap::Args;
+use serde_json::json;
+use std::error::Error;
+
+#[derive(Args)]
+pub struct Basin {
+    #[command(flatten)]
+    common: Common,
+    #[command(flatten)]
+    looking: Looking,
+    /// Values from A to B of an initial value, such as module[1].v2, in steps or N of them, across; those that no axis has stay as the
+    /// scene or --set has them
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
+    x: (String, Values),
+    /// Values from A to B of another initial value, up
+    #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
+    y: (String, Values),
+    /// Run every point; else every fourth one along both axes is run and all between which basins meet, and the others are
+    /// filled in
+    #[arg(long)]
+    every_point: bool,
+}
+
+pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
+    let Basin { common, looking, x, y, every_point } = arguments;
+    let (scene, source, look) = prepared_with(common, looking, |_, _| {})?;
+    let axis = |(name, values): &(String, Values)| {
+        Ok::<_, amontons::Error>(Axis {
+            name: initial_value(&scene, name)?,
+            values: values.0.clone(),
+        })
+    };
+    let (x, y) = (axis(x)?, axis(y)?);
+    check_points([&x, &y])?;
+    for axis in [&x, &y] {
+        if common.set.iter().any(|(set, _)| *set == axis.name) {
+            eprintln!("note: {} takes the values of its axis, not that of --set", axis.name);
+        }
+    }
+    let coverage = if *every_point { Coverage::EveryPoint } else { Coverage::Traced };
+    let settings = json!({ "x": x, "y": y, "look": look, "every_point": every_point });
+    let folder = Folder::open(common, "basin", (&scene, &source), settings)?;
+    let found = watched(|watch| basin(&scene, [&x, &y], &look, coverage, folder.journal(), watch))?;
+    let Some(found) = found else { return Err(interrupted(&folder)) };
+    let points = y.values.iter().zip(&found.rows);
+    let points = points.flat_map(|(y, row)| x.values.iter().zip(row).map(move |(x, c)| (x, y, c)));
+    folder.write_csv(
+        &["x", "y", "attractor", "kind", "decided"],
+        points.map(|(x, y, cell)| {
+            let kind = class(&found, cell);
+            let decided = match cell {
+                Cell { run: false, .. } => "filled in",
+                Cell { early: true, .. } => "early",
+                Cell { attractor: Some(_), .. } => "settled",
+                Cell { .. } => "no",
+            };
+            let [x, y] = [x, y].map(|value| format!("{value:?}"));
+            [x, y, number(cell.attractor), kind.to_owned(), decided.to_owned()]
+        }),
+    )?;
+    // Where each point ends is in the table.
+    let [run, filled_in] = [true, false].map(|run| count(&found, |cell| cell.run == run));
+    let points = json!({ "run": run, "filled_in": filled_in });
+    folder.write_json(json!({ "attractors": found.attractors, "points": points }))?;
+    print(&scene, [&x, &y], &look, &found);
+    let map = map(&scene, [&x, &y], &look, &found);
+    map.write(&folder.picture("basin"))?;
+    say!("\nresults and pictures are in {}", folder.path().display());
+    Ok(())
+}
+
+/// Counts the points of the plane that are such.
+fn count(found: &Found, is_such: impl Fn(&Cell) -> bool) -> usize {
+    found.rows.iter().flatten().filter(|cell| is_such(cell)).count()
+}
+
+/// The kind of motion that a point ends in, or why it has none.
+fn class(found: &Found, cell: &Cell) -> &'static str {
+    match (cell.attractor, &cell.failure) {
+        (Some(place), _) => found.attractors[place].kind.name(),
+        (None, None) => "unsettled",
+        (None, Some(_)) => "failed",
+    }
+}
+
+fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
+    let units = [x, y].map(|axis| unit_of(scene, &axis.name));
+    say!("{}: {}, {}, and {}, {}", scene.name, x.name, units[0], y.name, units[1]);
+    say!("{}", heading(&[(scene, look)]));
+    attractor::print(&found.attractors, &look.of, unit_of(scene, &look.of));
+    say!("\npoints  end in");
+    for place in 0..found.attractors.len() {
+        say!("{:>6}  {}", count(found, |cell| cell.attractor == Some(place)), place + 1);
+    }
+    for rest in ["unsettled", "failed"] {
+        let number = count(found, |cell| class(found, cell) == rest);
+        if number > 0 {
+            say!("{number:>6}  {rest}");
+        }
+    }
+    say!(
+        "{} of {} were decided early, by windows of {} s",
+        count(found, |cell| cell.early),
+        count(found, |cell| cell.run),
+        look.window / f64::from(SHORT_WINDOWS)
+    );
+    let filled_in = count(found, |cell| !cell.run);
+    if filled_in > 0 {
+        say!(
+            "{filled_in} were not run and are filled in, as all points around each that were run end alike; \
+             --every-point runs them"
+        );
+    }
+    if let Some(failure) = found.rows.iter().flatten().find_map(|cell| cell.failure.as_ref()) {
+        eprintln!("note: the first that failed: {failure}");
+    }
+}
+
+fn map(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) -> Map {
+    let unit = unit_of(scene, &look.of);
+    let mut names: Vec<String> =
+        found.attractors.iter().map(|ending| words(ending, unit)).collect();
+    let attractors = names.len();
+    let is_any = |name: &str| found.rows.iter().flatten().any(|cell| class(found, cell) == name);
+    names
+        .extend(["unsettled", "failed"].into_iter().filter(|name| is_any(name)).map(str::to_owned));
+    let place = |cell: &Cell| {
+        cell.attractor.unwrap_or_else(|| {
+            let other = class(found, cell);
+            attractors + usize::from(other == "failed" && names[attractors] != "failed")
+        })
+    };
+    let cells = found.rows.iter().map(|row| row.iter().map(place).collect()).collect();
+    let classes = names
+        .iter()
+        .enumerate()
+        .map(|(place, name)| Class::numbered(name.clone(), place))
+        .collect();
+    let ends = |axis: &Axis| [axis.values[0], axis.values[axis.values.len() - 1]];
+    let label = |axis: &Axis| format!("{} [{}]", axis.name, unit_of(scene, &axis.name));
+    Map {
+        title: format!("{}: what each point ends in", scene.name),
+        x_label: label(x),
+        y_label: label(y),
+        x: ends(x),
+        y: ends(y),
+        cells,
+        classes,
+    }
+}

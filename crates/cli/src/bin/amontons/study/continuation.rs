@@ -1,0 +1,488 @@
+//! `amontons study continuation`: what a scene ends in over µ, upwards and downwards.
+
+use super::arguments::{Common, Looking};
+use super::folder::{Folder, quoted};
+use super::{heading, interrupted, kinds, prepared, watched_unevenly};
+use crate::say::say;
+use amontons::contact::Joined;
+use amontons::scene::Scene;
+use amontons::simulation::at_instant;
+use amontons_analysis::instant::{require_undriven, signals_left_out};
+use amontons_analysis::stability::candidates::{Bistability, bistability};
+use amontons_analysis::study::{
+    Bistable, Both, Continuation, Ending, Jump, Kind, Look, Plan, Point, Push, Third, Way,
+    continuation,
+};
+use amontons_analysis::sweep::{FRICTION, Possible, range};
+use amontons_cli::progress::Progress;
+use amontons_pictures::picture::{Band, Chart, Mark, Panel, Series, Style};
+use clap::Args;
+use serde_json::json;
+use std::error::Error;
+
+/// Colours of ranges with two motions: first those of rest and a cycle and of two cycles, then those of other pairs.
+const BANDS: [usize; 6] = [2, 4, 5, 3, 6, 7];
+
+#[derive(Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    pub common: Common,
+    #[command(flatten)]
+    pub looking: Looking,
+    /// Values of the friction coefficient, in steps or N of them, followed upwards from A and downwards from B
+    #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
+    pub friction: Values,
+    /// The size of a change of µ that a motion must survive to be followed, and how near the bounds of a jump are brought
+    /// together [default: a hundredth of the step]
+    #[arg(long, value_name = "µ", value_parser = resolution, allow_hyphen_values = true)]
+    pub resolution: Option<f64>,
+}
+
+#[derive(Clone)]
+pub struct Values(Vec<f64>);
+
+fn values(text: &str) -> Result<Values, String> {
+    range::steps(text).map(Values)
+}
+
+fn resolution(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(value) if value.is_finite() && value > 0.0 => Ok(value),
+        _ => Err("must be a number above zero".to_owned()),
+    }
+}
+
+pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
+    let Arguments { common, looking, friction: Values(values), resolution } = arguments;
+    let (scene, source, look) = prepared(common, looking)?;
+    if common.set.iter().any(|(set, _)| set == FRICTION) {
+        eprintln!("note: {FRICTION} takes the values of --friction, not that of --set");
+    }
+    let possible = Possible::of(&scene, FRICTION, values)?;
+    if let Some(note) = possible.note(FRICTION) {
+        eprintln!("note: {note}");
+    }
+    let values = &possible.values;
+    let [first, .., last] = values[..] else {
+        return Err(format!(
+            "of --friction only {} is possible; a way from one value to another needs two values",
+            values[0]
+        )
+        .into());
+    };
+    let resolution = resolution.unwrap_or(0.01 * (values[1] - values[0]));
+    let push = Push::of(&scene);
+    // What eigenvalues know.
+    let known = eigenvalues(&scene, [first, last]);
+    let candidates = known.as_ref().map_or(&[][..], |known| &known.candidates);
+    // Each value starts where the one before has ended, so a piece depends on them all.
+    let settings =
+        json!({ "look": look, "push": push, "values": values, "resolution": resolution });
+    let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
+    let plan = Plan { scene: &scene, look: &look, values, resolution, push, candidates };
+    let Some(found) = watched_unevenly(|watch| continuation(&plan, folder.journal(), watch))?
+    else {
+        return Err(interrupted(&folder));
+    };
+    let known = known.as_ref();
+    write(&folder, &scene, &look, &found, known.ok())?;
+    print(&scene, &look, resolution, &found);
+    print_eigenvalues(&scene, &found, known);
+    if only_rests(&found) {
+        eprintln!(
+            "note: downwards it starts at rest too, so a cycle beside rest is not found: end --friction where sliding is \
+             unstable, or give a start that leads into the cycle at one of the values, as --set initial.NAME=VALUE; \
+             `amontons study perturbation` looks for such starts"
+        );
+    }
+    say!("\n{}", folder.path().display());
+    Ok(())
+}
+
+fn write(
+    folder: &Folder,
+    scene: &Scene,
+    look: &Look,
+    found: &Continuation,
+    known: Option<&Bistability>,
+) -> Result<(), Box<dyn Error>> {
+    let head = [
+        "way",
+        FRICTION,
+        "kind",
+        "amplitude",
+        "frequency",
+        "share.slide",
+        "share.reverse_slide",
+        "share.stick",
+        "share.detached",
+        "time",
+        "failure",
+    ];
+    let ways = Way::ALL.into_iter().zip([&found.rising, &found.falling]);
+    let rows = ways.flat_map(|(way, points)| points.iter().map(move |point| row(way, point)));
+    folder.write_csv(&head, rows)?;
+    let candidates: Vec<_> = known
+        .map_or(&[][..], |known| &known.candidates)
+        .iter()
+        .zip(&found.compared)
+        .map(|(candidate, compared)| {
+            json!({
+                "state": Joined(&candidate.states).to_string(),
+                "range": candidate.range,
+                "frequency": candidate.frequency_hz,
+                "confirmed": met(compared),
+            })
+        })
+        .collect();
+    folder.write_json(json!({ "branches": found, "candidates": candidates }))?;
+    Ok(folder.draw("continuation", &chart(scene, look, found, known))?)
+}
+
+fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
+    let mut row = vec![way.name().to_owned(), format!("{friction:?}")];
+    match ending {
+        Ok(ending) => {
+            let amplitude = match ending.kind {
+                Kind::Unbounded => String::new(),
+                _ => format!("{:?}", ending.amplitude),
+            };
+            row.extend([ending.kind.name().to_owned(), amplitude]);
+            row.push(
+                ending.frequency.map_or_else(String::new, |frequency| format!("{frequency:?}")),
+            );
+            row.extend(ending.shares.map(|share| format!("{share:?}")));
+            row.extend([format!("{:?}", ending.time), String::new()]);
+        }
+        Err(failure) => {
+            row.extend(std::iter::repeat_n(String::new(), 8));
+            row.push(quoted(failure));
+        }
+    }
+    row
+}
+
+/// Values of µ in a candidate's range at which rest was met and a cycle in which contacts take the candidate's states
+/// together.
+fn met(compared: &[Both]) -> Vec<f64> {
+    let is_met = |both: &&Both| both.takes.contains(&true);
+    looked_at(compared.iter().filter(is_met))
+}
+
+/// Values of µ of motions beside rest, of which a value may have several.
+fn looked_at<'a>(compared: impl Iterator<Item = &'a Both>) -> Vec<f64> {
+    let mut values: Vec<f64> = compared.map(|both| both.friction).collect();
+    values.dedup();
+    values
+}
+
+/// Amplitude and frequency of both ways, jumps as marks, ranges with two motions shaded.
+pub fn chart(
+    scene: &Scene,
+    look: &Look,
+    found: &Continuation,
+    known: Option<&Bistability>,
+) -> Chart {
+    let ways = [("µ rising", Way::Rising, 0), ("µ falling", Way::Falling, 1)];
+    let series = |value: fn(&Ending) -> f64| {
+        let curve = |(label, way, colour): &(&str, Way, usize)| Series {
+            label: Some((*label).to_owned()),
+            points: curve(found, *way, value),
+            colour: *colour,
+            style: if *way == Way::Rising { Style::Line } else { Style::Dashed },
+            ..Series::default()
+        };
+        ways.iter().map(curve).collect::<Vec<Series>>()
+    };
+    let mut pairs = ["rest and a cycle", "two cycles"].map(str::to_owned).to_vec();
+    let band = |both: &Bistable| {
+        let words = both.words();
+        let place = pairs.iter().position(|pair| *pair == words).unwrap_or_else(|| {
+            pairs.push(words.clone());
+            pairs.len() - 1
+        });
+        let [from, to] = both.range;
+        Band { from, to, label: Some(words), colour: BANDS[place % BANDS.len()] }
+    };
+    let bands: Vec<Band> = found.bistable.iter().map(band).collect();
+    let jumps = found.jumps.iter().map(|jump| Mark {
+        x: jump.at(),
+        label: Some(format!("{} {:.4}", jump.way.name(), jump.at())),
+    });
+    let onsets = known.into_iter().flat_map(|known| &known.uniform).map(|crossing| Mark {
+        x: crossing.value,
+        label: Some(format!("{} {:.4}", turn(crossing.becomes_unstable), crossing.value)),
+    });
+    let mut amplitude = series(kinds::amplitude);
+    amplitude.extend(kinds::marks(&[endings(&found.rising), endings(&found.falling)]));
+    let frequency = series(|ending| match ending.frequency {
+        Some(frequency) if !ending.rests() => frequency,
+        _ => f64::NAN,
+    });
+    let mut panels = vec![Panel {
+        y_label: format!("Amplitude of {} [m]", look.of),
+        series: amplitude,
+        marks: jumps.chain(onsets).collect(),
+        bands: bands.clone(),
+        zero_line: true,
+        ..Panel::default()
+    }];
+    let is_seen = |series: &Series| series.points.iter().any(|[_, y]| y.is_finite());
+    if frequency.iter().any(is_seen) {
+        panels.push(Panel {
+            y_label: "Strongest frequency [Hz]".to_owned(),
+            series: frequency,
+            bands,
+            ..Panel::default()
+        });
+    }
+    Chart {
+        title: format!("{}: what it ends in over µ", scene.name),
+        x_label: "Friction coefficient µ [–]".to_owned(),
+        panels,
+        logarithmic: false,
+    }
+}
+
+/// The values whose runs have not failed, with what they have ended in.
+fn endings(points: &[Point]) -> Vec<(f64, &Ending)> {
+    points.iter().filter_map(|point| Some((point.friction, point.ending.as_ref().ok()?))).collect()
+}
+
+/// A value of one way over µ, with what was found at both bounds of its jumps. The curve is broken at jumps, where a
+/// value has failed, and where a motion had not settled. Beyond the end of a motion that was followed no farther the way has
+/// other motions, which no line joins to that end.
+fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64; 2]> {
+    let points = match way {
+        Way::Rising => &found.rising,
+        Way::Falling => &found.falling,
+    };
+    let seen = |ending: &Ending| {
+        let is_seen =
+            ending.kind != Kind::Unbounded && (ending.kind != Kind::Unsettled || ending.rests());
+        if is_seen { value(ending) } else { f64::NAN }
+    };
+    let at = |point: &Point| [point.friction, point.ending.as_ref().map_or(f64::NAN, seen)];
+    let mut curve: Vec<[f64; 2]> = points.iter().map(at).collect();
+    for jump in found.jumps.iter().filter(|jump| jump.among == Some(way)) {
+        let [before, after] = &jump.endings;
+        curve.push([jump.between[0], seen(before)]);
+        curve.push([jump.at(), f64::NAN]);
+        if !jump.is_end || after.rests() && rests_beyond(points, jump) {
+            curve.push([jump.between[1], seen(after)]);
+        }
+    }
+    curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
+    curve
+}
+
+/// Does the nearest value beyond a jump rest?
+fn rests_beyond(points: &[Point], jump: &Jump) -> bool {
+    let nearest = match jump.way {
+        Way::Rising => points.iter().find(|point| point.friction > jump.at()),
+        Way::Falling => points.iter().rev().find(|point| point.friction < jump.at()),
+    };
+    nearest.and_then(|point| point.ending.as_ref().ok()).is_some_and(Ending::rests)
+}
+
+/// Two bounds, printed with enough decimals to tell them apart.
+fn bracket([from, to]: &[f64; 2]) -> [String; 2] {
+    let written = |decimals| [from, to].map(|value| format!("{value:.decimals$}"));
+    (6..15).map(written).find(|[from, to]| from != to).unwrap_or_else(|| written(15))
+}
+
+fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
+    say!("{}: what it ends in over µ\n{}\n", scene.name, heading(&[(scene, look)]));
+    for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
+        say!("µ {}", way.name());
+        for run in points.chunk_by(|a, b| kind(a) == kind(b)) {
+            let (first, last) = (&run[0], &run[run.len() - 1]);
+            say!("  {} to {}: {}", first.friction, last.friction, described(first, last));
+            if let Ok(ending) = &first.ending
+                && ending.kind == Kind::Undecided
+                && let Some(evidence) = ending.evidence()
+            {
+                say!("    {evidence}");
+            }
+        }
+    }
+    say!("\nJumps: where one motion gives way to another");
+    if found.jumps.is_empty() {
+        say!("  none");
+    }
+    for Jump { way, between, endings: [before, after], .. } in &found.jumps {
+        let (before, after) = (told(before), told(after));
+        let [from, to] = bracket(between);
+        say!("  {:8} {from} to {to}  {before} becomes {after}", way.name());
+    }
+    say!("\nRanges with two motions");
+    for both in &found.bistable {
+        let Bistable { range, bounded, third, .. } = both;
+        let open = |is_bounded: &bool| if *is_bounded { "" } else { " (as far as was looked)" };
+        let [from, to] = bracket(range);
+        say!("  {from}{} to {to}{}: {}", open(&bounded[0]), open(&bounded[1]), both.words());
+        if let Some(Third { friction, ending }) = third {
+            say!("    and a third motion: at {friction:.6} {}", told(ending));
+        }
+    }
+    for range in &found.unknown {
+        let [from, to] = bracket(range);
+        say!(
+            "  {from} to {to}: unknown, for a motion that was met there has not settled, which a longer --longest may \
+             decide, or could not be followed"
+        );
+    }
+    if found.bistable.is_empty() && found.unknown.is_empty() {
+        say!("  {}", none(found, resolution));
+    }
+    if found.more {
+        say!(
+            "  Not all motions that were met are followed to their ends, which takes too long: ranges may be wider. A \
+             narrower --friction follows them further."
+        );
+    }
+    say!(
+        "  Known are only motions met from rest, from the scene's own start, or where one of these ends; others may exist."
+    );
+}
+
+/// `true` where the way downwards, too, has begun at rest, and no other motion was met beside the first.
+fn only_rests(found: &Continuation) -> bool {
+    let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
+    found.bistable.is_empty() && found.falling.last().is_some_and(rests)
+}
+
+/// Says what is known of second motions after both ways have ended in the same motion at every compared value.
+fn none(found: &Continuation, resolution: f64) -> String {
+    if only_rests(found) {
+        "unknown: the downward way has begun at rest too, and a motion beside rest may exist that no start has led to"
+            .to_owned()
+    } else {
+        format!(
+            "none was met that is wider than two resolutions, {:.1e}: where motions were compared, they are the same one",
+            2.0 * resolution
+        )
+    }
+}
+
+/// The eigenvalues of the scene as it is at t = 0 over a range of µ.
+fn eigenvalues(scene: &Scene, range: [f64; 2]) -> Result<Bistability, amontons::Error> {
+    require_undriven(scene, FRICTION)?;
+    let progress = Progress::new("eigenvalues of the contact states", 0);
+    let found = bistability(&at_instant(scene, 0.0)?, range, &|_| {});
+    progress.finish();
+    found
+}
+
+fn print_eigenvalues(
+    scene: &Scene,
+    found: &Continuation,
+    known: Result<&Bistability, &amontons::Error>,
+) {
+    say!("\nWhat eigenvalues say");
+    if let Some(left_out) = signals_left_out(scene, 0.0) {
+        say!("  {left_out}");
+    }
+    let known = match known {
+        Ok(known) => known,
+        Err(error) => {
+            say!("  unknown: {error}");
+            return;
+        }
+    };
+    if known.uniform.is_empty() {
+        for [from, to] in &known.equilibrium {
+            let is_stable =
+                known.stable.iter().any(|stable| stable[0] <= *from && *to <= stable[1]);
+            let verb =
+                if is_stable { "no mode of sliding grows" } else { "a mode of sliding grows" };
+            say!("  {verb} from {from} to {to}");
+        }
+    }
+    for crossing in &known.uniform {
+        say!("  {} at {:.6}", turn(crossing.becomes_unstable), crossing.value);
+    }
+    for (candidate, compared) in known.candidates.iter().zip(&found.compared) {
+        let [from, to] = candidate.range;
+        let met = met(compared);
+        let found = match (&met[..], compared.is_empty()) {
+            ([], true) => "not known: no cycle beside rest was found in this range".to_owned(),
+            ([], false) => format!(
+                "not met by the cycles beside rest that were followed, at {}; another one may meet it",
+                listed(looked_at(compared.iter()).into_iter())
+            ),
+            (values, _) => {
+                let values = listed(values.iter().copied());
+                format!("met by a cycle beside rest, seen at {values}")
+            }
+        };
+        let states = Joined(&candidate.states);
+        let hz = candidate.frequency_hz;
+        say!("  candidate {states} ({hz:.2} Hz) from {from:.4} to {to:.4}: {found}");
+    }
+}
+
+/// Values of µ in a row.
+fn listed(values: impl Iterator<Item = f64>) -> String {
+    values.map(|friction| format!("{friction:.4}")).collect::<Vec<_>>().join(", ")
+}
+
+/// What a crossing of uniform sliding is called.
+fn turn(becomes_unstable: bool) -> &'static str {
+    if becomes_unstable {
+        "a mode of sliding begins to grow"
+    } else {
+        "a mode of sliding ceases to grow"
+    }
+}
+
+/// A motion with its amplitude, which is no size of its own where it has not settled.
+fn told(ending: &Ending) -> String {
+    match ending.kind {
+        Kind::Unbounded => "growth without bound".to_owned(),
+        Kind::Equilibrium => "rest".to_owned(),
+        Kind::Unsettled => {
+            format!("{} ({} when it was left)", describe(ending), metres(ending.amplitude))
+        }
+        _ => format!("{} of {}", describe(ending), metres(ending.amplitude)),
+    }
+}
+
+/// What a motion does at a jump, where it may take too long to settle.
+pub fn describe(ending: &Ending) -> &'static str {
+    match ending.kind {
+        Kind::Unsettled if ending.rests() => "decaying motion",
+        Kind::Unsettled if ending.rate > 0.0 => "growing motion",
+        kind => kind.name(),
+    }
+}
+
+fn kind(point: &Point) -> Option<Kind> {
+    point.ending.as_ref().ok().map(|ending| ending.kind)
+}
+
+fn described(first: &Point, last: &Point) -> String {
+    match (&first.ending, &last.ending) {
+        (Ok(a), Ok(_)) if a.rests() => a.kind.name().to_owned(),
+        (Ok(a), Ok(_)) if a.kind == Kind::Unbounded => "grows without bound".to_owned(),
+        (Ok(a), Ok(b)) => {
+            format!("{}, {} to {}", a.kind.name(), metres(a.amplitude), metres(b.amplitude))
+        }
+        (Err(failure), _) | (_, Err(failure)) => failure.clone(),
+    }
+}
+
+fn metres(amplitude: f64) -> String {
+    format!("{amplitude:.4e}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::bracket;
+
+    #[test]
+    fn bounds_that_differ_are_printed_so_that_they_differ() {
+        assert_eq!(bracket(&[2.0625, 2.062_578]), ["2.062500", "2.062578"]);
+        assert_eq!(bracket(&[0.449_800_12, 0.449_800_14]), ["0.44980012", "0.44980014"]);
+    }
+}

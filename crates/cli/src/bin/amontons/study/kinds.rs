@@ -1,0 +1,42 @@
+//! Marks of motions by their kinds.
+
+use amontons_analysis::study::{Ending, Kind};
+use amontons_pictures::picture::{Marker, Series, Style};
+
+/// The mark of each kind of motion that has a size.
+const MARKS: [(Kind, Marker); 6] = [
+    (Kind::Equilibrium, Marker::Disc),
+    (Kind::Periodic, Marker::Ring),
+    (Kind::QuasiPeriodic, Marker::Square),
+    (Kind::Irregular, Marker::Triangle),
+    (Kind::Undecided, Marker::Diamond),
+    (Kind::Unsettled, Marker::Cross),
+];
+
+/// A mark for each value of each curve, at the amplitude of its motion and by the kind of that; the legend has each kind once.
+pub fn marks(curves: &[Vec<(f64, &Ending)>]) -> Vec<Series> {
+    let mut series: Vec<Series> = Vec::new();
+    for (colour, curve) in curves.iter().enumerate() {
+        for (kind, marker) in MARKS {
+            let is_kind = |ending: &Ending| {
+                if ending.rests() { kind == Kind::Equilibrium } else { ending.kind == kind }
+            };
+            let of_kind = curve.iter().filter(|(_, ending)| is_kind(ending));
+            let points: Vec<[f64; 2]> =
+                of_kind.map(|(value, ending)| [*value, amplitude(ending)]).collect();
+            let is_new = series.iter().all(|series| series.marker != Some(marker));
+            if !points.is_empty() {
+                let label = is_new.then(|| kind.name().to_owned());
+                let marker = Some(marker);
+                let style = Style::Dots;
+                series.push(Series { label, points, colour, style, marker, ..Series::default() });
+            }
+        }
+    }
+    series
+}
+
+/// The amplitude that a picture shows: none of what rests or decays to rest.
+pub fn amplitude(ending: &Ending) -> f64 {
+    if ending.rests() { 0.0 } else { ending.amplitude }
+}

@@ -1,0 +1,178 @@
+//! `amontons study`: each kind of study in a file of its own; what they share stands here.
+
+pub mod arguments;
+mod attractor;
+mod basin;
+pub mod continuation;
+mod folder;
+mod kinds;
+pub mod limit_cycle;
+pub mod perturbation;
+pub mod transient;
+
+use crate::interrupt::{self, Interrupted};
+use amontons::error::Rounded;
+use amontons::integrator::select;
+use amontons::scene::{Method, Scene, Selection, Source};
+use amontons_analysis::assign::assign;
+use amontons_analysis::doubts::doubts_of;
+use amontons_analysis::study::{Look, Watch, pace};
+use amontons_analysis::sweep::range::check_once;
+use amontons_cli::progress::Progress;
+use amontons_export::documentation::counted;
+use amontons_export::scene;
+use arguments::{Common, Looking, Study};
+use folder::Folder;
+use std::error::Error;
+
+pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
+    interrupt::listen();
+    match command {
+        Study::Continuation(arguments) => continuation::run(arguments),
+        Study::LimitCycle(arguments) => limit_cycle::run(arguments),
+        Study::Transient(arguments) => transient::run(arguments),
+        Study::Basin(arguments) => basin::run(arguments),
+        Study::Perturbation(arguments) => perturbation::run(arguments),
+    }
+}
+
+/// The scene with the values of the command line, and its files.
+fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
+    let (mut scene, source) = scene::find(&common.scene)?;
+    check_once(&common.set)?;
+    for (name, value) in &common.set {
+        assign(&mut scene, name, *value)?;
+    }
+    scene.check()?;
+    for doubt in doubts_of(&scene) {
+        eprintln!("warning: {doubt}");
+    }
+    Ok((scene, source))
+}
+
+/// The same with the method and step of the study, and how it is looked at.
+fn prepared(common: &Common, looking: &Looking) -> Result<(Scene, Source, Look), amontons::Error> {
+    prepared_with(common, looking, pace)
+}
+
+/// The same with another method and step for a scene whose command line gives none.
+fn prepared_with(
+    common: &Common,
+    looking: &Looking,
+    default: fn(&mut Scene, &Look),
+) -> Result<(Scene, Source, Look), amontons::Error> {
+    let (mut scene, source) = found(common)?;
+    let look = Look::of(&scene, &looking.wish())?;
+    set_pace(&mut scene, common, &look, default)?;
+    Ok((scene, source, look))
+}
+
+/// Prepares the scene of a study anew, after a parameter has taken another value: the method and step of the command line
+/// stay, those that follow how the scene is looked at do so again.
+fn prepared_again(
+    scene: &mut Scene,
+    common: &Common,
+    looking: &Looking,
+) -> Result<Look, amontons::Error> {
+    let look = Look::of(scene, &looking.wish())?;
+    follow(scene, common, &look, pace)?;
+    Ok(look)
+}
+
+/// Gives a scene the method and step of a study.
+fn set_pace(
+    scene: &mut Scene,
+    common: &Common,
+    look: &Look,
+    default: fn(&mut Scene, &Look),
+) -> Result<(), amontons::Error> {
+    if !follow(scene, common, look, default)? {
+        common.integrator.apply(scene)?;
+    }
+    // A tolerance chooses once, for the scene as it is given: so all runs have the same step.
+    if let Some(tolerance) = scene.selection.tolerance() {
+        let selected = select(scene, tolerance);
+        eprintln!("{}: {selected}", scene.name);
+        (scene.method, scene.step, scene.selection) =
+            (selected.method, selected.step, Selection::Given);
+    }
+    Ok(())
+}
+
+/// Lets the step of a scene follow how it is looked at. `false` where the command line gives the step.
+fn follow(
+    scene: &mut Scene,
+    common: &Common,
+    look: &Look,
+    default: fn(&mut Scene, &Look),
+) -> Result<bool, amontons::Error> {
+    let given = &common.integrator;
+    match (given.integrator, given.step, given.preset) {
+        (None, None, None) => default(scene, look),
+        (Some(Method::EventDriven), None, None) => {
+            scene.set_integrator(given.integrator, Some(look.interval))?;
+        }
+        _ => return Ok(false),
+    }
+    Ok(true)
+}
+
+/// Method and step, and how motions are looked at, as the heading of a table says it for all of its runs.
+fn heading(runs: &[(&Scene, &Look)]) -> String {
+    let method = match runs[0].0.method {
+        Method::EventDriven => "exact motion between events",
+        Method::ForwardIncrement => "the paper's scheme",
+    };
+    format!(
+        "{method}, step {} s; {} every {} s, windows of {} s, up to {} s",
+        over(runs.iter().map(|(scene, _)| scene.step)),
+        runs[0].1.of,
+        over(runs.iter().map(|(_, look)| look.interval)),
+        over(runs.iter().map(|(_, look)| look.window)),
+        over(runs.iter().map(|(_, look)| look.longest)),
+    )
+}
+
+/// The one value that all have, or the least and the largest: `0.5 to 50`.
+fn over(values: impl Iterator<Item = f64>) -> String {
+    let [least, most] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
+        [least.min(value), most.max(value)]
+    });
+    let [least, most] = [least, most].map(|value| Rounded(value).to_string());
+    if least == most { least } else { format!("{least} to {most}") }
+}
+
+/// Does a study's work under a bar that shows the time left, until it is done or a person ends it.
+fn watched<T>(
+    work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
+) -> Result<T, amontons::Error> {
+    watched_under(&Progress::in_parts("the study"), work)
+}
+
+/// Runs work under a bar that shows how far it is but no time left: some pieces of such work take many times as long as
+/// others.
+fn watched_unevenly<T>(
+    work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
+) -> Result<T, amontons::Error> {
+    watched_under(&Progress::in_uneven_parts("the study"), work)
+}
+
+fn watched_under<T>(
+    bar: &Progress,
+    work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
+) -> Result<T, amontons::Error> {
+    let progress = |part: f64| bar.set_part(part);
+    let result = work(Watch { go_on: &interrupt::stopped, progress: &progress });
+    bar.finish();
+    result
+}
+
+/// What a person is told who has ended a study.
+fn interrupted(folder: &Folder) -> Box<dyn Error> {
+    eprintln!(
+        "note: {} kept in {}; the same command continues from there",
+        counted(folder.journal().len(), "finished piece is", "finished pieces are"),
+        folder.journal_path().display()
+    );
+    Box::new(Interrupted)
+}

@@ -1,0 +1,155 @@
+//! `amontons simulate --sweep`.
+
+use crate::arguments::Simulate;
+use crate::interrupt::{self, Interrupted};
+use crate::simulate::is_broken_pipe;
+use amontons::integrator::select;
+use amontons::scene::{Experiment, Scene, Selection};
+use amontons_analysis::output::Pending;
+use amontons_analysis::sweep::observed::output;
+use amontons_analysis::sweep::{Doubt, ENERGIES, Possible, Summary, View, sweep};
+use amontons_cli::progress::Progress;
+use amontons_export::documentation::counted;
+use std::error::Error;
+use std::io::{BufWriter, Write, stdout};
+
+pub fn run(
+    arguments: &Simulate,
+    mut scene: Scene,
+    experiment: Experiment,
+    name: &str,
+    values: &[f64],
+) -> Result<(), Box<dyn Error>> {
+    // A tolerance chooses once, for the scene as it is given: so all values have the same step.
+    if let Some(tolerance) = scene.selection.tolerance() {
+        let selected = select(&scene, tolerance);
+        eprintln!("{}: {selected}", scene.name);
+        (scene.method, scene.step, scene.selection) =
+            (selected.method, selected.step, Selection::Given);
+    }
+    scene.experiment = experiment;
+    let scene = &scene;
+    let possible = Possible::of(scene, name, values)?;
+    if let Some(note) = possible.note(name) {
+        eprintln!("note: {note}");
+    }
+    let values = &possible.values;
+    if arguments.set.iter().any(|(set, _)| set == name) {
+        eprintln!("note: {name} takes the values of --sweep, not that of --set");
+    }
+    let names = match &arguments.of {
+        Some(name) => vec![name.clone()],
+        None => scene.dof_names(),
+    };
+    let outputs = names.iter().map(|name| output(scene, name)).collect::<Result<_, _>>()?;
+    let window = arguments.window.unwrap_or(scene.experiment.stop_time / 4.0);
+    let view = View { outputs, window };
+    let mut file = arguments.output.as_deref().map(Pending::create).transpose()?;
+    interrupt::listen();
+    let progress = Progress::in_parts("the runs");
+    let outcomes = sweep(scene, name, values, &view, &|passed| {
+        progress.set_part(passed);
+        interrupt::stopped()
+    });
+    progress.finish();
+    let outcomes = outcomes?;
+    let is_complete = outcomes.iter().all(Option::is_some);
+    if let Some(Err(error)) = outcomes[0].as_ref().filter(|_| outcomes.iter().all(has_failed)) {
+        return Err(error.clone().into());
+    }
+    let mut rows = Vec::new();
+    for (value, outcome) in values.iter().zip(outcomes) {
+        match outcome {
+            Some(Ok(summary)) => rows.push((*value, summary)),
+            Some(Err(error)) => eprintln!("note: {name} = {value:?} is left out: {error}"),
+            None => {}
+        }
+    }
+    let names: Vec<&str> = names.iter().map(String::as_str).collect();
+    match &mut file {
+        Some(file) => write(file, name, &names, &rows)?,
+        None => match write(&mut BufWriter::new(stdout().lock()), name, &names, &rows) {
+            // Whoever reads has read enough (`| head`).
+            Err(error) if is_broken_pipe(&*error) => {}
+            result => result?,
+        },
+    }
+    tell_doubts(name, &rows);
+    if !is_complete {
+        eprintln!("note: interrupted: {} of {} values", rows.len(), values.len());
+        if let Some(partial) = file.as_ref().and_then(Pending::partial) {
+            eprintln!("their rows are in {}", partial.display());
+        }
+        return Err(Box::new(Interrupted));
+    }
+    file.map_or(Ok(()), |file| Ok(file.complete()?))
+}
+
+/// Says why `settled` is unknown, once for each reason: of a window that is too short with the longest that is needed.
+fn tell_doubts(name: &str, rows: &[(f64, Summary)]) {
+    let doubts = rows.iter().filter_map(|(value, summary)| Some((*value, summary.settled.err()?)));
+    let kind = |doubt: &Doubt| std::mem::discriminant(doubt);
+    let needed = |doubt: &Doubt| if let Doubt::Short(window) = doubt { *window } else { 0.0 };
+    let mut told: Vec<(f64, usize, Doubt)> = Vec::new();
+    for (value, doubt) in doubts {
+        match told.iter_mut().find(|(_, _, known)| kind(known) == kind(&doubt)) {
+            Some((_, count, known)) => {
+                *count += 1;
+                if needed(&doubt) > needed(known) {
+                    *known = doubt;
+                }
+            }
+            None => told.push((value, 1, doubt)),
+        }
+    }
+    for (first, count, doubt) in told {
+        let values = counted(count, "value", "values");
+        eprintln!("note: settled is unknown of {values}, the first {name} = {first:?}: {doubt}");
+    }
+}
+
+fn has_failed<T, E>(outcome: &Option<Result<T, E>>) -> bool {
+    matches!(outcome, Some(Err(_)))
+}
+
+fn write(
+    out: &mut dyn Write,
+    name: &str,
+    outputs: &[&str],
+    rows: &[(f64, Summary)],
+) -> Result<(), Box<dyn Error>> {
+    write!(out, "{name}")?;
+    for output in outputs {
+        write!(out, ",amplitude.{output}")?;
+    }
+    write!(out, ",frequency,settled,share.slide,share.reverse_slide,share.stick,share.detached")?;
+    if rows.first().is_some_and(|(_, summary)| !summary.energies.is_empty()) {
+        for energy in ENERGIES {
+            write!(out, ",energy.{energy}")?;
+        }
+    }
+    writeln!(out)?;
+    for (value, Summary { amplitudes, frequency, settled, shares, energies }) in rows {
+        write!(out, "{value:?}")?;
+        for amplitude in amplitudes {
+            write!(out, ",{amplitude:?}")?;
+        }
+        write!(
+            out,
+            ",{}",
+            frequency.map_or_else(String::new, |frequency| format!("{frequency:?}"))
+        )?;
+        let settled = match settled {
+            Ok(true) => "yes",
+            Ok(false) => "no",
+            Err(_) => "unknown",
+        };
+        write!(out, ",{settled}")?;
+        for value in shares.iter().chain(energies) {
+            write!(out, ",{value:?}")?;
+        }
+        writeln!(out)?;
+    }
+    out.flush()?;
+    Ok(())
+}

@@ -1,0 +1,3 @@
+//! What the programs `amontons` and `amontons-stability` share.
+
+pub mod progress;

@@ -1,0 +1,139 @@
+//! What a scene is, in words.
+
+use super::Subject;
+use amontons::model::LumpedModel;
+use amontons::scene::{Method, Scene, Structure};
+use amontons::simulation::catalogue::{Causality, fmu_variables};
+use amontons::stability::{CriticalStep, critical_step};
+
+/// Of so many contacts the normal force is told.
+const MOST_FORCES: usize = 12;
+
+/// Pairs of a word and a text.
+pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
+    let (scene, start) = (subject.scene, subject.start);
+    let acting = start.acting();
+    let model = LumpedModel::from(acting);
+    let mut facts = vec![("Structure", structure(scene, &model))];
+    if scene.contact_count() > 0 {
+        facts.push(("Contact", contact(scene)));
+        let forces = &start.reference().normal_force;
+        // Friction of uniform sliding is in them.
+        facts.push(("Normal forces in the equilibrium", normal_forces(scene, forces)));
+    }
+    facts.push(("Method", method(subject)));
+    if acting.method == Method::ForwardIncrement {
+        let critical = critical_step(&model, acting.friction_coefficient);
+        let told = |critical: CriticalStep| match scene.contact_count() {
+            0 => format!("{:.4e} s", critical.step),
+            _ => critical.to_string(),
+        };
+        let critical = critical.map_or_else(|error| error.to_string(), told);
+        facts.push(("Critical step", critical));
+    }
+    if !scene.signals.is_empty() {
+        let mut inputs: Vec<&str> = scene.signals.iter().map(|signal| &*signal.input).collect();
+        inputs.dedup();
+        let text = format!(
+            "the scene itself drives {}; what an importer sets is added to it",
+            inputs.join(", ")
+        );
+        facts.push(("Signals", text));
+    }
+    let experiment = scene.experiment;
+    let default = format!(
+        "from 0 to {} s, an output each {} s",
+        experiment.stop_time, experiment.output_interval
+    );
+    facts.push(("Default experiment", default));
+    let variables = fmu_variables(scene);
+    let of = |causality| variables.iter().filter(|v| v.causality == causality).count();
+    let counts = format!(
+        "{}, {}, {}; SI units throughout",
+        counted(of(Causality::Input), "input", "inputs"),
+        counted(of(Causality::Output), "output", "outputs"),
+        counted(of(Causality::Parameter), "parameter", "parameters")
+    );
+    facts.push(("Variables", counts));
+    facts
+}
+
+/// A number of things: "1 spring", "2 springs".
+#[must_use]
+pub fn counted(count: usize, one: &str, several: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { several })
+}
+
+fn structure(scene: &Scene, model: &LumpedModel) -> String {
+    let parts = match &scene.structure {
+        Structure::Ring(modules) => {
+            format!("a ring of {}", counted(modules.len(), "module", "modules"))
+        }
+        Structure::Network(network) => {
+            let mut parts = vec![counted(network.masses.len(), "mass", "masses")];
+            if !network.springs.is_empty() {
+                parts.push(counted(network.springs.len(), "spring", "springs"));
+            }
+            if !network.dampers.is_empty() {
+                parts.push(counted(network.dampers.len(), "damper", "dampers"));
+            }
+            format!("a network of {}", parts.join(", "))
+        }
+    };
+    format!(
+        "{parts}: {}, {}",
+        counted(model.dofs(), "degree of freedom", "degrees of freedom"),
+        counted(model.contacts.len(), "contact", "contacts")
+    )
+}
+
+fn contact(scene: &Scene) -> String {
+    let law = scene.contact_law();
+    let about = law.friction.about();
+    let mut text = format!("friction \"{}\": {}", about.name, about.equation);
+    if about.sticks && !law.sticking {
+        text += "; contacts never stick";
+    }
+    text += if law.detachment { "; contacts detach" } else { "; contacts never detach" };
+    text
+}
+
+fn normal_forces(scene: &Scene, forces: &[f64]) -> String {
+    let more = match forces.len() {
+        0..=MOST_FORCES => String::new(),
+        all => format!(", and {} more", all - MOST_FORCES),
+    };
+    first_forces(scene, &forces[..forces.len().min(MOST_FORCES)]) + &more
+}
+
+/// Normal forces, N, of a scene's first contacts, with the contacts' names.
+#[must_use]
+pub fn first_forces(scene: &Scene, forces: &[f64]) -> String {
+    let told = forces.iter().enumerate();
+    let told = told.map(|(i, force)| format!("{force:.4} N at {}", scene.contact_name(i)));
+    told.collect::<Vec<_>>().join(", ")
+}
+
+fn method(subject: Subject<'_>) -> String {
+    let start = subject.start;
+    let acting = start.acting();
+    let text = match acting.method {
+        Method::ForwardIncrement => {
+            format!(
+                "forward increment Lagrange multipliers, of first order, internal step {:e} s",
+                acting.step
+            )
+        }
+        Method::EventDriven => format!(
+            "event-driven, exact between changes of contact state, internal step {:e} s",
+            acting.step
+        ),
+    };
+    match start.selected() {
+        Some(selected) => {
+            let by = subject.scene.selection;
+            format!("{text}; chosen by {by} for a relative error of {:e}", selected.tolerance)
+        }
+        None => text,
+    }
+}

@@ -1,0 +1,83 @@
+//! What an FMU says of itself: the pages in its documentation, its icon, and a reference run beside it.
+//!
+//! | file | what it says |
+//! | --- | --- |
+//! | `page` | the page at which the documentation begins, put together |
+//! | `facts` | what the scene is, in words |
+//! | `stability` | whether it squeals |
+//! | `locus` | from which friction on it does |
+//! | `run` | a run of the scene, from which the page's values are |
+//! | `reference` | that run as a chart and a table |
+//! | `variables` | the variables, by kind and one by one |
+//! | `importing` | what an importer does with the FMU |
+//! | `coupling` | what another FMU gives and takes that is joined to it |
+//! | `accuracy` | what accuracy costs, as a page of its own |
+//! | `cross_check` | files of a reference run, as cross-checks of tools want them |
+//! | `markup` | the frame of a page, and pictures in it |
+//!
+//! The same scene gives the same bytes.
+
+mod accuracy;
+mod coupling;
+mod cross_check;
+mod facts;
+mod importing;
+mod locus;
+mod markup;
+mod page;
+mod reference;
+mod run;
+mod stability;
+mod variables;
+
+pub use accuracy::accuracy_page;
+pub use cross_check::{CrossCheck, cross_check};
+pub use facts::{counted, first_forces};
+pub use run::{ReferenceRun, reference_run};
+
+use crate::package::Documentation;
+use amontons::Error;
+use amontons::scene::{Scene, Source};
+use amontons::simulation::Simulation;
+use amontons_pictures::picture::Structure;
+
+/// The names of so many contact states are written out.
+const NAMED: usize = 8;
+
+/// What the documentation is made from.
+#[derive(Clone, Copy)]
+pub struct Subject<'a> {
+    /// The scene.
+    pub scene: &'a Scene,
+    /// Its files, word for word.
+    pub source: &'a Source,
+    /// The scene at its start.
+    pub start: &'a Simulation,
+    /// A run of it.
+    pub run: &'a ReferenceRun,
+}
+
+/// The documentation of a scene's FMU. `accuracy` is the page of [`accuracy_page`], where there is one.
+///
+/// # Errors
+/// A picture cannot be drawn.
+pub fn documentation(
+    subject: Subject<'_>,
+    accuracy: Option<String>,
+) -> Result<Documentation, Error> {
+    let structure = drawn(subject.scene);
+    let index = page::index(subject, structure.as_ref(), accuracy.is_some())?;
+    let icon = structure.map(|structure| structure.icon()).transpose()?;
+    Ok(Documentation { index, accuracy, icon })
+}
+
+/// The scene's structure, if one picture can show it.
+fn drawn(scene: &Scene) -> Option<Structure> {
+    let structure = Structure::from(scene);
+    (structure.masses.len() <= Structure::MOST_MASSES).then_some(structure)
+}
+
+/// Is there anything that rubs with friction?
+fn can_squeal(scene: &Scene) -> bool {
+    scene.contact_count() > 0 && scene.friction_law.about().sticks
+}

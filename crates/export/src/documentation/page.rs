@@ -1,0 +1,90 @@
+//! The page at which an FMU's documentation begins.
+
+use super::{Subject, facts, importing, markup, reference, stability, variables};
+use amontons::Error;
+use amontons_pictures::picture::Structure;
+use amontons_pictures::report::{add, text};
+
+/// The page. `structure` is what is drawn; `accuracy` says whether there is a page on that beside this one.
+///
+/// # Errors
+/// A picture cannot be drawn.
+pub(super) fn index(
+    subject: Subject<'_>,
+    structure: Option<&Structure>,
+    accuracy: bool,
+) -> Result<String, Error> {
+    let scene = subject.scene;
+    let mut html = String::from("<header>\n");
+    add(&mut html, format_args!("<h1>{}</h1>\n", text(&scene.name)));
+    if !scene.description.is_empty() {
+        add(&mut html, format_args!("<p class=\"lead\">{}</p>\n", text(&scene.description)));
+    }
+    html.push_str("</header>\n");
+    let start = subject.start;
+    let mut sections = vec![
+        ("scene", "The scene", model(subject, structure)?),
+        ("squeal", "Will it squeal?", stability::section(start.acting(), start.reference())?),
+        ("import", "How to import it", importing::section(subject)),
+        ("run", "A reference run", reference::section(scene, subject.run)?),
+        ("variables", "Variables", variables::section(scene)),
+        ("file", "Scene file", file(subject)),
+    ];
+    if accuracy {
+        let content = "<p>What each method and step costs in accuracy, measured against a reference: \
+                       <a href=\"accuracy.html\">accuracy</a>.</p>\n";
+        sections.push(("accuracy", "Accuracy", content.to_owned()));
+    }
+    sections.push(("licences", "Licences", LICENCES.to_owned()));
+    html.push_str("<nav aria-label=\"Contents\">\n<ul>\n");
+    for (id, heading, _) in &sections {
+        add(&mut html, format_args!("<li><a href=\"#{id}\">{heading}</a></li>\n"));
+    }
+    html.push_str("</ul>\n</nav>\n<main id=\"main\">\n");
+    for (id, heading, content) in &sections {
+        markup::section(&mut html, id, heading, content);
+    }
+    html.push_str("</main>\n");
+    Ok(markup::page(&scene.name, &html))
+}
+
+const LICENCES: &str = "\
+<p>The program in this FMU is Amontons, under the <a href=\"licenses/LICENSE-MIT.txt\">MIT licence</a> or the \
+<a href=\"licenses/LICENSE-APACHE.txt\">Apache License 2.0</a>, at your option. It is linked with other programs, \
+whose licences are in <a href=\"licenses/THIRD-PARTY.txt\">THIRD-PARTY.txt</a>. The scene is its author's.</p>
+";
+
+fn model(subject: Subject<'_>, structure: Option<&Structure>) -> Result<String, Error> {
+    let mut html = String::new();
+    match structure {
+        Some(structure) => {
+            let caption =
+                "Masses, springs, dampers and contacts. Lengths in the picture mean nothing.";
+            markup::figure(&mut html, "drawing", &structure.svg()?, caption);
+        }
+        None => markup::paragraphs(
+            &mut html,
+            &[format!(
+                "There is no drawing of it: one picture tells up to {} masses apart.",
+                Structure::MOST_MASSES
+            )],
+        ),
+    }
+    markup::facts(&mut html, &facts::facts(subject));
+    Ok(html)
+}
+
+fn file(subject: Subject<'_>) -> String {
+    let source = subject.source;
+    let mut html = String::from(
+        "<p>What the FMU reads when it is instantiated, from its folder <code>resources</code>. <code>amontons \
+         export</code> and <code>amontons simulate</code> take it too.</p>\n<details>\n<summary>scene.toml</summary>\n",
+    );
+    markup::listing(&mut html, "scene.toml", &source.text);
+    html.push_str("</details>\n");
+    if !source.tables.is_empty() {
+        let names: Vec<&str> = source.tables.iter().map(|(name, _)| &**name).collect();
+        markup::paragraphs(&mut html, &[format!("Beside it: {}.", names.join(", "))]);
+    }
+    html
+}

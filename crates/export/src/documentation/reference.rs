@@ -1,0 +1,128 @@
+//! The reference run as a chart, and as a table with all digits.
+
+use super::markup;
+use super::run::ReferenceRun;
+use amontons::Error;
+use amontons::scene::Scene;
+use amontons::simulation::Variable;
+use amontons::simulation::catalogue::Kind;
+use amontons_pictures::picture::{Chart, Panel, Series};
+use amontons_pictures::report::{add, envelope, plain_table, text};
+
+/// Parts of the time of which a curve keeps its lowest and its highest point: a picture 900 px wide has no more.
+const PARTS: f64 = 700.0;
+/// The table has rows at so many equal parts of the run.
+const INTERVALS: usize = 8;
+
+/// Are values those of the start, but for rounding?
+fn is_still(values: &[f64], start: &[f64]) -> bool {
+    values.iter().zip(start).all(|(value, start)| (value - start).abs() <= 1e-12 * start.abs())
+}
+
+/// # Errors
+/// The chart cannot be drawn.
+pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error> {
+    let mut html = String::new();
+    let (experiment, rows) = (run.experiment, &run.rows);
+    let interval = experiment.output_interval;
+    let mut words = format!(
+        "A run of this scene by Amontons itself, without an importer and with nothing set: from 0 to {} s, a row \
+         each {interval} s.",
+        experiment.stop_time
+    );
+    if !run.whole {
+        words += &format!(
+            " The whole experiment of the scene is {} s long; this is as much of it as a fixed count of operations \
+             goes, so that an export stays quick.",
+            scene.experiment.stop_time
+        );
+    }
+    if rows.iter().all(|(_, values)| is_still(values, &rows[0].1)) {
+        words += " With nothing set this scene stays at rest: a comparison wants an input that moves it, here as there.";
+    }
+    words += " An importer that steps through the same times gets the same doubles, to the last bit; each row below is \
+              at one of these times.";
+    markup::paragraphs(&mut html, &[words]);
+    if let Some(failure) = &run.failure {
+        let last = rows.last().map_or(0.0, |row| row.0);
+        markup::paragraphs(&mut html, &[format!("The run ends at {last} s: {failure}.")]);
+    }
+    // Where all is locked and nothing touches, nothing moves.
+    if rows.len() > 1 && !run.variables.is_empty() {
+        let svg = chart(scene, run).svg()?;
+        markup::figure(
+            &mut html,
+            "run-figure",
+            &svg,
+            "Of each 700th of the run the lowest and the highest value.",
+        );
+    }
+    let columns: Vec<String> =
+        std::iter::once("time [s]".to_owned()).chain(run.variables.iter().map(label)).collect();
+    let cells = table_rows(rows.len()).map(|place| {
+        let (time, values) = &rows[place];
+        let values = run.variables.iter().zip(values).map(|(variable, value)| match variable {
+            Variable { template, .. } if matches!(template.kind, Kind::Real { .. }) => {
+                format!("{value:?}")
+            }
+            _ => format!("{value}"),
+        });
+        std::iter::once(format!("{time:?}")).chain(values).collect::<Vec<_>>().into_iter()
+    });
+    plain_table(
+        &mut html,
+        "run-values",
+        "Values with all their digits: each is the shortest decimal that reads back as its double",
+        &columns,
+        cells,
+    );
+    add(
+        &mut html,
+        format_args!(
+            "<p class=\"hint\"><code>amontons simulate</code> writes all rows and outputs, \
+             <code>amontons export --with-reference</code> a file of them beside the FMU, with what an importer is to \
+             be told for it ({}).</p>\n",
+            text("FMI cross-check: _ref.csv, _ref.opt, _in.csv")
+        ),
+    );
+    Ok(html)
+}
+
+/// The places of the rows in the table: equal parts of the run, first and last included.
+fn table_rows(count: usize) -> impl Iterator<Item = usize> {
+    let last = count - 1;
+    let parts = INTERVALS.min(last).max(1);
+    let mut places: Vec<usize> = (0..=parts).map(|part| part * last / parts).collect();
+    places.dedup();
+    places.into_iter()
+}
+
+/// A variable with its unit.
+fn label(variable: &Variable) -> String {
+    match variable.template.kind {
+        Kind::Real { unit, .. } if unit != "1" => format!("{} [{unit}]", variable.name),
+        _ => variable.name.clone(),
+    }
+}
+
+fn chart(scene: &Scene, run: &ReferenceRun) -> Chart {
+    let panel = |(column, variable): (usize, &Variable)| {
+        let points: Vec<[f64; 2]> =
+            run.rows.iter().map(|(time, values)| [*time, values[column]]).collect();
+        Panel {
+            y_label: label(variable),
+            series: vec![Series {
+                points: envelope(&points, PARTS),
+                colour: column,
+                ..Series::default()
+            }],
+            ..Panel::default()
+        }
+    };
+    Chart {
+        title: format!("{}: reference run", scene.name),
+        x_label: "Time [s]".into(),
+        panels: run.variables.iter().enumerate().map(panel).collect(),
+        ..Chart::default()
+    }
+}

@@ -1,0 +1,132 @@
+//! A run of the scene: its own experiment, as far as an export may take.
+
+use super::can_squeal;
+use amontons::Error;
+use amontons::integrator::Cost;
+use amontons::model::LumpedModel;
+use amontons::scene::{Experiment, Scene};
+use amontons::simulation::catalogue::{Causality, Quantity};
+use amontons::simulation::{Simulation, Variable, variables};
+use amontons_analysis::accuracy::Watch;
+use std::ops::ControlFlow;
+
+/// The operations, as [`Cost`] counts them, that a run in an export may take: some tenths of a second, with exact
+/// motion of few parts one or two. They are counted and not timed, so that an FMU is the same on each machine.
+const MOST_OPERATIONS: f64 = 5e8;
+/// With a ledger of energy, which [`Cost`] knows nothing of, a run takes up to so many times as long (rings of 63
+/// modules 7.2).
+const LEDGER: f64 = 8.0;
+/// The rows that it may have.
+const MOST_ROWS: f64 = 1e5;
+/// Of so many displacements that which moves most is shown.
+const CANDIDATES: usize = 32;
+
+/// Rows of outputs over time.
+#[derive(Clone, Debug)]
+pub struct ReferenceRun {
+    /// What was run: the scene's experiment, or its beginning.
+    pub experiment: Experiment,
+    /// Was the whole experiment run?
+    pub whole: bool,
+    /// What was read: the displacement that moves most, forces of the first contact.
+    pub variables: Vec<Variable>,
+    /// Time, s, and the values of the variables in SI units, from the start on.
+    pub rows: Vec<(f64, Vec<f64>)>,
+    /// What has ended the run before its end.
+    pub failure: Option<Error>,
+}
+
+/// Runs a scene as `amontons simulate` does, without inputs, from the start; `None` where `watch`, which hears what
+/// part is done, has ended it.
+///
+/// # Errors
+/// What makes a start impossible.
+pub fn reference_run(scene: &Scene, watch: Watch<'_>) -> Result<Option<ReferenceRun>, Error> {
+    let mut simulation = Simulation::new(scene.clone(), 0.0)?;
+    let (experiment, whole) = affordable(simulation.acting(), scene.experiment);
+    let outputs = outputs(scene);
+    let mut rows = vec![(0.0, read(&mut simulation, &outputs)?)];
+    let mut failure = None;
+    for (place, (time, _)) in experiment.row_times().enumerate() {
+        if place % 64 == 0 && watch(time / experiment.stop_time) == ControlFlow::Break(()) {
+            return Ok(None);
+        }
+        let advanced = simulation.advance_to(time).and_then(|()| read(&mut simulation, &outputs));
+        match advanced {
+            Ok(values) => rows.push((time, values)),
+            Err(error) => {
+                failure = Some(error);
+                break;
+            }
+        }
+    }
+    let (variables, rows) = shown(&outputs, &rows);
+    Ok(Some(ReferenceRun { experiment, whole, variables, rows, failure }))
+}
+
+/// As much of the experiment as an export may take, and whether that is the whole.
+fn affordable(scene: &Scene, experiment: Experiment) -> (Experiment, bool) {
+    let Experiment { stop_time, output_interval } = experiment;
+    let second = Cost::of(&LumpedModel::from(scene)).run(scene.method, scene.step, 1.0, 0.0);
+    let ledger = if scene.effects.energy { LEDGER } else { 1.0 };
+    let time = MOST_OPERATIONS / (ledger * second);
+    let intervals = (time / output_interval).floor().clamp(1.0, MOST_ROWS);
+    // Whole intervals, so that the rows are those of the whole experiment.
+    let end = intervals * output_interval;
+    if end < stop_time {
+        (Experiment { stop_time: end, ..experiment }, false)
+    } else {
+        (experiment, true)
+    }
+}
+
+/// Displacements, then forces of the first contact; where there is none, velocities.
+fn outputs(scene: &Scene) -> Vec<Variable> {
+    let all = variables(scene);
+    let of = |quantity: Quantity| {
+        let is_it = move |v: &&Variable| {
+            v.causality == Causality::Output && v.template.quantity == quantity
+        };
+        all.iter().filter(is_it).cloned()
+    };
+    let mut outputs: Vec<Variable> = of(Quantity::Displacement).take(CANDIDATES).collect();
+    if scene.contact_count() == 0 {
+        let moving = outputs.len();
+        outputs.extend(of(Quantity::Velocity).take(moving));
+    } else {
+        outputs.extend(of(Quantity::NormalForce).take(1));
+        if can_squeal(scene) {
+            outputs.extend(of(Quantity::FrictionForce).take(1));
+        }
+    }
+    outputs
+}
+
+fn read(simulation: &mut Simulation, outputs: &[Variable]) -> Result<Vec<f64>, Error> {
+    outputs.iter().map(|variable| simulation.read(variable)).collect()
+}
+
+/// What is shown of the rows: the displacement that moves most, and what else there is of it or of a contact.
+fn shown(outputs: &[Variable], rows: &[(f64, Vec<f64>)]) -> (Vec<Variable>, Vec<(f64, Vec<f64>)>) {
+    let is = |quantity: Quantity| move |v: &Variable| v.template.quantity == quantity;
+    let displacements = outputs.iter().filter(|v| is(Quantity::Displacement)(v)).count();
+    let span = |column: usize| {
+        let values = rows.iter().map(|(_, values)| values[column]);
+        let reach = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
+            [low.min(value), high.max(value)]
+        });
+        reach[1] - reach[0]
+    };
+    let spans: Vec<f64> = (0..displacements).map(span).collect();
+    let most = (1..displacements).fold(0, |most, i| if spans[i] > spans[most] { i } else { most });
+    let velocities = outputs.iter().filter(|v| is(Quantity::Velocity)(v)).count();
+    let kept: Vec<usize> = if velocities > 0 {
+        vec![most, displacements + most]
+    } else {
+        let rest = displacements..outputs.len();
+        (0..displacements).filter(|i| *i == most).chain(rest).collect()
+    };
+    let pick = |values: &Vec<f64>| kept.iter().map(|&column| values[column]).collect();
+    let rows = rows.iter().map(|(time, values)| (*time, pick(values))).collect();
+    (kept.iter().map(|&column| outputs[column].clone()).collect(), rows)
+}

@@ -1,0 +1,118 @@
+//! Will it squeal? The eigenvalues at the start, in words.
+
+use super::locus::followed;
+use super::{NAMED, can_squeal, markup};
+use amontons::Error;
+use amontons::contact::{ContactState, Joined};
+use amontons::model::{Equilibrium, LumpedModel};
+use amontons::scene::Scene;
+use amontons::stability::Spectrum;
+use amontons_analysis::stability::candidates::resting_state;
+use amontons_pictures::picture::significant;
+use std::f64::consts::TAU;
+
+/// The most degrees of freedom of which eigenvalues are found in an export: a second of work.
+const MOST_DOFS: usize = 256;
+/// Below this part of |λ| a growth rate is what rounding leaves of zero.
+const ROUNDING: f64 = 1e-9;
+
+/// # Errors
+/// The chart cannot be drawn.
+pub(super) fn section(acting: &Scene, reference: &Equilibrium) -> Result<String, Error> {
+    let mut html = String::new();
+    let mut model = LumpedModel::from(acting);
+    model.linearise(reference);
+    let states = resting_state(&model, acting.slider.velocity);
+    markup::paragraphs(&mut html, &verdict(acting, &model, &states));
+    match followed(acting, &model, &states) {
+        Err(why) => markup::paragraphs(&mut html, &[why]),
+        Ok(found) => {
+            let chart = found.chart(acting, &states);
+            markup::paragraphs(&mut html, &found.words());
+            markup::figure(&mut html, "locus", &chart.svg()?, found.caption());
+        }
+    }
+    Ok(html)
+}
+
+/// What happens to small disturbances at the start.
+fn verdict(scene: &Scene, model: &LumpedModel, states: &[ContactState]) -> Vec<String> {
+    let mut words = vec![situation(scene, states)];
+    if model.dofs() > MOST_DOFS {
+        words.push(format!(
+            "With {} degrees of freedom its eigenvalues are not found in an export; `amontons-stability states` \
+             does.",
+            model.dofs()
+        ));
+        return words;
+    }
+    words.push(match Spectrum::of(model, states, scene.friction_coefficient) {
+        Err(error) => format!("Its eigenvalues are not known: {error}."),
+        Ok(spectrum) => growth(&spectrum, states, can_squeal(scene)),
+    });
+    words
+}
+
+/// The state of the contacts at the start, in words.
+fn situation(scene: &Scene, states: &[ContactState]) -> String {
+    let count = states.len();
+    if count == 0 {
+        return "It has no contacts: nothing rubs, so nothing can squeal.".into();
+    }
+    let sliding = states.iter().filter(|state| **state != ContactState::Stick).count();
+    let named = match count {
+        0..=NAMED => format!(" (state {})", Joined(states)),
+        _ => String::new(),
+    };
+    let them = match (count, sliding) {
+        (1, 1) => "the contact slides".to_owned(),
+        (1, _) => "what the contact rubs on stands still".to_owned(),
+        (2, 2) => "both contacts slide".to_owned(),
+        (_, all) if all == count => format!("all {count} contacts slide"),
+        (_, 0) => "what the contacts rub on stands still".to_owned(),
+        _ => format!("{sliding} of {count} contacts slide, what the others rub on stands still"),
+    };
+    if can_squeal(scene) {
+        format!("At its start values {them}{named}.")
+    } else {
+        format!("At its start values {them}{named}, without friction: that cannot squeal.")
+    }
+}
+
+/// The eigenvalue that grows fastest, in words.
+fn growth(spectrum: &Spectrum, states: &[ContactState], can_squeal: bool) -> String {
+    let Some(fastest) = spectrum.fastest_growing() else {
+        return "In this state nothing can move.".into();
+    };
+    let (rate, frequency) = (fastest.re, fastest.im / TAU);
+    let number = |value: f64| significant(value, 5).replace('-', "−");
+    let how = match frequency {
+        0.0 => "without oscillating".to_owned(),
+        _ => format!("at {} Hz", number(frequency)),
+    };
+    let uniform = states.iter().all(|state| state.sliding_direction().is_some());
+    let warned = match can_squeal && uniform {
+        true => {
+            " A large disturbance may lead to another motion all the same; `amontons-stability bistable` looks for \
+             what can."
+        }
+        false => "",
+    };
+    if rate.abs() <= ROUNDING * fastest.norm() {
+        return format!(
+            "Small disturbances neither grow nor decay there: nothing damps the motion {how}.{warned}"
+        );
+    }
+    if rate < 0.0 {
+        return format!(
+            "Small disturbances decay there: the slowest by {} 1/s, {how}.{warned}",
+            number(-rate)
+        );
+    }
+    let verdict = match (frequency == 0.0, can_squeal) {
+        (true, _) => "It does not stay there",
+        (false, true) => "Yes, it squeals",
+        (false, false) => "It does not stay at rest",
+    };
+    format!("{verdict}: small disturbances grow there, the fastest by {} 1/s, {how}.", number(rate))
+}

@@ -1,0 +1,45 @@
+//! The libraries that FMUs get; the build script has made or found them.
+
+include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
+
+/// Those that a release carries.
+const MADE: [&str; 2] = ["linux64", "win64"];
+
+/// What an FMU brings for one platform: the crate `amontons` as a shared library.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Library {
+    /// The platform, as FMI names it: `linux64`, `win64`.
+    pub platform: &'static str,
+    /// The end of the library's file name.
+    pub extension: &'static str,
+    pub(super) bytes: &'static [u8],
+}
+
+impl Library {
+    /// All that this program carries, by their platforms' names.
+    #[must_use]
+    pub fn carried() -> &'static [Self] {
+        CARRIED
+    }
+
+    /// The one for a platform.
+    ///
+    /// # Errors
+    /// This program carries none for it: how to get one that does.
+    pub fn of(platform: &str) -> Result<Self, String> {
+        let platform = platform.trim();
+        CARRIED.iter().find(|library| library.platform == platform).copied().ok_or_else(|| {
+            let carried: Vec<&str> = CARRIED.iter().map(|library| library.platform).collect();
+            let carried = carried.join(" and ");
+            if MADE.contains(&platform) {
+                format!(
+                    "this program carries the library for {carried} only; one of a release carries all, and \
+                     release/make or AMONTONS_FMU_LIBRARIES makes such a one (README, Platforms)"
+                )
+            } else {
+                let made = MADE.join(" and ");
+                format!("FMUs are made for {made}; this program carries {carried}")
+            }
+        })
+    }
+}

@@ -1,0 +1,60 @@
+//! Reads a scene file and reports everything that is wrong with it, each problem with its line.
+
+mod located;
+mod rewrite;
+
+pub use rewrite::{set_integrator, set_preset};
+
+use amontons::Error;
+use amontons::scene::{Scene, SceneFile, SceneTables, Source, builtin, builtin_names};
+use std::path::Path;
+
+/// Reads and checks a scene file; its name becomes the file's stem.
+///
+/// # Errors
+/// Everything that is wrong with the file, each with its line and column, key, and what would be right.
+pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
+    let mut file = SceneFile::open(path)?;
+    let scene = scene_of(&mut file)?;
+    Ok((scene, file.into_source()))
+}
+
+/// Makes a scene from the text of a scene file that names no other files.
+///
+/// # Errors
+/// Everything that is wrong with the text, as [`read`] reports it; the scene's name stands for the file's.
+pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
+    scene_of(&mut SceneFile::of(name, text))
+}
+
+fn scene_of(file: &mut SceneFile<'_>) -> Result<Scene, Error> {
+    let SceneFile { name, place, text, folder } = file;
+    located::read(place, text, |tables: SceneTables| tables.scene(name, folder))
+}
+
+/// The scene that a command line names, with its files: a built-in scene's name, or a path.
+/// A file that is named like a built-in scene is `./name`.
+///
+/// # Errors
+/// There is no such scene, or it is not as [`read`] wants it.
+pub fn find(argument: &str) -> Result<(Scene, Source), Error> {
+    let path = Path::new(argument);
+    match builtin(argument) {
+        Some(builtin) => Ok((builtin.scene(), builtin.text.into())),
+        None if path.is_dir() => Err(Error::unusable_file(format!(
+            "{argument} is a folder; give a scene file, or a built-in scene; {}",
+            builtin_names()
+        ))),
+        None if path.exists() => read(path),
+        None => Err(Error::unusable_file(format!(
+            "no file {argument} and no built-in scene of that name; {}",
+            builtin_names()
+        ))),
+    }
+}
+
+/// The JSON Schema of scene files, for editors; [`read`] holds files to it.
+#[must_use]
+pub fn schema() -> String {
+    format!("{:#}\n", located::schema::<SceneTables>())
+}

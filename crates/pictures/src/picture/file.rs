@@ -1,0 +1,43 @@
+//! Picture files: told apart by their endings, whole or not there.
+
+use amontons::Error;
+use amontons_analysis::output::{Pending, check_folder};
+use std::io::Write;
+use std::path::Path;
+
+/// What a picture's name asks for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Format {
+    Svg,
+    Png,
+}
+
+impl Format {
+    pub(super) fn of(path: &Path) -> Result<Self, Error> {
+        let ending = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
+        match &*ending {
+            "svg" => Ok(Self::Svg),
+            "png" => Ok(Self::Png),
+            _ => Err(Error::picture(format!(
+                "cannot write {}: the name of a picture ends in .svg or .png",
+                path.display()
+            ))),
+        }
+    }
+}
+
+/// Refuses the name of a picture that cannot be one, before the work that it would show.
+///
+/// # Errors
+/// An ending other than `.svg` and `.png`; a folder that is not there.
+pub fn check_name(path: &Path) -> Result<(), Error> {
+    Format::of(path)?;
+    check_folder(path)
+}
+
+/// Writes a picture that replaces what stood there when it is complete.
+pub(super) fn save(path: &Path, content: &[u8]) -> Result<(), Error> {
+    let mut file = Pending::create(path)?;
+    file.write_all(content).map_err(|error| Error::file(path, &error))?;
+    file.complete()
+}

@@ -1,0 +1,74 @@
+//! Root loci as charts: growth rates Re λ and frequencies Im λ/2π over a parameter.
+
+use super::units::unit_of;
+use super::{Chart, Mark, Panel, Series, prefixed, significant};
+use amontons_analysis::stability::locus::{Locus, Root};
+use std::f64::consts::TAU;
+
+/// The chart of one locus or of a family of them. In a family each has a label and a colour; a locus alone has one a
+/// mode, and marks where modes begin to grow and where they merge.
+#[must_use]
+pub fn locus_chart(title: String, x_label: String, loci: &[(Option<String>, &Locus)]) -> Chart {
+    let panel = |y_label: &str, part: fn(&Root) -> f64, marks, zero_line| Panel {
+        y_label: y_label.to_owned(),
+        series: curves(loci, part),
+        marks,
+        zero_line,
+        ..Panel::default()
+    };
+    let [critical, merging] = marks(loci, &x_label);
+    Chart {
+        title,
+        x_label,
+        panels: vec![
+            panel("Growth rate [1/s]", |root| root.lambda.re, critical, true),
+            panel("Frequency [Hz]", |root| root.lambda.im / TAU, merging, false),
+        ],
+        ..Chart::default()
+    }
+}
+
+fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Series> {
+    let mut curves = Vec::new();
+    for (place, (label, locus)) in loci.iter().enumerate() {
+        for (mode, branch) in locus.branches.iter().enumerate() {
+            let (label, colour) = match label {
+                Some(label) => (label.clone(), place),
+                None => (format!("mode {}", mode + 1), mode),
+            };
+            let points = locus.values.iter().zip(branch);
+            curves.push(Series {
+                label: Some(label),
+                points: points.map(|(&x, root)| [x, part(root)]).collect(),
+                colour,
+                ..Series::default()
+            });
+        }
+    }
+    curves
+}
+
+/// Where modes begin to grow, and where they merge; not for a family, which has too many.
+fn marks(loci: &[(Option<String>, &Locus)], x_label: &str) -> [Vec<Mark>; 2] {
+    let [(_, locus)] = loci else { return [Vec::new(), Vec::new()] };
+    let mark = |x: f64, label: String| Mark { x, label: Some(label) };
+    // The axis may have a prefix, so a value has its own unit.
+    let value = |value: f64| match unit_of(x_label) {
+        Some((_, unit)) if unit != "–" => prefixed(rounded(value), unit),
+        _ => significant(value, 5),
+    };
+    let critical = locus.crossings.iter().map(|c| mark(c.value, value(c.value)));
+    let merging = locus.coalescences.iter().map(|c| {
+        let [a, b] = c.modes.map(|mode| mode + 1);
+        mark(c.value, format!("{a}–{b}: {}", value(c.value)))
+    });
+    // Double modes begin to grow at one place, which is marked once.
+    let mut critical: Vec<Mark> = critical.collect();
+    critical.dedup_by(|a, b| a.label == b.label);
+    [critical, merging.collect()]
+}
+
+/// To five significant digits.
+fn rounded(value: f64) -> f64 {
+    format!("{value:.4e}").parse().unwrap_or(value)
+}

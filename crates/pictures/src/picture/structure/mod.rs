@@ -1,0 +1,214 @@
+//! Structures: masses, the springs and dashpots between them, and what they rub on.
+
+mod bundle;
+mod course;
+mod force;
+mod icon;
+mod labels;
+mod legend;
+mod place;
+mod plane;
+mod plot;
+mod scene;
+mod sheet;
+mod symbols;
+mod text;
+
+use super::canvas::{self, Failure};
+use amontons::Error;
+use icon::Icon;
+use sheet::Sheet;
+use std::path::Path;
+
+/// Masses and what joins them. Masses have no places of their own: they are found from the
+/// directions of what joins them, so lengths in the picture mean nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Structure {
+    /// What is to be seen.
+    pub title: String,
+    /// At most 40.
+    pub masses: Vec<MassMark>,
+    /// Springs and dashpots. Links of one pair of masses stand side by side.
+    pub links: Vec<Link>,
+    /// What the masses rub on.
+    pub sliders: Vec<SliderMark>,
+    /// What pushes the masses.
+    pub forces: Vec<ForceMark>,
+    /// Do signals drive something? Their mark "~" is in the labels of what they drive.
+    pub signals: bool,
+}
+
+/// A force on a mass: an arrow.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ForceMark {
+    /// Short, as "F".
+    pub name: String,
+    /// Its value, as "2 kN"; may be empty.
+    pub label: String,
+    /// The place in the masses of the one that it pushes.
+    pub mass: usize,
+    /// The way in which it pushes, rad from the horizontal, anticlockwise.
+    pub angle: f64,
+}
+
+/// A mass: a square.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MassMark {
+    /// Short, as it stands in the square if there is room.
+    pub name: String,
+    /// Its value, as "0.3 kg"; may be empty.
+    pub label: String,
+    /// From the axes of the picture to its own, rad, anticlockwise.
+    pub angle: f64,
+    /// Which of its own two axes it cannot move along.
+    pub locked: [bool; 2],
+}
+
+/// A spring or a dashpot.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Link {
+    /// Short, as "k1". In a crowded picture links of one name and value are named once.
+    pub name: String,
+    /// Its value, as "55 kN/m"; may be empty. A crowded picture lists values below.
+    pub label: String,
+    /// Places in the masses; None is ground.
+    pub ends: [Option<usize>; 2],
+    /// The line along which it acts, rad from the horizontal, anticlockwise; where there is a
+    /// choice, the second end lies from the first along (cos, sin).
+    pub direction: f64,
+    /// Which symbol it has.
+    pub kind: LinkKind,
+    /// How far the second end is moved along the direction beforehand, m: above zero it pulls the first end along
+    /// `direction`. Only its sign is shown, and zero is no preload.
+    pub preload: f64,
+}
+
+/// What a link is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum LinkKind {
+    /// A zigzag.
+    Spring,
+    /// A dashpot.
+    Damper,
+}
+
+/// What a mass rubs on: a surface at its foot.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct SliderMark {
+    /// Short, as "c1"; may be empty.
+    pub name: String,
+    /// Its values, as "µ = 0.4, v = 0.1 m/s"; may be empty.
+    pub label: String,
+    /// The place in the masses of the one that rubs.
+    pub mass: usize,
+    /// The mass whose surface it rubs on; None is a rigid slider.
+    pub on: Option<usize>,
+    /// θ, rad: the tangent is t = (cos θ, sin θ), the normal n = (−sin θ, cos θ); the mass is on
+    /// the side of +n.
+    pub angle: f64,
+    /// Of the slider along t, m/s; only its sign is shown.
+    pub velocity: f64,
+}
+
+impl Structure {
+    /// Draws and writes, as the path's ending asks: `.svg` or `.png`.
+    ///
+    /// # Errors
+    /// Another ending, no masses or more than 40, links and sliders of masses that are not there,
+    /// values that are not finite, or a file that cannot be written.
+    pub fn write(&self, path: &Path) -> Result<(), Error> {
+        self.check().map_err(|failure| canvas::cannot_draw(path, &failure))?;
+        canvas::write(&Sheet::of(self), path)
+    }
+
+    /// The text of an SVG, as [`write`](Self::write) writes it.
+    ///
+    /// # Errors
+    /// As [`write`](Self::write), but for files.
+    pub fn svg(&self) -> Result<String, Error> {
+        self.check().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
+        canvas::svg_text(&Sheet::of(self))
+    }
+
+    /// A square PNG of 450 pixels without any text, which shows what there is as an icon.
+    ///
+    /// # Errors
+    /// As [`svg`](Self::svg).
+    pub fn icon(&self) -> Result<Vec<u8>, Error> {
+        self.check().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
+        canvas::small_png(&Icon::of(self))
+    }
+
+    /// The most masses that one picture tells apart.
+    pub const MOST_MASSES: usize = 40;
+
+    fn check(&self) -> Result<(), Failure> {
+        let count = self.masses.len();
+        if count == 0 {
+            return Err(Failure("a structure has at least one mass".into()));
+        }
+        let most = Self::MOST_MASSES;
+        if count > most {
+            return Err(Failure(format!(
+                "there are {count} masses, but such a picture is for up to {most} masses"
+            )));
+        }
+        let there = |what: &str, mass: usize| {
+            if mass < count {
+                return Ok(());
+            }
+            Err(Failure(format!(
+                "{what} is at mass {mass}, but the masses are numbered from 0 to {}",
+                count - 1
+            )))
+        };
+        let finite = |what: &str, of: &str, value: f64| {
+            if value.is_finite() {
+                return Ok(());
+            }
+            Err(Failure(format!("{of} of {what} is {value}, but must be finite")))
+        };
+        for (place, mass) in self.masses.iter().enumerate() {
+            finite(&named("mass", &mass.name, place), "the angle", mass.angle)?;
+        }
+        for (place, link) in self.links.iter().enumerate() {
+            let what = named("link", &link.name, place);
+            finite(&what, "the direction", link.direction)?;
+            finite(&what, "the preload", link.preload)?;
+            link.ends.into_iter().flatten().try_for_each(|mass| there(&what, mass))?;
+            if link.ends[0] == link.ends[1] {
+                return Err(Failure(format!("{what} must have two different ends")));
+            }
+        }
+        for (place, force) in self.forces.iter().enumerate() {
+            let what = named("force", &force.name, place);
+            finite(&what, "the angle", force.angle)?;
+            there(&what, force.mass)?;
+        }
+        for (place, slider) in self.sliders.iter().enumerate() {
+            let what = named("slider", &slider.name, place);
+            finite(&what, "the angle", slider.angle)?;
+            finite(&what, "the velocity", slider.velocity)?;
+            there(&what, slider.mass)?;
+            if let Some(on) = slider.on {
+                there(&what, on)?;
+                if on == slider.mass {
+                    return Err(Failure(format!(
+                        "{what} must be another mass than what rubs on it"
+                    )));
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// "link 3 (k1)", for messages.
+fn named(what: &str, name: &str, place: usize) -> String {
+    if name.is_empty() { format!("{what} {place}") } else { format!("{what} {place} ({name})") }
+}
+
+#[cfg(test)]
+mod examples;
+#[cfg(test)]
+mod tests;

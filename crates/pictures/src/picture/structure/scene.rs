@@ -1,0 +1,237 @@
+//! The structure of a scene: masses, springs, dampers and contacts with their values.
+
+use super::{ForceMark, Link, LinkKind, MassMark, SliderMark, Structure};
+use crate::picture::prefixed;
+use amontons::scene::{self, Module, Network, Scene, Shape};
+use std::f64::consts::FRAC_PI_2;
+
+/// Masses, springs, dampers, contacts and forces with their values, and what signals drive; springs, dampers and forces
+/// of zero are left out.
+impl From<&Scene> for Structure {
+    fn from(scene: &Scene) -> Self {
+        let structure = match &scene.structure {
+            scene::Structure::Ring(modules) => ring(scene, modules),
+            scene::Structure::Network(parts) => network(scene, parts),
+        };
+        let title = if scene.description.is_empty() { &scene.name } else { &scene.description };
+        Self { title: title.clone(), signals: !scene.signals.is_empty(), ..structure }
+    }
+}
+
+/// Of k1 … k6 of a ring.
+const DIRECTIONS: [f64; 6] = [0.0, FRAC_PI_2, FRAC_PI_2, 0.0, FRAC_PI_2, 0.0];
+
+/// What the springs join stands with the model, in `model::ring`.
+fn ring(scene: &Scene, modules: &[Module]) -> Structure {
+    let (mut structure, mut closing) = (Structure::default(), Vec::new());
+    let slider = &scene.slider;
+    // Links of one name and value need not all be named in a crowded picture.
+    let agree = |j: usize| modules.windows(2).all(|two| two[0].stiffness[j] == two[1].stiffness[j]);
+    let agree = [0, 1, 2, 3, 4, 5].map(agree);
+    for (i, module) in modules.iter().enumerate() {
+        let number = i + 1;
+        for (j, angle) in [0.0, slider.angle].into_iter().enumerate() {
+            let (name, label) = (format!("m{}[{number}]", j + 1), kilograms(module.mass[j]));
+            structure.masses.push(MassMark { name, label, angle, locked: [false; 2] });
+        }
+        let (upper, lower) = (Some(2 * i), Some(2 * i + 1));
+        let next = Some(2 * (number % modules.len()));
+        for (j, end) in [next, next, None, None, lower, lower].into_iter().enumerate() {
+            let stiffness = module.stiffness[j];
+            if end == upper || stiffness == 0.0 {
+                continue;
+            }
+            let own = if agree[j] { String::new() } else { format!("[{number}]") };
+            let (preload, label) = match j {
+                2 => preloaded(
+                    scene,
+                    stiffness,
+                    -module.preload,
+                    &format!("module[{number}].preload"),
+                ),
+                _ => (0.0, prefixed(stiffness, "N/m")),
+            };
+            let link = Link {
+                name: format!("k{}{own}", j + 1),
+                label,
+                preload,
+                ends: [upper, end],
+                direction: DIRECTIONS[j],
+                kind: LinkKind::Spring,
+            };
+            // What closes the ring has no say in where its masses stand.
+            if j < 2 && number == modules.len() { &mut closing } else { &mut structure.links }
+                .push(link);
+        }
+        structure.sliders.push(SliderMark {
+            name: format!("c[{number}]"),
+            label: rubbing([
+                marked(
+                    format!("µ = {}", scene.friction_coefficient),
+                    scene,
+                    "friction.coefficient",
+                ),
+                scene.static_friction.map_or_else(String::new, |value| {
+                    marked(format!("µs = {value}"), scene, "friction.static")
+                }),
+                marked(format!("v = {} m/s", slider.velocity), scene, "slider.velocity"),
+            ]),
+            mass: 2 * i + 1,
+            on: None,
+            angle: slider.angle,
+            velocity: slider.velocity,
+        });
+        for mass in [0, 1] {
+            let axis = [0.0, slider.angle][mass];
+            let of = |j: usize| {
+                (module.force[2 * mass + j], format!("module[{number}].f{}", 2 * mass + j + 1))
+            };
+            let name = format!("F{}[{number}]", mass + 1);
+            structure.forces.extend(forces(scene, 2 * i + mass, &name, axis, [of(0), of(1)]));
+        }
+    }
+    structure.links.append(&mut closing);
+    structure
+}
+
+fn network(scene: &Scene, parts: &Network) -> Structure {
+    let masses = parts.masses.iter().map(|mass| MassMark {
+        name: mass.name.clone(),
+        label: kilograms(mass.mass),
+        angle: mass.angle,
+        locked: mass.locked,
+    });
+    let link = |kind, name: &String, ends, direction, (preload, label)| {
+        let name = name.clone();
+        Link { name, label, ends, direction, kind, preload }
+    };
+    let springs = parts.springs.iter().filter(|part| part.stiffness != 0.0).map(|part| {
+        let driven = format!("spring.{}.preload", part.name);
+        let values = preloaded(scene, part.stiffness, part.preload.unwrap_or(0.0), &driven);
+        link(LinkKind::Spring, &part.name, part.between, part.direction, values)
+    });
+    let dampers = parts.dampers.iter().filter(|part| part.damping != 0.0).map(|part| {
+        let label = prefixed(part.damping, "N s/m");
+        link(LinkKind::Damper, &part.name, part.between, part.direction, (0.0, label))
+    });
+    let sliders = parts.contacts.iter().map(|place| {
+        let velocity = place.velocity.unwrap_or(scene.slider.velocity);
+        let friction = place.friction.unwrap_or(scene.friction_coefficient);
+        let common = scene.static_friction.filter(|_| place.friction.is_none());
+        // Its own value, or the common one.
+        let driver = |own: Option<f64>, key: &str, common: &str| match own {
+            Some(_) => format!("contact.{}.{key}", place.name),
+            None => common.to_owned(),
+        };
+        SliderMark {
+            name: place.name.clone(),
+            label: rubbing([
+                marked(
+                    format!("µ = {friction}"),
+                    scene,
+                    &driver(place.friction, "friction", "friction.coefficient"),
+                ),
+                place.static_friction.or(common).map_or_else(String::new, |value| {
+                    let driver =
+                        driver(place.static_friction, "static_friction", "friction.static");
+                    marked(format!("µs = {value}"), scene, &driver)
+                }),
+                marked(
+                    format!("v = {velocity} m/s"),
+                    scene,
+                    &driver(place.velocity, "velocity", "slider.velocity"),
+                ),
+            ]),
+            mass: place.mass,
+            on: place.on,
+            angle: place.angle.unwrap_or(scene.slider.angle),
+            velocity,
+        }
+    });
+    let links = springs.chain(dampers).collect();
+    let (masses, sliders) = (masses.collect(), sliders.collect());
+    let pushed = parts.masses.iter().enumerate().flat_map(|(place, mass)| {
+        let of = |axis: usize| {
+            let value = if mass.locked[axis] { 0.0 } else { mass.load[axis] + mass.force[axis] };
+            (value, format!("mass.{}.f{}", mass.name, ["x", "y"][axis]))
+        };
+        forces(scene, place, &format!("F {}", mass.name), mass.angle, [of(0), of(1)])
+    });
+    let forces = pushed.collect();
+    Structure { masses, links, sliders, forces, ..Structure::default() }
+}
+
+/// What is known of a contact: µ, µ_s if there is one, and v.
+fn rubbing([friction, static_friction, velocity]: [String; 3]) -> String {
+    let sticking = match &*static_friction {
+        "" => String::new(),
+        value => format!(" ({value})"),
+    };
+    format!("{friction}{sticking}, {velocity}").replace('-', "−")
+}
+
+/// A text with the mark of the signals that drive what it speaks of, as "v = 0 m/s ~ ramp".
+fn marked(text: String, scene: &Scene, input: &str) -> String {
+    let driving = scene.signals.iter().filter(|signal| signal.input == input);
+    driving.fold(text, |text, signal| format!("{text} ~ {}", kind(&signal.shape)))
+}
+
+fn kind(shape: &Shape) -> &'static str {
+    match shape {
+        Shape::Constant(_) => "constant",
+        Shape::Ramp(_) => "ramp",
+        Shape::Pulse(_) => "pulse",
+        Shape::Sine(_) => "sine",
+        Shape::Table(_) => "table",
+    }
+}
+
+/// The preload of a spring, m, as a [`Link`] has it, and the spring's label.
+fn preloaded(scene: &Scene, stiffness: f64, preload: f64, driven: &str) -> (f64, String) {
+    let stiffness = prefixed(stiffness, "N/m");
+    let is_driven = scene.signals.iter().any(|signal| signal.input == driven);
+    if preload == 0.0 && !is_driven {
+        return (0.0, stiffness);
+    }
+    let value = marked(format!("preload {}", prefixed(preload.abs(), "m")), scene, driven);
+    (preload, format!("{stiffness}, {value}"))
+}
+
+fn four_digits(value: f64) -> f64 {
+    format!("{value:.3e}").parse().unwrap_or(value)
+}
+
+/// The arrows at a mass: one for its constant force, and one along each axis that signals drive. `angle` is that of the
+/// mass's first axis; of each axis there are the constant force, N, and the name of the input.
+fn forces(
+    scene: &Scene,
+    mass: usize,
+    name: &str,
+    angle: f64,
+    axes: [(f64, String); 2],
+) -> Vec<ForceMark> {
+    let [x, y] = [axes[0].0, axes[1].0];
+    let mut found = Vec::new();
+    if x != 0.0 || y != 0.0 {
+        let (size, way) = (four_digits((x * x + y * y).sqrt()), libm::atan2(y, x));
+        let name = name.to_owned();
+        found.push(ForceMark { name, label: prefixed(size, "N"), mass, angle: angle + way });
+    }
+    for ((_, input), turn) in axes.into_iter().zip([0.0, FRAC_PI_2]) {
+        let label = marked(String::new(), scene, &input);
+        if !label.is_empty() {
+            let label = label.trim_start().to_owned();
+            found.push(ForceMark { name: input, label, mass, angle: angle + turn });
+        }
+    }
+    found
+}
+
+/// A mass, kg: in g where it is small, in t where it is large.
+fn kilograms(mass: f64) -> String {
+    match mass {
+        0.1..1e3 => prefixed(mass, "kg"),
+        1e3.. => prefixed(mass * 1e-3, "t"),
+        _ => prefixed(mass * 1e3, "g"),
+    }
+}

@@ -1,0 +1,243 @@
+//! The page around figures: head, sections, claims, tables.
+
+use super::figure::figure;
+use super::{Cell, Claim, Page, Section, Table, Verdict, summary};
+use amontons::Error;
+use quick_xml::escape::escape;
+use std::fmt::Write as _;
+use uuid::Uuid;
+
+/// Of all pages: colours on light and dark ground, texts, tables, frames of figures.
+pub const BASE_STYLE: &str = include_str!("page/base.css");
+/// Of reports: claims, and figures that answer.
+const STYLE: &str = include_str!("page/page.css");
+/// A module is strict and its names are its own, so its parts need no wrapper.
+const SCRIPT: &str = concat!(
+    include_str!("page/numbers.js"),
+    include_str!("page/elements.js"),
+    include_str!("page/values.js"),
+    include_str!("page/layout.js"),
+    include_str!("page/painting.js"),
+    include_str!("page/reading.js"),
+    include_str!("page/figure.js"),
+    include_str!("page/page.js"),
+);
+
+/// Text as it stands between tags and in attributes.
+pub fn text(plain: &str) -> String {
+    escape(plain).into_owned()
+}
+
+/// # Errors
+/// Those of [`super::html`].
+pub(super) fn page(page: &Page) -> Result<String, Error> {
+    let body = body(page)?;
+    // Only what bears the page's own mark runs. It is made from all there is on the page, so no text in it can know
+    // its own.
+    let nonce = Uuid::new_v5(&Uuid::NAMESPACE_OID, body.as_bytes()).simple().to_string();
+    Ok(format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'nonce-{nonce}'; \
+         style-src 'nonce-{nonce}'; img-src data:; base-uri 'none'; form-action 'none'\">\n\
+         <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
+         <title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style nonce=\"{nonce}\">\n{BASE_STYLE}{STYLE}</style>\n\
+         </head>\n<body>\n{body}<script type=\"module\" nonce=\"{nonce}\">\n{SCRIPT}</script>\n</body>\n</html>\n",
+        text(&page.title),
+    ))
+}
+
+fn body(page: &Page) -> Result<String, Error> {
+    let mut html =
+        String::from("<a class=\"skip\" href=\"#main\">Skip to the content</a>\n<header>\n");
+    add(&mut html, format_args!("<h1>{}</h1>\n", text(&page.title)));
+    paragraphs(&mut html, &page.lead);
+    html += "</header>\n<main id=\"main\">\n";
+    html += &summary::summary(page);
+    html += &contents(page);
+    let (mut claims, mut figures, mut tables) = (0, 0, 0);
+    for (place, one) in page.sections.iter().enumerate() {
+        let number = place + 1;
+        add(
+            &mut html,
+            format_args!(
+                "<section id=\"section-{number}\" aria-labelledby=\"heading-{number}\">\n\
+             <h2 id=\"heading-{number}\">{}</h2>\n",
+                text(&one.heading)
+            ),
+        );
+        section(&mut html, one, [&mut claims, &mut figures, &mut tables])?;
+        html += "</section>\n";
+    }
+    html += "</main>\n";
+    if !page.footer.is_empty() {
+        add(&mut html, format_args!("<footer><p>{}</p></footer>\n", text(&page.footer)));
+    }
+    Ok(html)
+}
+
+/// A string takes all that is written to it.
+pub fn add(html: &mut String, what: std::fmt::Arguments<'_>) {
+    html.write_fmt(what).expect("a string takes all");
+}
+
+fn paragraphs(html: &mut String, all: &[String]) {
+    for one in all {
+        add(html, format_args!("<p>{}</p>\n", text(one)));
+    }
+}
+
+fn contents(page: &Page) -> String {
+    let mut html = String::from(
+        "<nav aria-labelledby=\"contents\">\n<h2 id=\"contents\">Contents</h2>\n<ol>\n",
+    );
+    for (place, section) in page.sections.iter().enumerate() {
+        let number = place + 1;
+        let heading = text(&section.heading);
+        add(&mut html, format_args!("<li><a href=\"#section-{number}\">{heading}</a></li>\n"));
+    }
+    html + "</ol>\n</nav>\n"
+}
+
+/// `numbers` are how many claims, figures and tables the sections before have.
+fn section(
+    html: &mut String,
+    section: &Section,
+    [claims, figures, tables]: [&mut usize; 3],
+) -> Result<(), Error> {
+    paragraphs(html, &section.text);
+    if !section.claims.is_empty() {
+        claim_table(html, &section.heading, &section.claims, *claims);
+        *claims += section.claims.len();
+    }
+    for one in &section.figures {
+        *figures += 1;
+        html.push_str(&figure(one, *figures)?);
+    }
+    for one in &section.tables {
+        *tables += 1;
+        table(html, one, *tables)?;
+    }
+    Ok(())
+}
+
+/// A verdict by a symbol and words.
+pub(super) fn verdict(verdict: &Verdict) -> &'static str {
+    match verdict {
+        Verdict::Holds => "<span class=\"holds\"><span aria-hidden=\"true\">✓ </span>holds</span>",
+        Verdict::Differs { .. } => {
+            "<span class=\"differs\"><span aria-hidden=\"true\">≠ </span>differs</span>"
+        }
+        Verdict::Unknown { .. } => {
+            "<span class=\"unknown\"><span aria-hidden=\"true\">? </span>unknown</span>"
+        }
+    }
+}
+
+/// Why a claim does not hold, or what would decide it, as HTML; `None` of one that holds.
+pub(super) fn reason(verdict: &Verdict) -> Option<String> {
+    match verdict {
+        Verdict::Holds => None,
+        Verdict::Differs { reason } => {
+            Some(format!("Reason: {}", text(reason.as_deref().unwrap_or("not known"))))
+        }
+        Verdict::Unknown { decided_by } => Some(format!("Decided by: {}", text(decided_by))),
+    }
+}
+
+/// The roles are named because a narrow screen shows rows as blocks, and some browsers then forget them.
+fn claim_table(html: &mut String, heading: &str, claims: &[Claim], before: usize) {
+    add(
+        html,
+        format_args!(
+            "<table class=\"claims\" role=\"table\">\n<caption class=\"unseen\">Claims: {}</caption>\n\
+         <thead role=\"rowgroup\"><tr role=\"row\">",
+            text(heading)
+        ),
+    );
+    for name in ["No.", "The paper says", "Came out", "Verdict"] {
+        add(html, format_args!("<th scope=\"col\" role=\"columnheader\">{name}</th>"));
+    }
+    html.push_str("</tr></thead>\n<tbody role=\"rowgroup\">\n");
+    for (place, claim) in claims.iter().enumerate() {
+        let number = before + place + 1;
+        add(
+            html,
+            format_args!(
+                "<tr role=\"row\" id=\"claim-{number}\"><th scope=\"row\" role=\"rowheader\">{number}</th>\
+             <td role=\"cell\" data-name=\"The paper says\">{}</td>\
+             <td role=\"cell\" data-name=\"Came out\">{}</td>\
+             <td role=\"cell\" data-name=\"Verdict\">{}",
+                text(&claim.paper),
+                text(&claim.found),
+                verdict(&claim.verdict),
+            ),
+        );
+        if let Some(why) = reason(&claim.verdict) {
+            add(html, format_args!("<br>{why}"));
+        }
+        html.push_str("</td></tr>\n");
+    }
+    html.push_str("</tbody>\n</table>\n");
+}
+
+fn table(html: &mut String, table: &Table, number: usize) -> Result<(), Error> {
+    let columns = table.head.len();
+    if let Some((place, row)) = table.rows.iter().enumerate().find(|(_, row)| row.len() != columns)
+    {
+        return Err(Error::picture(format!(
+            "row {} of the table {:?} has {} cells for {columns} columns",
+            place + 1,
+            table.caption,
+            row.len(),
+        )));
+    }
+    let id = format!("table-{number}");
+    plain_table(
+        html,
+        &id,
+        &text(&table.caption),
+        &table.head,
+        table.rows.iter().map(|row| row.iter().map(cell)),
+    );
+    Ok(())
+}
+
+fn cell(cell: &Cell) -> String {
+    let lines = cell.lines.iter().map(|line| match line.emphasised {
+        true => format!("<strong>{}</strong>", text(&line.text)),
+        false => text(&line.text),
+    });
+    lines.collect::<Vec<_>>().join("<br>")
+}
+
+/// A table in a box of its own that scrolls where it is wider than the page. The caption and the cells are HTML.
+pub fn plain_table(
+    html: &mut String,
+    id: &str,
+    caption: &str,
+    head: &[String],
+    rows: impl Iterator<Item = impl Iterator<Item = String>>,
+) {
+    add(
+        html,
+        format_args!(
+            "<div class=\"wide\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{id}\">\n<table>\n\
+         <caption id=\"{id}\"><span>{caption}</span></caption>\n<thead><tr>"
+        ),
+    );
+    for name in head {
+        add(html, format_args!("<th scope=\"col\">{}</th>", text(name)));
+    }
+    html.push_str("</tr></thead>\n<tbody>\n");
+    for row in rows {
+        html.push_str("<tr>");
+        for (column, cell) in row.enumerate() {
+            match column {
+                0 => add(html, format_args!("<th scope=\"row\">{cell}</th>")),
+                _ => add(html, format_args!("<td>{cell}</td>")),
+            }
+        }
+        html.push_str("</tr>\n");
+    }
+    html.push_str("</tbody>\n</table>\n</div>\n");
+}

@@ -1,0 +1,166 @@
+//! Reports: one HTML page that needs nothing else, from plain data.
+//!
+//! A page has claims with their verdicts, figures and tables. It is one file that opens without a network; a
+//! [content security policy](https://www.w3.org/TR/CSP3/) in it forbids to load anything. Its figures are drawn by
+//! the page's own script (`page/*.js`) from the data in it: values at a crosshair, zoom along x, curves that can be
+//! switched off, for mouse, touch and keyboard. Without the script each figure has its data as a table.
+//!
+//! The same data give the same bytes.
+
+mod data;
+mod figure;
+mod listing;
+mod markup;
+mod summary;
+mod thin;
+
+pub use markup::{BASE_STYLE, add, plain_table, text};
+pub use thin::envelope;
+
+use crate::picture::{Chart, Map};
+use amontons::Error;
+use amontons_analysis::output::Pending;
+use std::io::Write as _;
+use std::path::Path;
+
+/// A report. All texts are plain: what HTML would take for markup is shown as it is.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Page {
+    /// What the report is on.
+    pub title: String,
+    /// Paragraphs before everything else.
+    pub lead: Vec<String>,
+    /// In order. The summary of all their claims stands before them.
+    pub sections: Vec<Section>,
+    /// The last line: what made the page.
+    pub footer: String,
+}
+
+/// A part of a report with a heading. Its text comes first, then claims, figures and tables.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Section {
+    /// For the table of contents, too.
+    pub heading: String,
+    /// Paragraphs.
+    pub text: Vec<String>,
+    /// Numbered through all sections.
+    pub claims: Vec<Claim>,
+    /// In order.
+    pub figures: Vec<Figure>,
+    /// In order.
+    pub tables: Vec<Table>,
+}
+
+/// Something that the paper says, and what came out.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Claim {
+    /// What the paper says.
+    pub paper: String,
+    /// What came out.
+    pub found: String,
+    /// How they compare.
+    pub verdict: Verdict,
+}
+
+/// Does a claim agree with what came out?
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Verdict {
+    /// It does.
+    Holds,
+    /// It does not.
+    Differs {
+        /// Why; none is shown as “not known”.
+        reason: Option<String>,
+    },
+    /// That is not known.
+    Unknown {
+        /// What would decide it.
+        decided_by: String,
+    },
+}
+
+/// A picture with what is to be said about it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// What it shows.
+    pub caption: String,
+    /// The command line that makes it.
+    pub command: Option<String>,
+    /// The picture.
+    pub content: Content,
+}
+
+/// What a figure draws.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Content {
+    /// Panels over one x axis.
+    Chart(Chart),
+    /// Classes over a plane.
+    Map(Map),
+}
+
+/// A table. The first cell of each row names the row.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Table {
+    /// What it shows, and what its emphasis means.
+    pub caption: String,
+    /// Names of the columns.
+    pub head: Vec<String>,
+    /// As many cells in each as there are names.
+    pub rows: Vec<Vec<Cell>>,
+}
+
+/// A cell of a table: lines of text, one below the other. A text alone is a cell of one line: `"0.3 kg".into()`.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Cell {
+    /// From top to bottom.
+    pub lines: Vec<Line>,
+}
+
+/// A line in a cell.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Line {
+    /// What it says.
+    pub text: String,
+    /// Is it to stand out (an eigenvalue that grows)?
+    pub emphasised: bool,
+}
+
+impl<T: Into<String>> From<T> for Cell {
+    fn from(text: T) -> Self {
+        Self { lines: vec![Line { text: text.into(), emphasised: false }] }
+    }
+}
+
+impl Verdict {
+    /// Does the claim hold?
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        *self == Self::Holds
+    }
+}
+
+/// The page as HTML.
+///
+/// Pictures are thinned to what can be seen: of curves along x the lowest and the highest point in each of 2000 parts
+/// of the axis, of other curves (limit cycles in a phase plane) points that differ visibly, of dots one in each cell
+/// of a fine grid; 4000 points or a few more. Points with labels all stay. Values keep seven significant digits.
+/// Rasters keep 600 × 300 cells, the largest value of those that become one, in 255 steps of colour; maps 400 × 400.
+///
+/// # Errors
+/// A figure with nothing to draw or with data that contradict each other, or a row of a table that has not as many
+/// cells as the table has columns.
+pub fn html(page: &Page) -> Result<String, Error> {
+    markup::page(page)
+}
+
+/// Writes the page; it appears whole or not at all.
+///
+/// # Errors
+/// Those of [`html`], and a file that cannot be written.
+pub fn write(page: &Page, path: &Path) -> Result<(), Error> {
+    let text = html(page)?;
+    let mut file = Pending::create(path)?;
+    file.write_all(text.as_bytes()).map_err(|error| Error::file(path, &error))?;
+    file.complete()
+}
