@@ -111,7 +111,7 @@ impl LocalProblem {
         })
     }
 
-    /// As [`solve`](Self::solve), of a contact that holds in both directions: a_N = 0, N of either sign, and
+    /// The multipliers and the state of a contact that holds in both directions of its normal: a_N = 0, N of either sign, and
     /// friction follows |N|. `None` where it wedges.
     #[must_use]
     pub fn solve_held(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
@@ -136,7 +136,8 @@ impl LocalProblem {
             .or_else(|| self.slide_held(free[0], range.limit(direction), direction))
     }
 
-    /// As [`solve_held`](Self::solve_held) where W is singular: a_N = 0 then determines a_T, whatever the forces are.
+    /// The solution of a contact that holds in both directions ([`solve_held`](Self::solve_held)), where W is singular: a_N = 0
+    /// then determines a_T, whatever the forces are.
     fn solve_held_along_line(
         &self,
         free: [f64; 2],
@@ -152,7 +153,8 @@ impl LocalProblem {
         self.guide(free[0], self.stuck_slope(&range), ContactState::Stick)
     }
 
-    /// As [`slide`](Self::slide), of a contact that holds in both directions.
+    /// The multipliers of a contact that holds in both directions of its normal and does slip, with `friction` = µ_k in the given
+    /// direction (±1); `None` where it wedges.
     #[must_use]
     pub fn slide_held(
         &self,

@@ -121,7 +121,7 @@ fn check<T>(pointer: *const T, length: usize) -> Result<(), Error> {
 /// The importer's pointer to one value to write.
 ///
 /// # Safety
-/// As [`array_mut`] with length one.
+/// `pointer` is NULL or points to room for one value that nobody else uses during the call.
 pub(super) unsafe fn single<'a, T>(pointer: *mut T) -> Result<&'a mut MaybeUninit<T>, Error> {
     // SAFETY: this function's contract.
     unsafe { array_mut(pointer, 1) }.map(|array| &mut array[0])

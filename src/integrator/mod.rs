@@ -291,7 +291,7 @@ pub trait Integrator: Send {
     /// The contact forces at the present instant, from position, velocity and drive alone.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// The contact whose forces were not found.
     fn contact_forces(
         &mut self,
         motion: &Motion,
@@ -303,7 +303,7 @@ pub trait Integrator: Send {
     /// accelerations, changes of forces give their changes, and rates their rates.
     ///
     /// # Errors
-    /// As [`advance`](Self::advance).
+    /// The contact whose forces were not found.
     fn respond(
         &mut self,
         kept: Kept<'_>,
@@ -353,10 +353,11 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
     forward_increment::faster(model)
 }
 
-/// The same that writes the ledger of its motion, step by step; of a motion without one it moves the motion alone.
+/// The fastest integrator of this method that fits the structure of the model and writes the energy ledger of its motion, step
+/// by step. A motion without a ledger is moved alone.
 ///
 /// # Errors
-/// As [`choose`].
+/// A mass matrix that is not positive definite; more contacts that share masses than the method takes.
 pub fn choose_with_ledger(
     model: &LumpedModel,
     method: Method,

@@ -23,7 +23,8 @@ pub struct Equilibrium {
 /// bit, which a solution of the whole, with its rounding, would not give.
 ///
 /// # Errors
-/// As [`LumpedModel::sliding_equilibrium`], contacts named as in the scene.
+/// The contact, by its name in the scene, that opens under the load; or the friction coefficient from which on the structure
+/// jams; or a motion that no spring holds.
 pub fn equilibrium(scene: &Scene, model: &LumpedModel) -> Result<Equilibrium, Error> {
     let (friction, velocity) = (scene.friction_coefficient, scene.slider.velocity);
     let name = |contact| scene.contact_name(contact);
@@ -45,8 +46,8 @@ impl LumpedModel {
     /// v = 0 it does not slide; it starts stuck, without friction force (s = 0).
     ///
     /// # Errors
-    /// Names the contact that opens under the load, or the friction coefficient from which on the
-    /// structure jams, or says that a motion is held by no spring.
+    /// The contact, by its number from 1, that opens under the load; or the friction coefficient from which on the
+    /// structure jams; or a motion that no spring holds.
     pub fn sliding_equilibrium(
         &self,
         friction_coefficient: f64,

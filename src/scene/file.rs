@@ -183,7 +183,7 @@ impl SceneTables {
                 problems.push(Problem::new("mass", "a scene has either a [ring] or [[mass]]"));
             }
             (None, true) => {
-                problems.push(Problem::new("mass", "a scene needs a [ring] or [[mass]]"))
+                problems.push(Problem::new("mass", "a scene needs a [ring] or [[mass]]"));
             }
             (Some(ring), true) => problems.extend(ring.lone_link()),
             (None, false) => {}

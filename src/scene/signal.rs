@@ -38,7 +38,7 @@ impl Signal {
 /// A function of the time t (s); values are in the unit of the input.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// The same always.
+    /// One value at all times.
     Constant(Constant),
     /// Straight from one value to another.
     Ramp(Ramp),
@@ -50,7 +50,7 @@ pub enum Shape {
     Table(Table),
 }
 
-/// The same value always.
+/// One value at all times.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -316,7 +316,7 @@ impl Table {
         self.onward(t, t, slack)
     }
 
-    /// As [`Shape::onward`].
+    /// The value at time `t` (s) of what holds from time `from` (s) on ([`Shape::onward`]); `slack` as in [`Shape::at`].
     fn onward(&self, from: f64, t: f64, slack: f64) -> f64 {
         let after = self.points_up_to(from + slack);
         match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after).copied()) {

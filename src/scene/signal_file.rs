@@ -19,7 +19,7 @@ use serde::Deserialize;
 pub(super) struct SignalTable {
     /// The input it is added to, as the FMU names it: "slider.velocity", "module[1].f1".
     input: String,
-    /// The same value always.
+    /// One value at all times.
     constant: Option<Constant>,
     /// Straight from one value to another.
     ramp: Option<Ramp>,

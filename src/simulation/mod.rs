@@ -287,11 +287,11 @@ impl Simulation {
         self.advance(target, CHUNK, || ControlFlow::Continue(())).map(|_| ())
     }
 
-    /// The same, asking now and then whether to go on; where it is not, the motion stays on its way and is not to be
-    /// used.
+    /// Moves on to time `target` (s) as [`advance_to`](Self::advance_to) does, and asks now and then whether to go on. Where
+    /// the answer is `Break`, the motion stays on its way and is not to be used.
     ///
     /// # Errors
-    /// As [`advance_to`](Self::advance_to).
+    /// [`advance_to`](Self::advance_to) has them.
     #[allow(clippy::cast_possible_truncation)]
     pub fn advance_while(
         &mut self,

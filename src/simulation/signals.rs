@@ -70,7 +70,7 @@ impl Driven {
         (!given.signals.is_empty()).then(|| Self::new(given))
     }
 
-    /// The same of any scene.
+    /// The scene at work, whether it has signals or not.
     pub(super) fn new(given: &Scene) -> Self {
         let mut inputs: Vec<Input> = Vec::new();
         for variable in variables(given) {

@@ -144,7 +144,7 @@ impl Simulation {
     /// are copied, as hosts that repeat steps do this often.
     ///
     /// # Errors
-    /// As [`resume`](Self::resume); the simulation is then as it was.
+    /// The snapshot cannot be resumed ([`resume`](Self::resume)); the simulation is then as it was.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         if !same_structure(&self.scene, &snapshot.scene) || !snapshot.is_consistent() {
             *self = Self::resume(snapshot.clone())?;

@@ -15,7 +15,7 @@ use std::time::Instant;
 pub(super) enum Shape {
     /// A disc and pads around it, each on springs of its own.
     Disc,
-    /// The same, with springs between pads, contacts that lie askew, and masses that differ along x and y.
+    /// A disc and pads around it, with springs between pads, contacts that lie askew, and masses that differ along x and y.
     Tangled,
     /// Masses in a row, each on the one before it.
     Chain,

@@ -50,7 +50,8 @@ impl Progress {
         Self::new(what, PARTS)
     }
 
-    /// The same where some parts take many times as long as others: what has passed does not say what is left.
+    /// Shows that `what` begins: work of which one knows what part is done, but whose parts take unequal times, so that no
+    /// time that is left is shown.
     ///
     /// # Panics
     /// Where the system has no thread left.

@@ -82,7 +82,7 @@ pub trait FrictionLaw: Copy {
     /// Has friction a direction, which a slip may be against?
     const HAS_DIRECTION: bool = true;
 
-    /// The same law with its direction frozen.
+    /// This law with its direction held fixed.
     type Frozen: FrictionLaw;
 
     /// The law with these numbers, on a surface that moves with velocity `surface` (m/s) along the tangent.

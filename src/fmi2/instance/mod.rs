@@ -130,7 +130,7 @@ impl Instance {
         self.require_of(call, "")
     }
 
-    /// The same, with the name of what it is about.
+    /// Refuses a call that the present phase does not allow; `name` is that of what it is about, for the message.
     #[inline]
     fn require_of(&mut self, call: Call, name: &str) -> Result<(), Error> {
         match call.in_phase(self.phase) {

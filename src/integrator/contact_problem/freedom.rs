@@ -18,7 +18,7 @@ pub(in crate::integrator) enum Freedom {
     },
     /// Held in both directions along its normal; friction, in this range where it holds, follows |N|.
     Held(FrictionRange),
-    /// The same, slipping for sure.
+    /// Held in both directions along its normal, and slipping for sure, with µ_k in this direction (±1).
     HeldSlipping {
         /// Of the friction force on the mass.
         direction: f64,
@@ -69,7 +69,7 @@ impl Freedom {
         }
     }
 
-    /// The same with lower limits of the friction that holds: each is lower by this part of itself.
+    /// This freedom with lower limits of the friction that holds: each is lower by `part` of itself.
     pub(in crate::integrator) fn below_limits(self, part: f64) -> Self {
         let below = |range: FrictionRange| FrictionRange {
             backward: (1.0 - part) * range.backward,
@@ -83,7 +83,7 @@ impl Freedom {
         }
     }
 
-    /// The same, slipping for sure in this direction (±1) of the friction force.
+    /// This freedom once the contact slips for sure, with friction in this direction (±1).
     pub(in crate::integrator) fn slipping(self, direction: f64) -> Self {
         match self {
             Self::Law(range) => Self::Slipping { direction, friction: range.kinetic },

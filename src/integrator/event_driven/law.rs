@@ -218,7 +218,8 @@ impl StateLaw {
         respond(dynamics, &self.multipliers, x);
     }
 
-    /// The same of the velocities (m/s), against those of the sliders, `surface`.
+    /// Takes away the velocities (m/s) that rounding has given to contacts along directions in which they are held, against
+    /// those of their surfaces, `surface`.
     pub(super) fn mend_velocities(&mut self, dynamics: &Dynamics, surface: &[f64], v: &mut [f64]) {
         let contacts = &dynamics.contacts;
         let drift = |i: usize, part| match part {

@@ -164,7 +164,8 @@ impl Reduced {
         self.add::<N, P>(&self.springs, stretch, all, sum)
     }
 
-    /// The same of velocities (m/s), for dampers and α.
+    /// `sum` and what velocities (m/s) give by dampers and α, `all` or those of the degrees of freedom that are free. N rows
+    /// are P pairs.
     #[allow(clippy::inline_always)]
     #[inline(always)]
     pub(super) fn add_dampers<const N: usize, const P: usize>(

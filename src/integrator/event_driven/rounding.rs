@@ -67,7 +67,8 @@ impl<W: Witness> EventDriven<W> {
         DIFFERENCE * terms.fold(0.0, |sum, term| sum + term)
     }
 
-    /// The same as forces of the contact, N, along normal and tangent together.
+    /// The forces of a contact that would give it the accelerations of [`pulled`](Self::pulled) along its normal and its tangent,
+    /// added, N.
     pub(super) fn pulled_forces(&self, contact: usize, place: &[f64]) -> f64 {
         let own = self.dynamics.problem.delassus.own(contact);
         let force = |row: usize| {

@@ -537,7 +537,7 @@ impl Series {
         terms
     }
 
-    /// The same of the velocity times the span, m.
+    /// Writes the powers of the velocity along a direction times the span, m; the number of powers.
     pub(super) fn moved(&self, direction: &Direction, polynomial: &mut Polynomial) -> usize {
         let terms = self.order;
         let polynomial = &mut polynomial[..terms];

@@ -67,10 +67,10 @@ impl Simulation {
         self.derivatives(of, &change, &present)
     }
 
-    /// The same before the run has started, when the reference position moves with the inputs.
+    /// The directional derivative before the run has started, when the reference position moves with the inputs.
     ///
     /// # Errors
-    /// As [`directional_derivative`](Self::directional_derivative).
+    /// `of` has what is no output or `by` what is no input; contact forces that have no solution.
     pub fn directional_derivative_at_start(
         &mut self,
         of: &[&Variable],

@@ -61,7 +61,7 @@ pub struct Errors {
     /// Of the times at which contacts change their state, root mean square, s. Only where each contact
     /// goes through the same states.
     pub event_time: Option<f64>,
-    /// The same, the largest, s.
+    /// The largest error of such a time, s.
     pub largest_event_time: Option<f64>,
 }
 

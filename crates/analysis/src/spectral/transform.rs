@@ -41,7 +41,7 @@ impl Transform {
         Self { size, turns }
     }
 
-    /// As [`powers`].
+    /// The power of each line of values, as many as the transform's size ([`powers`]).
     pub(super) fn powers(&self, values: &[f64]) -> Vec<f64> {
         let size = self.size;
         let mut lines = vec![[0.0, 0.0]; size];

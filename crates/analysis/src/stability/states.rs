@@ -56,7 +56,7 @@ impl StateClasses {
     /// The spectrum of each class, on all cores; `done` hears how many are done.
     ///
     /// # Errors
-    /// As [`Spectrum::of`].
+    /// A class has no spectrum ([`Spectrum::of`]).
     pub fn spectra(
         &self,
         model: &LumpedModel,

@@ -42,13 +42,13 @@ pub struct Look {
 /// What a person wants otherwise; `None` is derived from the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wish<'a> {
-    /// As [`Look::of`].
+    /// The output that is looked at ([`Look::of`]).
     pub of: Option<&'a str>,
-    /// As [`Look::interval`], s.
+    /// s between two rows ([`Look::interval`]).
     pub interval: Option<f64>,
-    /// As [`Look::window`], s.
+    /// s over which a motion is looked at ([`Look::window`]).
     pub window: Option<f64>,
-    /// As [`Look::longest`], s.
+    /// s that a motion may take to settle ([`Look::longest`]).
     pub longest: Option<f64>,
 }
 

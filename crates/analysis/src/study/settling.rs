@@ -469,7 +469,7 @@ impl Settling {
 /// Advances a simulation until its motion is settled; `None` if the watch ended it.
 ///
 /// # Errors
-/// As [`Simulation::advance_to`].
+/// The motion fails ([`Simulation::advance_to`]).
 pub(crate) fn settle(
     simulation: &mut Simulation,
     look: &Look,

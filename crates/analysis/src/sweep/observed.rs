@@ -52,7 +52,7 @@ pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
     frequencies_in(scene, &at_rest)
 }
 
-/// The same where nothing oscillates at rest, as on a surface that stands still: of sliding.
+/// The frequencies of [`frequencies`]; where nothing oscillates at rest, as on a surface that stands still, those of sliding.
 pub(crate) fn frequencies_in_motion(scene: &Scene) -> Option<[f64; 2]> {
     let sliding = |model: &LumpedModel| vec![ContactState::Slide; model.contacts.len()];
     frequencies(scene).or_else(|| frequencies_in(scene, &sliding))

@@ -15,7 +15,7 @@
 //! | `cross_check` | files of a reference run, as cross-checks of tools want them |
 //! | `markup` | the frame of a page, and pictures in it |
 //!
-//! The same scene gives the same bytes.
+//! One scene gives one sequence of bytes.
 
 mod accuracy;
 mod coupling;

@@ -1,6 +1,6 @@
 //! A scene as an FMU: model description, library and scene in one archive.
 //!
-//! The same scene and version give the same bytes: no time of day, no machine in them. Where
+//! One scene and version give one sequence of bytes: no time of day, no machine in them. Where
 //! `SOURCE_DATE_EPOCH` is set, it is the time that the FMU carries.
 
 mod archive;

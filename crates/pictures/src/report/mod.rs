@@ -5,7 +5,7 @@
 //! the page's own script (`page/*.js`) from the data in it: values at a crosshair, zoom along x, curves that can be
 //! switched off, for mouse, touch and keyboard. Without the script each figure has its data as a table.
 //!
-//! The same data give the same bytes.
+//! One set of data gives one sequence of bytes.
 
 mod data;
 mod figure;

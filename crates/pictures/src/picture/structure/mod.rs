@@ -124,7 +124,7 @@ impl Structure {
     /// The text of an SVG, as [`write`](Self::write) writes it.
     ///
     /// # Errors
-    /// As [`write`](Self::write), but for files.
+    /// No masses or more than 40, links and sliders of masses that are not there, or values that are not finite.
     pub fn svg(&self) -> Result<String, Error> {
         self.check().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
         canvas::svg_text(&Sheet::of(self))
@@ -133,7 +133,7 @@ impl Structure {
     /// A square PNG of 450 pixels without any text, which shows what there is as an icon.
     ///
     /// # Errors
-    /// As [`svg`](Self::svg).
+    /// No masses or more than 40, links and sliders of masses that are not there, or values that are not finite.
     pub fn icon(&self) -> Result<Vec<u8>, Error> {
         self.check().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
         canvas::small_png(&Icon::of(self))

@@ -71,7 +71,7 @@ pub struct ThreePieces {
     pub slopes: [f64; 3],
     /// How far a point is from them at most.
     pub worst: f64,
-    /// The same of the best two pieces.
+    /// How far a point is at most from the best two pieces.
     pub worst_of_two: f64,
 }
 

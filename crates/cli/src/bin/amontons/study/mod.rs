@@ -50,12 +50,12 @@ fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
     Ok((scene, source))
 }
 
-/// The same with the method and step of the study, and how it is looked at.
+/// The scene with the values of the command line and with the method and step of a study, its files, and how it is looked at.
 fn prepared(common: &Common, looking: &Looking) -> Result<(Scene, Source, Look), amontons::Error> {
     prepared_with(common, looking, pace)
 }
 
-/// The same with another method and step for a scene whose command line gives none.
+/// The scene as [`prepared`] gives it; where the command line gives no method and step, `default` sets them.
 fn prepared_with(
     common: &Common,
     looking: &Looking,
