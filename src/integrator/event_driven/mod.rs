@@ -1,15 +1,83 @@
-//! The exact motion between the instants at which a contact changes its state.
+//! Exact motion from one change of contact state to the next.
 //!
-//! In one contact state the motion is linear: its power series is summed to the last digits
-//! ([`series`]). What must not become negative there (gap, normal force, slip, what is left of
-//! friction's limit) is a polynomial, whose first root is the next event ([`roots`]). There the law of
-//! contact says which state follows ([`EventDriven::change`]); a touch-down is a perfectly inelastic
-//! impact with friction, as the forward increment scheme has it.
+//! The method is event-driven: between two changes of contact state the equation of motion is linear, so its solution is a
+//! power series that is summed to the last digit; what the contact states require is a polynomial in time, whose first root
+//! is the next event; at an event the law of contact decides the states that follow. Errors are those of rounding. The
+//! internal step says how often inputs are read, not how accurate the motion is.
 //!
-//! Over an internal step forces and slider velocities change linearly and as waves do ([`waves`]), friction
-//! coefficients not at all.
-//! Errors are those of rounding, so the step decides how often inputs are looked at, not how accurate
-//! the motion is.
+//! # The algorithm
+//!
+//! One internal step of length h (s) goes as follows ([`Integrator::advance`]). Over the step outer forces F and
+//! velocities of surfaces v change linearly and as waves do ([`waves`]); friction coefficients are constant.
+//!
+//! 1. **Start.** Of the step, `left` = h is to go. A contact that sticks to a surface whose velocity has jumped since the last
+//!    step begins to slip.
+//! 2. **Expand** ([`series`]). With the time s τ, 0 ≤ s ≤ 1, from now and x(s) = Σ c_k s^k,
+//!
+//!    ```text
+//!    c_0 = x,   c_1 = τ ẋ,   (k + 1)(k + 2) c_{k+2} = τ² a_k,
+//!    a_k = M⁻¹ (F_k − C (k + 1) c_{k+1} / τ − K c_k + Gᵀ λ_k),
+//!    ```
+//!
+//!    where the forces λ_k of closed contacts follow from what their states hold: G_N a_k = 0, and G_T a_k = v̇_k of one that
+//!    sticks; T = ±µ N of one that slips. With C = α M + β K and discrete dampers, one product of matrix and vector gives one
+//!    more power. Powers are added until two in a row are below half the machine's ε, beside the first three. If 28 are not
+//!    enough, τ is shortened until they are.
+//! 3. **Watch** ([`watch`]). Each state requires that these functions of s do not become negative:
+//!
+//!    | state | function | event |
+//!    | --- | --- | --- |
+//!    | open | gap G_N x | `Touch` |
+//!    | stick | normal force N | `Lift` |
+//!    | stick | µ_s N − T and µ_s N + T | `Slip` |
+//!    | slip | normal force N | `Lift` |
+//!    | slip | slip velocity, in its direction | `Stop` |
+//!
+//!    Contacts that hold more directions than their masses have are watched for two more events: a mass may leave the surface
+//!    that it sticks to along it (`Leave`), or across it (`Part`).
+//! 4. **Find the first root** ([`roots`]). Let −b be a lower bound of p″ on [0, 1]. Beyond a, p(s) is not below the parabola
+//!    p(a) + p′(a) (s − a) − b (s − a)²/2, so p has no root before that of the parabola, which is the next a. The iteration
+//!    cannot pass a root, two close ones included; near a simple root it is Newton's. Most functions need none of it: a
+//!    lower bound of p on [0, 1] is positive. Roots within 4 ε of each other are one event of several contacts.
+//! 5. **Advance** to the event, or to the end of the series. Positions and velocities that contacts hold are put back to
+//!    their places, so that rounding does not add up to a drift.
+//! 6. **Change the states** ([`EventDriven::change`]). At a `Touch` the velocities jump: a perfectly inelastic impact of all
+//!    contacts that were closed at some time of this instant, with impulses that obey Coulomb's law (N ≥ 0, G_N ẋ⁺ ≥ 0,
+//!    N · G_N ẋ⁺ = 0, |T| ≤ µ N; [`impact`]). Then that problem in accelerations and forces gives the states that follow.
+//!    [`ContactProblem`] solves both. It tries the present states first, so contacts stay in them as long as the law lets them;
+//!    the statistics count where the law had another solution.
+//! 7. Go on at 2 until nothing is left of the step.
+//!
+//! # What counts as nothing
+//!
+//! A sign that rounding decides would make a contact change its state for no reason. So each function is compared with a
+//! budget: a size of its own terms, times a part ([`rounding`]).
+//!
+//! | budget | of what |
+//! | --- | --- |
+//! | 1e-13 ([`NOISE`]) | a value, slope or higher coefficient of a watched function, beside the terms that it is a difference of |
+//! | 1e-13 · 2^(n − 2), n ≤ 14 | the same at a contact with its n-th event at one instant: the doubt grows until larger changes decide |
+//! | 1e-11 ([`THROWN`](rounding::THROWN)) | the velocity with which an impact throws a contact off, beside the fastest velocity |
+//! | 1e-11 · 4^(n − 16), n ≤ 26 | the same at the n-th landing of a contact in one step: hops that become ever shorter end ([`rounding::least_hop`]) |
+//! | 1e-10 | the acceleration of a gap that states hold, where contacts hold more directions than there are |
+//!
+//! # What is guaranteed, and what is not
+//!
+//! - No event is passed over, but one whose function becomes negative by less than its budget.
+//! - The motion is the same to the last bit on every machine, and however a run is divided into multiples of the step.
+//! - A step ends: with the motion, or with a [`StepFailure`] that says why. Friction may wedge (Painlevé: no forces obey the
+//!   law), forces may be rounding only, contacts may change again and again at one instant, or a step may take more than
+//!   100,000 series.
+//! - Infinitely many impacts within a finite time are cut off: the last hops are ended by the budget above, and counted.
+//! - Where the law of contact allows several motions, one is followed. Another one is as lawful.
+//! - Friction that depends on the slip velocity makes the equation of motion nonlinear; the method refuses it.
+//!
+//! # References
+//!
+//! Power series of this order as an integrator: Jorba and Zou, Experimental Mathematics 14 (2005) 99. Event-driven
+//! integration of systems with unilateral contacts and friction, and inelastic impacts in them: Pfeiffer and Glocker, Multibody
+//! Dynamics with Unilateral Contacts (Wiley, 1996); Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems
+//! (Springer, 2008).
 
 mod impact;
 mod law;

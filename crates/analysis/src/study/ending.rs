@@ -1,4 +1,53 @@
 //! What a motion ends in: rest, a motion of some kind for ever, or growth without bound.
+//!
+//! # What is measured
+//!
+//! A motion is looked at in windows, one after the other ([`Look`](super::look::Look)). Of each window these are known:
+//!
+//! - its *size*: root mean square, about its mean, of a mixture of all displacements, so that nothing hides where one output does
+//!   not see it;
+//! - its *lines*: frequencies and amplitudes of that mixture;
+//! - whether a contact changed its state, and whether all contacts are in states in which the scene can rest;
+//! - the growth rates of the linear motion in the present contact states, by eigenvalues.
+//!
+//! Of a motion that has settled there are two more, which need runs of their own:
+//!
+//! - its *closure*: the time after which the whole state comes back nearest, and how far it is then from where it was, in parts of
+//!   the motion's size (`recurrence`);
+//! - its *parting*: how the distance to a neighbour grows that starts 1e-9 of the motion's size away (`parting`).
+//!
+//! # How the kind is decided
+//!
+//! At the end of each window the first of these rules that applies:
+//!
+//! 1. **Equilibrium**: the motion is rounding; or, in states of rest, its size tends to zero over four windows, or its eigenvalues
+//!    say that it decays. A growing eigenvalue excludes it.
+//! 2. **Unbounded**: no contact can change its state any more, and an eigenvalue grows; or loads and surfaces no longer matter, and
+//!    the size has grown by about one factor over each of four windows.
+//! 3. **Not settled yet**: neither size and lines are the same over four windows, nor does the size vary without a trend over 12.
+//!    The next window is looked at; after the longest time the motion is **unsettled**.
+//! 4. **Undecided**: the scheme's step is too long to tell the kinds apart.
+//! 5. **Periodic**: the state comes back after a period, to 1e-6 of the motion's size; or it comes back nearer from window to window by
+//!    about the same factor. By the paper's scheme, whose events are late by up to a step, coming back within the way of four
+//!    steps is enough.
+//! 6. **Irregular**: neighbours part exponentially.
+//! 7. **Quasi-periodic**: neighbours stay near over 32 windows; or they come together, where signals without a common period lead
+//!    all of them.
+//! 8. **Undecided**: none of these could be shown.
+//!
+//! # Thresholds
+//!
+//! | threshold | meaning |
+//! | --- | --- |
+//! | line within 0.1 of the resolution, amplitude within 1 % | a strong line (above 1 % of the strongest) is the same in two windows |
+//! | 1e-4 of the strongest line | fainter lines may grow unseen |
+//! | 1e-6 of the motion's size | a state that comes back as near is the same |
+//! | the way of 4 and of 10 steps of the scheme | up to 4 a return may be late events, beyond 10 it is none; between them it is open |
+//! | 64 periods of the strongest line, 100 windows | no longer period is looked for |
+//! | factor 30, or less than 6, from one half of the time to the next | neighbours part exponentially, or in proportion to time at most |
+//!
+//! The kind depends neither on the output that is looked at nor on the time between its rows: closure and parting are found in the
+//! motion itself.
 
 use super::parting::MOST_WINDOWS_APART;
 use super::recurrence::Closure;
