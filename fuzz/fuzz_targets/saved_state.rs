@@ -10,6 +10,7 @@
 use amontons::scene::{Method, Source, builtin, parse};
 use amontons::simulation::catalogue::Kind;
 use amontons::simulation::{fingerprint, variables};
+use amontons_export::scene::set_integrator;
 use libfuzzer_sys::fuzz_target;
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
@@ -384,7 +385,7 @@ fn subjects() -> Vec<Subject> {
     for (text, step) in scenes {
         for method in [Method::ForwardIncrement, Method::EventDriven] {
             let mut source = Source { text: text.clone(), tables: Vec::new() };
-            source.set_integrator(method, step).expect("it has an integrator");
+            set_integrator(&mut source, method, step).expect("it has an integrator");
             let folder = folder.join(subjects.len().to_string());
             std::fs::create_dir_all(&folder).expect("there is a folder for temporary files");
             std::fs::write(folder.join("scene.toml"), &source.text).expect("it can be written to");
