@@ -121,13 +121,23 @@ pub enum Method {
     EventDriven,
 }
 
-/// As a scene file writes it.
-impl fmt::Display for Method {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(match self {
+impl Method {
+    /// Both of them.
+    pub const ALL: [Self; 2] = [Self::ForwardIncrement, Self::EventDriven];
+
+    /// Its name in a scene file and on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
             Self::ForwardIncrement => "forward-increment",
             Self::EventDriven => "event-driven",
-        })
+        }
+    }
+}
+
+impl fmt::Display for Method {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
     }
 }
 

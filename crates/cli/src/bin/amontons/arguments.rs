@@ -6,7 +6,7 @@ use amontons::Error;
 use amontons::scene::{Method, Preset, Scene, Selection};
 use amontons_analysis::sweep::range::{self, assignment};
 use amontons_export::package::Library;
-use clap::builder::{EnumValueParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
@@ -150,51 +150,42 @@ pub struct Integrator {
     pub step: Option<f64>,
     /// How the motion is computed [default: the scene's; of studies other than basins event-driven, where the scene
     /// allows it]
-    #[arg(long, value_parser = EnumValueParser::<MethodName>::new().map(Method::from))]
+    #[arg(long, value_parser = methods())]
     pub integrator: Option<Method>,
     /// Choose integrator and step by the relative error that is accepted
     #[arg(long, conflicts_with_all = ["step", "integrator"])]
-    #[arg(value_parser = EnumValueParser::<PresetName>::new().map(Preset::from))]
+    #[arg(value_parser = presets())]
     pub preset: Option<Preset>,
 }
 
-/// A [`Method`] on a command line.
-#[derive(Clone, Copy, ValueEnum)]
-enum MethodName {
-    /// The paper's scheme: forward increment Lagrange multipliers, of first order.
-    ForwardIncrement,
-    /// Exact motion from one change of contact state to the next.
-    EventDriven,
-}
-
-impl From<MethodName> for Method {
-    fn from(name: MethodName) -> Self {
-        match name {
-            MethodName::ForwardIncrement => Self::ForwardIncrement,
-            MethodName::EventDriven => Self::EventDriven,
+/// The methods by name, each with its help.
+fn methods() -> impl TypedValueParser<Value = Method> {
+    one_of(&Method::ALL, Method::name, |method| match method {
+        Method::ForwardIncrement => {
+            "The paper's scheme: forward increment Lagrange multipliers, of first order"
         }
-    }
+        Method::EventDriven => "Exact motion from one change of contact state to the next",
+    })
 }
 
-/// A [`Preset`] on a command line.
-#[derive(Clone, Copy, ValueEnum)]
-enum PresetName {
-    /// 1e-2: no difference is seen in a picture of the motion.
-    Preview,
-    /// 1e-4: below what masses and stiffnesses are known to.
-    Design,
-    /// 1e-9: to compare others with.
-    Reference,
+/// The presets by name, each with its help.
+fn presets() -> impl TypedValueParser<Value = Preset> {
+    one_of(&Preset::ALL, Preset::name, |preset| match preset {
+        Preset::Preview => "1e-2: no difference is seen in a picture of the motion",
+        Preset::Design => "1e-4: below what masses and stiffnesses are known to",
+        Preset::Reference => "1e-9: to compare others with",
+    })
 }
 
-impl From<PresetName> for Preset {
-    fn from(name: PresetName) -> Self {
-        match name {
-            PresetName::Preview => Self::Preview,
-            PresetName::Design => Self::Design,
-            PresetName::Reference => Self::Reference,
-        }
-    }
+/// Takes the name of one of these values.
+fn one_of<T: Copy + Send + Sync>(
+    all: &'static [T],
+    name: fn(T) -> &'static str,
+    help: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> {
+    let values = all.iter().map(|&value| PossibleValue::new(name(value)).help(help(value)));
+    let named = move |word: String| all.iter().copied().find(|value| name(*value) == word);
+    PossibleValuesParser::new(values).map(move |word| named(word).expect("it is one of them"))
 }
 
 impl Integrator {
