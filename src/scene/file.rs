@@ -95,7 +95,7 @@ pub struct SceneFile<'a> {
     pub name: String,
     /// The file, as messages name it.
     pub place: String,
-    /// What stands in it.
+    /// The content of the file.
     pub text: String,
     /// Where the other files are that it names.
     pub folder: Folder<'a>,
@@ -158,7 +158,7 @@ impl<'a> SceneFile<'a> {
 /// Reads and checks a scene file; its name becomes the file's stem.
 ///
 /// # Errors
-/// What is wrong with the file: see [`SceneFile::open`] and [`SceneFile::scene`].
+/// The file cannot be read ([`SceneFile::open`]), or it describes no scene ([`SceneFile::scene`]).
 pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
     let mut file = SceneFile::open(path)?;
     let scene = file.scene()?;
@@ -174,7 +174,7 @@ pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
 }
 
 impl SceneTables {
-    /// What the JSON Schema of scene files refuses and the types of the tables let pass.
+    /// Finds what the JSON Schema of scene files refuses although the types of the tables accept it.
     #[must_use]
     pub fn unlike_schema(&self) -> Vec<Problem> {
         let mut problems = Vec::new();

@@ -61,10 +61,10 @@ pub(super) fn without_one_shape(tables: &[SignalTable]) -> impl Iterator<Item = 
             let needs = "needs one of `constant`, `ramp`, `pulse`, `sine` and `table`";
             return Some(Problem::new(path, needs));
         }
-        let is_lone = |table: &PointTable| table.points.is_some() != table.file.is_some();
+        let has_none_or_both = |table: &PointTable| table.points.is_some() == table.file.is_some();
         table
             .as_ref()
-            .is_some_and(|table| !is_lone(table))
+            .is_some_and(has_none_or_both)
             .then(|| Problem::new(format!("{path}.table"), "needs either `points` or `file`"))
     };
     tables.iter().enumerate().filter_map(of)

@@ -19,7 +19,7 @@ const GRAVITY: f64 = 9.81;
 const OPPOSITE: f64 = 1e-6;
 
 /// What is doubtful in a scene, a sentence each.
-pub fn doubts(simulation: &Simulation) -> Vec<String> {
+pub(crate) fn doubts(simulation: &Simulation) -> Vec<String> {
     let (scene, reference) = (simulation.acting(), simulation.reference());
     let mut doubts: Vec<String> = angles(scene).filter_map(doubtful_angle).collect();
     doubts.extend(strained(scene, reference));

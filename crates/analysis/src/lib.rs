@@ -1,4 +1,4 @@
-//! What a scene of Amontons does: stability of its contact states, studies of its motion, sweeps, accuracy.
+//! Analyses of scenes of Amontons: stability of contact states, studies of motions, sweeps, accuracy.
 //!
 //! A module imports only from the crate `amontons` and from modules above it:
 //!

@@ -1,3 +1,3 @@
-//! What the programs `amontons` and `amontons-stability` share.
+//! Code that the programs `amontons` and `amontons-stability` share.
 
 pub mod progress;

@@ -105,8 +105,8 @@ const FEWEST_STEPS_OF_A_CLASS: f64 = 40.0;
 /// hears how many classes of states are done. Values above the static friction, which stays as it is, are left out.
 ///
 /// # Errors
-/// A surface that stands still ([`uniform_sliding`]), no equilibrium in the whole range, a range above the static friction, too many contacts, or a
-/// state that cannot be analysed.
+/// A surface that stands still ([`uniform_sliding`]), no equilibrium in the whole range, a range above the static friction,
+/// too many contacts, or a state that cannot be analysed.
 pub fn bistability(
     scene: &Scene,
     range: [f64; 2],

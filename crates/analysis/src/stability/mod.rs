@@ -20,7 +20,7 @@ mod linearised;
 pub mod locus;
 pub mod map;
 mod modes;
-pub mod parallel;
+pub(crate) mod parallel;
 mod reach;
 mod states;
 

@@ -5,7 +5,7 @@ include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
 /// Those that a release carries.
 const MADE: [&str; 2] = ["linux64", "win64"];
 
-/// What an FMU brings for one platform: the crate `amontons` as a shared library.
+/// The library of an FMU for one platform: the crate `amontons` as a shared library.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Library {
     /// The platform, as FMI names it: `linux64`, `win64`.

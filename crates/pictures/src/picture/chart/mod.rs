@@ -116,7 +116,7 @@ impl Chart {
     /// The text of an SVG, as [`write`](Self::write) writes it.
     ///
     /// # Errors
-    /// Nothing finite to draw in a panel, or a raster or lanes of the wrong shape.
+    /// A panel has nothing finite to draw, or a raster or lanes have the wrong shape.
     pub fn svg(&self) -> Result<String, Error> {
         let shown = self.in_prefixed_units();
         let layout = Layout::of(&shown)
