@@ -109,10 +109,9 @@ fn in_coordinates(model: &LumpedModel, p: &DMatrix<f64>) -> LumpedModel {
         Direction(row.iter().copied().enumerate().filter(|part| part.1 != 0.0).collect())
     };
     let contact = |contact: &Contact| Contact {
-        steady: None,
         normal: row(&contact.normal),
         tangent: row(&contact.tangent),
-        own: contact.own,
+        ..contact.clone()
     };
     LumpedModel {
         mass: transformed(&model.mass),

@@ -179,7 +179,7 @@ fn pads_on_a_disc_ten_thousand_times_lighter_obey_the_law() {
     // Gauss–Seidel leaves (1 + m/M)⁻² of an error in a sweep, for pads m on a disc M: it would take 15 m/M sweeps.
     for mass in [0.3e-2, 0.3e-4] {
         let scene = with(builtin("disc_brake").unwrap().scene(), &[("mass.disc.mass", mass)]);
-        let step = 0.1 * critical_step(&LumpedModel::from(&scene), 0.6).unwrap().step;
+        let step = 0.1 * critical_step(&LumpedModel::from(&scene).with_friction(0.6)).unwrap().step;
         for method in METHODS {
             let mut run = Run::new(Scene { step, ..scene.clone() }, method);
             for _ in 0..100 {
@@ -345,7 +345,8 @@ fn a_contact_that_opens_just_before_a_step_ends_opens_once() {
     *scene.modules_mut() = vec![module];
     (scene.friction_coefficient, scene.slider.angle) = (4.344620449356089, -1.0293618886673346);
     (scene.slider.velocity, scene.damping.beta) = (1.0, 0.0);
-    let step = 8.731529129012253 * critical_step(&LumpedModel::from(&scene), 4.4).unwrap().step;
+    let step = 8.731529129012253
+        * critical_step(&LumpedModel::from(&scene).with_friction(4.4)).unwrap().step;
     let ramp = Ramp { from: -1.0, to: 0.0, start: step, end: 2.0 * step };
     let input = "slider.velocity".to_owned();
     scene.signals = Arc::new([Signal { input, shape: Shape::Ramp(ramp) }]);
@@ -390,7 +391,7 @@ fn pads_that_bind_at_a_friction_of_seven_obey_the_law() {
     }
     network.contacts.iter_mut().for_each(|contact| contact.velocity = None);
     (disc_brake.friction_coefficient, disc_brake.slider.velocity) = (7.0398013464884714, 0.0);
-    let critical = critical_step(&LumpedModel::from(&disc_brake), 7.0398013464884714).unwrap();
+    let critical = critical_step(&LumpedModel::from(&disc_brake)).unwrap();
     disc_brake.step = 9.5 * critical.step;
     // At its limit all the way, a contact sticks and slips for no longer than rounding says: the parts of a
     // step that the judge of motions takes again are others each time. The law holds at the end of each.

@@ -118,7 +118,7 @@ fn judged_from_rest(
         Err(TestCaseError::reject(reason.to_owned()))
     };
     let model = LumpedModel::from(scene);
-    let Ok(critical) = critical_step(&model, scene.friction_coefficient) else {
+    let Ok(critical) = critical_step(&model) else {
         return reject("no critical step");
     };
     'methods: for &method in methods {

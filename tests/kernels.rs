@@ -212,7 +212,7 @@ fn the_kernels_of_rings_and_of_networks_agree_on_every_part_of_the_law_of_contac
             assert_eq!(counted(&ring), counted(&dense), "{law:?}");
             let [changes, _, reversed, pulled] = counted(&ring);
             // Each part was there to be missed.
-            let is_frozen = law.is_frozen() && friction.about().sticks;
+            let is_frozen = law.is_frozen() && friction.info().sticks;
             assert_eq!(reversed > 0, is_frozen, "{law:?}: {reversed}");
             assert!(detachment || law.is_frozen() || changes > 4, "{law:?}: {changes}");
             assert_eq!(pulled > 0, !detachment, "{law:?}");

@@ -272,8 +272,7 @@ fn the_common_static_coefficient_belongs_to_the_common_kinetic_one() {
         ("friction = 0.7\nstatic_friction = 0.9", [0.7, 0.9]),
     ] {
         let model = amontons::model::LumpedModel::from(&pad(contact));
-        let common = Friction::with_static(0.4, 0.6);
-        let Friction { kinetic, static_, .. } = model.contacts[0].coefficients(common);
+        let Friction { kinetic, static_, .. } = model.contacts[0].friction;
         assert_eq!([kinetic, static_], expected, "{contact}");
     }
 }

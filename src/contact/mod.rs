@@ -75,7 +75,7 @@ impl ContactLaw {
     /// Do closed contacts keep their state whatever their slip does?
     #[must_use]
     pub fn is_frozen(self) -> bool {
-        !(self.sticking && self.friction.about().sticks)
+        !(self.sticking && self.friction.info().sticks)
     }
 
     /// Can a contact be in this state?
@@ -83,7 +83,7 @@ impl ContactLaw {
     pub fn allows(self, state: ContactState) -> bool {
         match state {
             ContactState::Slide => true,
-            ContactState::ReverseSlide => self.friction.about().sticks,
+            ContactState::ReverseSlide => self.friction.info().sticks,
             ContactState::Stick => !self.is_frozen(),
             ContactState::Detached => self.detachment,
         }
@@ -92,7 +92,7 @@ impl ContactLaw {
     /// Has friction a direction that is frozen, which a slip may be against?
     #[must_use]
     pub fn has_frozen_direction(self) -> bool {
-        !self.sticking && self.friction.about().sticks
+        !self.sticking && self.friction.info().sticks
     }
 
     /// Does friction follow |N|, of contacts that can stick and cannot open? Then a contact state has no linear
@@ -105,7 +105,7 @@ impl ContactLaw {
     /// The state that closed contacts then have on a surface with this velocity, m/s.
     #[must_use]
     pub fn frozen_state(self, surface: f64) -> Option<ContactState> {
-        let has_direction = self.friction.about().sticks;
+        let has_direction = self.friction.info().sticks;
         self.is_frozen().then_some(if has_direction && surface <= 0.0 {
             ContactState::ReverseSlide
         } else {

@@ -17,7 +17,7 @@ pub struct Equilibrium {
     pub friction_force: Vec<f64>,
 }
 
-/// The equilibrium in uniform sliding of the scene's own µ and v; `model` is the scene's.
+/// The equilibrium of a scene in uniform sliding; `model` is the scene's.
 ///
 /// Equal modules move as one, so one is solved for all: they then are in equal states to the last
 /// bit, which a solution of the whole, with its rounding, would not give.
@@ -26,13 +26,12 @@ pub struct Equilibrium {
 /// The contact, by its name in the scene, that opens under the load; or the friction coefficient from which on the structure
 /// jams; or a motion that no spring holds.
 pub fn equilibrium(scene: &Scene, model: &LumpedModel) -> Result<Equilibrium, Error> {
-    let (friction, velocity) = (scene.friction_coefficient, scene.slider.velocity);
     let name = |contact| scene.contact_name(contact);
     let Some(one) = ring::one_of_equal_modules(model) else {
-        return model.sliding_equilibrium_named(friction, velocity, &name);
+        return model.sliding_equilibrium_named(&name);
     };
     let count = model.contacts.len();
-    let alone = one.sliding_equilibrium_named(friction, velocity, &name)?;
+    let alone = one.sliding_equilibrium_named(&name)?;
     Ok(Equilibrium {
         displacement: alone.displacement.repeat(count),
         normal_force: alone.normal_force.repeat(count),
@@ -42,30 +41,21 @@ pub fn equilibrium(scene: &Scene, model: &LumpedModel) -> Result<Equilibrium, Er
 
 impl LumpedModel {
     /// The equilibrium in uniform sliding, K X = F + Σ (G_N + s µ G_T)ᵀ N, G_N X = 0, where s is
-    /// the sign of the contact's slider velocity: with v > 0 it is in Sl, with v < 0 in R-Sl. With
+    /// the sign of the velocity of the contact's surface: with v > 0 it is in Sl, with v < 0 in R-Sl. With
     /// v = 0 it does not slide; it starts stuck, without friction force (s = 0).
     ///
     /// # Errors
     /// The contact, by its number from 1, that opens under the load; or the friction coefficient from which on the
     /// structure jams; or a motion that no spring holds.
-    pub fn sliding_equilibrium(
-        &self,
-        friction_coefficient: f64,
-        slider_velocity: f64,
-    ) -> Result<Equilibrium, Error> {
-        let name = |contact| format!("contact[{}]", contact + 1);
-        self.sliding_equilibrium_named(friction_coefficient, slider_velocity, &name)
+    pub fn sliding_equilibrium(&self) -> Result<Equilibrium, Error> {
+        self.sliding_equilibrium_named(&|contact| format!("contact[{}]", contact + 1))
     }
 
     fn sliding_equilibrium_named(
         &self,
-        friction_coefficient: f64,
-        slider_velocity: f64,
         name: &dyn Fn(usize) -> String,
     ) -> Result<Equilibrium, Error> {
-        let slope =
-            |contact: &super::Contact| contact.sliding_slope(friction_coefficient, slider_velocity);
-        let slopes: Vec<f64> = self.contacts.iter().map(slope).collect();
+        let slopes: Vec<f64> = self.sliding_ratios().collect();
         match self.solve(&slopes, &self.load) {
             // Friction that can stick follows |N|, which this linear solution has not asked.
             Ok(found) if found.pulled_contact().is_none() || self.may_pull(&slopes) => Ok(found),
@@ -177,9 +167,9 @@ impl LumpedModel {
         let contact = jams.or(lightest.map(|(contact, _)| contact)).unwrap_or(0);
         let friction = slopes.get(contact).map_or(0.0, |slope| slope.abs());
         let (limit, name) = (good * friction, name(contact));
-        // Contacts with µ of their own share a limit only where they keep their proportions.
-        let own = self.contacts.iter().any(|contact| contact.own.friction_coefficient.is_some());
-        let common = if own { " (and the others in proportion)" } else { "" };
+        // Contacts of different µ share a limit only where they keep their proportions.
+        let differ = slopes.iter().any(|slope| slope.abs() != friction);
+        let common = if differ { " (and the others in proportion)" } else { "" };
         Error::equilibrium(match jams {
             Some(_) => format!(
                 "no equilibrium in sliding at friction.coefficient = {friction}{common}: {name} jams \
@@ -243,7 +233,7 @@ mod tests {
     #[test]
     fn one_module_solved_for_all_is_the_equilibrium_of_the_whole() {
         let scene = set1();
-        let whole = LumpedModel::from(&scene).sliding_equilibrium(1.96, 0.025).unwrap();
+        let whole = LumpedModel::from(&scene).sliding_equilibrium().unwrap();
         let one = equilibrium(&scene).unwrap();
         for (a, b) in whole.normal_force.iter().zip(&one.normal_force) {
             assert!((a - b).abs() < 1e-12 * b.abs());
@@ -261,7 +251,12 @@ mod tests {
 
     /// A mass with K = [[a, b], [b, c]] in (x_t, x_n), pushed down by P: N (a − µ b) = P a for
     /// x_n = 0, so it jams from µ = a/b on if b > 0.
-    fn wedge() -> LumpedModel {
+    fn wedge(friction: f64, surface_velocity: f64) -> LumpedModel {
+        let contact = Contact {
+            friction: friction.into(),
+            surface_velocity,
+            ..Contact::new(Direction::unit(1), Direction::unit(0))
+        };
         LumpedModel {
             mass: SparseMatrix::diagonal(&[1.0, 1.0]),
             stiffness: SparseMatrix::from_entries(
@@ -271,8 +266,7 @@ mod tests {
             damping: super::super::Damping::default(),
             dampers: SparseMatrix::zero(2),
             load: vec![0.0, -3.0],
-            contacts: vec![Contact::new(Direction::unit(1), Direction::unit(0))],
-
+            contacts: vec![contact],
             law: crate::contact::ContactLaw::default(),
         }
     }
@@ -280,17 +274,17 @@ mod tests {
     #[test]
     fn normal_force_follows_the_closed_form_up_to_jamming() {
         for mu in [0.0, 1.0, 3.9] {
-            let normal = wedge().sliding_equilibrium(mu, 1.0).unwrap().normal_force[0];
+            let normal = wedge(mu, 1.0).sliding_equilibrium().unwrap().normal_force[0];
             assert!((normal - 3.0 * 4.0 / (4.0 - mu)).abs() < 1e-12 * normal);
         }
     }
 
     #[test]
     fn jamming_is_told_with_the_coefficient_from_which_on_it_happens() {
-        let message = wedge().sliding_equilibrium(5.0, 1.0).unwrap_err().to_string();
+        let message = wedge(5.0, 1.0).sliding_equilibrium().unwrap_err().to_string();
         assert!(message.contains("contact[1] jams from 4.000000 on"), "{message}");
         // Pulled the other way the same wedge opens itself: it never jams.
-        assert!(wedge().sliding_equilibrium(5.0, -1.0).is_ok());
+        assert!(wedge(5.0, -1.0).sliding_equilibrium().is_ok());
     }
 
     #[test]

@@ -5,19 +5,21 @@
 mod assembly;
 mod banded;
 mod equilibrium;
+mod linear;
 pub mod network;
 mod reduced;
 pub mod ring;
 mod sparse;
 
 pub use equilibrium::{Equilibrium, equilibrium};
+pub use linear::{LinearModel, SlidingFriction};
 pub use network::Numbering;
 pub use reduced::ReducedMatrices;
 pub use sparse::{Entry, SparseMatrix};
 
 use crate::contact::{ContactLaw, Friction};
 pub use crate::scene::Damping;
-use crate::scene::{RubbingPlace, Scene, Structure};
+use crate::scene::{Scene, Structure};
 
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,103 +40,31 @@ pub struct LumpedModel {
     pub law: ContactLaw,
 }
 
-/// A frictional contact: the two rows that it adds to G (paper, eq. 7).
+/// A frictional contact: the two rows that it adds to G (paper, eq. 7), its friction, and the surface that it
+/// rubs on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
     /// G_N: the gap is G_N x, positive where the contact is open.
     pub normal: Direction,
     /// G_T: the tangential displacement is G_T x.
     pub tangent: Direction,
-    /// What it does not share with the other contacts.
-    pub own: OwnValues,
-    /// Its friction in uniform sliding, where µ depends on the slip velocity.
-    pub steady: Option<Steady>,
-}
-
-/// Friction in uniform sliding where µ depends on the slip velocity v_r.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Steady {
-    /// µ(v).
-    pub friction: f64,
-    /// dµ/d|v_r| at v, s/m.
-    pub slope: f64,
-    /// N of the equilibrium, N; zero until that is known ([`LumpedModel::linearise`]).
-    pub normal_force: f64,
-}
-
-/// Values that a contact has for itself; `None` where it has the common one.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct OwnValues {
-    /// µ, of a contact that slips.
-    pub friction_coefficient: Option<f64>,
-    /// µ_s, of one that does not.
-    pub static_friction: Option<f64>,
+    /// The numbers of its friction.
+    pub friction: Friction,
     /// v, the velocity of the sliding surface along the tangent, m/s.
-    pub slider_velocity: Option<f64>,
-}
-
-impl From<&RubbingPlace> for OwnValues {
-    fn from(place: &RubbingPlace) -> Self {
-        Self {
-            friction_coefficient: place.friction,
-            static_friction: place.static_friction,
-            slider_velocity: place.velocity,
-        }
-    }
+    pub surface_velocity: f64,
 }
 
 impl Contact {
-    /// A contact with these directions and nothing of its own.
+    /// A contact without friction, on a surface that stands still.
     #[must_use]
     pub fn new(normal: Direction, tangent: Direction) -> Self {
-        Self { normal, tangent, own: OwnValues::default(), steady: None }
-    }
-
-    /// µ of this contact in uniform sliding, where the others have `common`.
-    #[must_use]
-    pub fn friction(&self, common: f64) -> f64 {
-        let own = || self.own.friction_coefficient.unwrap_or(common);
-        self.steady.map_or_else(own, |steady| steady.friction)
-    }
-
-    /// What friction adds to damping along the tangent of a contact that slides, N s/m: N dµ/d|v_r|, below
-    /// zero where friction falls with the slip velocity. None without [`LumpedModel::linearise`].
-    #[must_use]
-    pub fn weakening(&self) -> f64 {
-        self.steady.map_or(0.0, |steady| steady.normal_force * steady.slope)
-    }
-
-    /// Both coefficients of this contact, where the others have `common`. The common static one belongs
-    /// to the common kinetic one: a contact with a µ of its own has that for both unless it has its own
-    /// µ_s as well.
-    #[must_use]
-    pub fn coefficients(&self, common: Friction) -> Friction {
-        let own = &self.own;
-        Friction {
-            kinetic: self.own.friction_coefficient.unwrap_or(common.kinetic),
-            static_: own.static_friction.or(own.friction_coefficient).unwrap_or(common.static_),
-            stribeck_velocity: common.stribeck_velocity,
-        }
-    }
-
-    /// v at this contact, m/s, where the others have `common`.
-    #[must_use]
-    pub fn velocity(&self, common: f64) -> f64 {
-        self.own.slider_velocity.unwrap_or(common)
-    }
-
-    /// µ in uniform sliding with the sign of the friction force: the sign of v, none where the
-    /// surface stands still.
-    #[must_use]
-    pub fn sliding_slope(&self, common_friction: f64, common_velocity: f64) -> f64 {
-        self.sliding_sign(common_velocity) * self.friction(common_friction)
+        Self { normal, tangent, friction: Friction::from(0.0), surface_velocity: 0.0 }
     }
 
     /// The sign of the friction force in uniform sliding: that of v, 0 where the surface stands still.
     #[must_use]
-    pub fn sliding_sign(&self, common_velocity: f64) -> f64 {
-        let velocity = self.velocity(common_velocity);
-        if velocity == 0.0 { 0.0 } else { velocity.signum() }
+    pub fn sliding_sign(&self) -> f64 {
+        if self.surface_velocity == 0.0 { 0.0 } else { self.surface_velocity.signum() }
     }
 }
 
@@ -174,12 +104,10 @@ impl Direction {
 
 impl From<&Scene> for LumpedModel {
     fn from(scene: &Scene) -> Self {
-        let mut model = match &scene.structure {
+        match &scene.structure {
             Structure::Ring(modules) => ring::model(scene, modules),
             Structure::Network(network) => network::model(scene, network),
-        };
-        model.update_contacts(scene);
-        model
+        }
     }
 }
 
@@ -213,47 +141,39 @@ pub fn add_preload(
 }
 
 impl LumpedModel {
-    /// Takes over µ and v of the contacts as they are in the scene now.
+    /// Takes over the friction and the surface velocities of the contacts as they are in the scene now.
     pub fn update_contacts(&mut self, scene: &Scene) {
-        let places = scene.network().map_or(&[][..], |network| &network.contacts);
-        for (contact, place) in self.contacts.iter_mut().zip(places) {
-            contact.own = OwnValues::from(place);
-        }
-        let Some(falls) = self.law.friction.about().falls else { return };
-        for contact in &mut self.contacts {
-            let (friction, slip) =
-                (contact.coefficients(scene.friction()), contact.velocity(scene.slider.velocity));
-            contact.steady = Some(Steady {
-                friction: (falls.friction)(friction, slip),
-                slope: (falls.slope)(friction, slip),
-                normal_force: 0.0,
-            });
+        for (i, contact) in self.contacts.iter_mut().enumerate() {
+            contact.friction = scene.friction_of(i);
+            contact.surface_velocity = scene.surface_velocity(i);
         }
     }
 
-    /// Gives contacts whose µ depends on the slip velocity the most that it can be in slip, for whoever asks
-    /// what may happen; [`update_contacts`](Self::update_contacts) takes it back.
-    pub fn raise_friction(&mut self, scene: &Scene) {
-        let Some(falls) = self.law.friction.about().falls else { return };
-        for contact in &mut self.contacts {
-            let friction = (falls.most)(contact.coefficients(scene.friction()));
-            contact.steady = contact.steady.map(|steady| Steady { friction, ..steady });
-        }
-    }
-
-    /// Takes over the normal forces about which friction that depends on the slip velocity is linearised.
-    pub fn linearise(&mut self, equilibrium: &Equilibrium) {
-        for (contact, force) in self.contacts.iter_mut().zip(&equilibrium.normal_force) {
-            if let Some(steady) = &mut contact.steady {
-                steady.normal_force = *force;
-            }
-        }
-    }
-
-    /// Is there damping besides α M + β K? Then a contact state's modes have no common eigenvectors.
+    /// This structure with this friction at every contact.
     #[must_use]
-    pub fn has_single_damping(&self) -> bool {
-        !self.dampers.is_empty() || self.contacts.iter().any(|contact| contact.weakening() != 0.0)
+    pub fn with_friction(mut self, friction: impl Into<Friction>) -> Self {
+        let friction = friction.into();
+        self.contacts.iter_mut().for_each(|contact| contact.friction = friction);
+        self
+    }
+
+    /// µ of a contact in uniform sliding: that of the law at the velocity of its surface. A surface that stands still
+    /// gives no direction to friction whose direction is fixed; there it is zero.
+    #[must_use]
+    pub fn sliding_friction(&self, contact: usize) -> f64 {
+        let Contact { friction, surface_velocity, .. } = self.contacts[contact];
+        if self.law.has_frozen_direction() && surface_velocity == 0.0 {
+            return 0.0;
+        }
+        self.law.friction.at_slip(friction, surface_velocity)
+    }
+
+    /// T/N of each contact in uniform sliding: µ with the sign of the surface's velocity, 0 where the surface stands
+    /// still.
+    pub fn sliding_ratios(&self) -> impl Iterator<Item = f64> {
+        let ratio =
+            |(i, contact): (usize, &Contact)| contact.sliding_sign() * self.sliding_friction(i);
+        self.contacts.iter().enumerate().map(ratio)
     }
 
     /// Number of degrees of freedom, n.

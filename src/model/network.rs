@@ -9,7 +9,7 @@
 //! G_N = n·(u_mass − u_on) and G_T = t·(u_mass − u_on).
 
 use super::assembly::{Elongation, difference, spring};
-use super::{Contact, Direction, LumpedModel, OwnValues, SparseMatrix};
+use super::{Contact, Direction, LumpedModel, SparseMatrix};
 use crate::scene::{Mass, Network, Scene, Spring, direction};
 
 /// Where the degrees of freedom of each mass stand; `None` for a locked one.
@@ -77,12 +77,16 @@ pub(super) fn model(scene: &Scene, network: &Network) -> LumpedModel {
         let d = direction(part.direction);
         spring(&mut damping, part.damping, &numbering.elongation(masses, part.between, d));
     }
-    let contacts = contacts.iter().map(|place| {
+    let contacts = contacts.iter().enumerate().map(|(i, place)| {
         let [cos, sin] = direction(place.angle.unwrap_or(scene.slider.angle));
         let ends = [Some(place.mass), place.on];
         let row = |d| Direction(numbering.elongation(masses, ends, d));
-        let own = OwnValues::from(place);
-        Contact { own, ..Contact::new(row([-sin, cos]), row([cos, sin])) }
+        Contact {
+            normal: row([-sin, cos]),
+            tangent: row([cos, sin]),
+            friction: scene.friction_of(i),
+            surface_velocity: scene.surface_velocity(i),
+        }
     });
     let mass: Vec<f64> = masses.iter().flat_map(|mass| mass.free([mass.mass; 2])).collect();
     let mut model = LumpedModel {

@@ -1,6 +1,6 @@
 //! Reduced matrices of a contact state (paper, eq. 3).
 
-use super::{Contact, LumpedModel};
+use super::{Contact, LinearModel, LumpedModel};
 use crate::contact::ContactState;
 use nalgebra::{DMatrix, DVector};
 use std::collections::BTreeMap;
@@ -24,56 +24,73 @@ pub struct ReducedMatrices {
     pub motions: DMatrix<f64>,
 }
 
-impl LumpedModel {
-    /// The reduced matrices of a contact state, one entry of `states` a contact, at a µ that is common
-    /// to all contacts without one of their own. `None` where the contacts leave a motion or a force
-    /// undetermined: redundant ones on one mass whose friction differs, such as Sl and R-Sl at the
-    /// same place.
+impl LinearModel<'_> {
+    /// The reduced matrices of a contact state, one entry of `states` a contact. `None` where the
+    /// contacts leave a motion or a force undetermined: redundant ones on one mass whose friction
+    /// differs, such as Sl and R-Sl at the same place.
     ///
     /// # Panics
     /// Where `states` has not as many entries as the model has contacts.
     #[must_use]
-    pub fn reduced(
-        &self,
-        states: &[ContactState],
-        friction_coefficient: f64,
-    ) -> Option<ReducedMatrices> {
-        assert_eq!(states.len(), self.contacts.len(), "one state a contact");
-        let dofs = self.dofs();
+    pub fn reduced(self, states: &[ContactState]) -> Option<ReducedMatrices> {
+        let model = self.model();
+        assert_eq!(states.len(), model.contacts.len(), "one state a contact");
+        let dofs = model.dofs();
+        let sliding = || model.contacts.iter().zip(states).zip(self.friction());
         let mut forces = Vec::new();
-        for (contact, state) in self.contacts.iter().zip(states) {
+        for ((contact, state), friction) in sliding() {
             let [normal, tangent] = rows(contact);
             if let Some(direction) = state.sliding_direction() {
                 let mut force = normal;
-                let slope = direction * contact.friction(friction_coefficient);
+                let slope = direction * friction.coefficient;
                 subtract(&mut force, -slope, &tangent);
                 forces.push(force);
             } else if *state == ContactState::Stick {
                 forces.extend([normal, tangent]);
             }
         }
-        let motions = self.motions(states);
+        let motions = model.motions(states);
         let tests = null_space(forces, dofs).transpose();
         if tests.nrows() != motions.ncols() {
             return None;
         }
-        let mass = &tests * dense(&self.mass) * &motions;
-        let stiffness = &tests * dense(&self.stiffness) * &motions;
-        let mut damping = &mass * self.damping.alpha + &stiffness * self.damping.beta;
-        if !self.dampers.is_empty() {
-            damping += &tests * dense(&self.dampers) * &motions;
+        let mass = &tests * dense(&model.mass) * &motions;
+        let stiffness = &tests * dense(&model.stiffness) * &motions;
+        let mut damping = &mass * model.damping.alpha + &stiffness * model.damping.beta;
+        if !model.dampers.is_empty() {
+            damping += &tests * dense(&model.dampers) * &motions;
         }
-        for (contact, state) in self.contacts.iter().zip(states) {
-            let weakening = contact.weakening();
-            if weakening != 0.0 && state.sliding_direction().is_some() {
+        for ((contact, state), friction) in sliding() {
+            if friction.damping != 0.0 && state.sliding_direction().is_some() {
                 let mut tangent = DVector::zeros(dofs);
                 contact.tangent.0.iter().for_each(|&(dof, value)| tangent[dof] = value);
-                damping += (&tests * &tangent) * (tangent.transpose() * &motions) * weakening;
+                damping +=
+                    (&tests * &tangent) * (tangent.transpose() * &motions) * friction.damping;
             }
         }
         Some(ReducedMatrices { mass, damping, stiffness, motions })
     }
 
+    /// `true` where damping besides α M + β K acts in a contact state, one entry of `states` a contact. The modes of
+    /// the state then have no common eigenvectors. A damper on masses that contacts hold does nothing.
+    #[must_use]
+    pub fn has_single_damping_in(self, states: &[ContactState]) -> bool {
+        let slides = |state: &ContactState| state.sliding_direction().is_some();
+        let mut contacts = self.friction().zip(states);
+        if contacts.any(|(friction, state)| friction.damping != 0.0 && slides(state)) {
+            return true;
+        }
+        let model = self.model();
+        if model.dampers.is_empty() {
+            return false;
+        }
+        let dampers = dense(&model.dampers);
+        let rates = &dampers * model.motions(states);
+        rates.amax() > 1e-12 * dampers.amax()
+    }
+}
+
+impl LumpedModel {
     /// V: a basis, by columns, of the motions that the closed contacts allow.
     fn motions(&self, states: &[ContactState]) -> DMatrix<f64> {
         let mut constraints = Vec::new();
@@ -86,23 +103,6 @@ impl LumpedModel {
             }
         }
         null_space(constraints, self.dofs())
-    }
-
-    /// Does damping besides α M + β K act in a contact state, one entry of `states` a contact? Modes of a state have no common
-    /// eigenvectors where it does. A damper on masses that contacts hold does nothing.
-    #[must_use]
-    pub fn has_single_damping_in(&self, states: &[ContactState]) -> bool {
-        let slides = |state: &ContactState| state.sliding_direction().is_some();
-        let mut contacts = self.contacts.iter().zip(states);
-        if contacts.any(|(contact, state)| contact.weakening() != 0.0 && slides(state)) {
-            return true;
-        }
-        if self.dampers.is_empty() {
-            return false;
-        }
-        let dampers = dense(&self.dampers);
-        let rates = &dampers * self.motions(states);
-        rates.amax() > 1e-12 * dampers.amax()
     }
 }
 
@@ -180,17 +180,21 @@ mod tests {
         LumpedModel::from(&builtin("set1").unwrap().scene())
     }
 
+    fn reduced(model: &LumpedModel, states: &[ContactState]) -> Option<ReducedMatrices> {
+        model.linear().unwrap().reduced(states)
+    }
+
     #[test]
     fn each_state_leaves_the_degrees_of_freedom_that_the_paper_counts() {
         for (states, free) in [([Slide, Slide], 6), ([Slide, Stick], 5), ([Detached, Stick], 6)] {
-            assert_eq!(set1().reduced(&states, 1.96).unwrap().stiffness.nrows(), free);
+            assert_eq!(reduced(&set1(), &states).unwrap().stiffness.nrows(), free);
         }
     }
 
     #[test]
     fn friction_makes_the_stiffness_unsymmetric_and_stick_does_not() {
         let asymmetry = |states| {
-            let k = set1().reduced(states, 1.96).unwrap();
+            let k = reduced(&set1(), states).unwrap();
             let k = k.mass.try_inverse().unwrap() * k.stiffness;
             // Masses differ, so compare m_i k_ij with m_j k_ji through the frequencies' reality.
             k.complex_eigenvalues().iter().fold(0.0_f64, |worst, value| worst.max(value.im.abs()))
@@ -201,9 +205,9 @@ mod tests {
 
     #[test]
     fn redundant_contacts_with_different_friction_determine_no_motion() {
-        let mut model = set1();
+        let mut model = set1().with_friction(0.5);
         model.contacts[1] = model.contacts[0].clone();
-        let freedom = |states| Some(model.reduced(states, 0.5)?.stiffness.nrows());
+        let freedom = |states| Some(reduced(&model, states)?.stiffness.nrows());
         assert_eq!(freedom(&[Slide, Slide]), Some(7));
         assert_eq!(freedom(&[Stick, Stick]), Some(6));
         assert_eq!(freedom(&[Slide, ContactState::ReverseSlide]), None);
@@ -212,13 +216,13 @@ mod tests {
     #[test]
     fn a_damper_acts_only_in_states_that_let_its_masses_move() {
         let mut model = set1();
-        assert!(!model.has_single_damping_in(&[Slide, Slide]));
+        assert!(!model.linear().unwrap().has_single_damping_in(&[Slide, Slide]));
         // Between the ground and the second mass of module 1, along the surface.
         let place = model.contacts[0].tangent.as_unit().unwrap();
         model.dampers = SparseMatrix::from_entries(model.dofs(), vec![(place, place, 3.0)]);
-        assert!(model.has_single_damping_in(&[Slide, Stick]));
-        assert!(model.has_single_damping_in(&[Detached, Stick]));
-        assert!(!model.has_single_damping_in(&[Stick, Slide]));
+        assert!(model.linear().unwrap().has_single_damping_in(&[Slide, Stick]));
+        assert!(model.linear().unwrap().has_single_damping_in(&[Detached, Stick]));
+        assert!(!model.linear().unwrap().has_single_damping_in(&[Stick, Slide]));
     }
 
     #[test]

@@ -45,9 +45,11 @@ pub(super) fn model(scene: &Scene, modules: &[Module]) -> LumpedModel {
     }
     let mass: Vec<f64> =
         modules.iter().flat_map(|Module { mass: [m1, m2], .. }| [*m1, *m1, *m2, *m2]).collect();
-    let contact = |i| {
-        let (tangent, normal) = (MODULE_DOFS * i + 2, MODULE_DOFS * i + 3);
-        Contact::new(Direction::unit(normal), Direction::unit(tangent))
+    let contact = |i| Contact {
+        normal: Direction::unit(MODULE_DOFS * i + 3),
+        tangent: Direction::unit(MODULE_DOFS * i + 2),
+        friction: scene.friction_of(i),
+        surface_velocity: scene.surface_velocity(i),
     };
     let mut model = LumpedModel {
         mass: SparseMatrix::diagonal(&mass),
@@ -86,7 +88,8 @@ pub(super) fn one_of_equal_modules(model: &LumpedModel) -> Option<LumpedModel> {
     let in_place = |(i, contact): (usize, &Contact)| {
         contact.tangent.as_unit() == Some(MODULE_DOFS * i + 2)
             && contact.normal.as_unit() == Some(MODULE_DOFS * i + 3)
-            && (contact.own, contact.steady) == (first.own, first.steady)
+            && (contact.friction, contact.surface_velocity)
+                == (first.friction, first.surface_velocity)
     };
     let next = |dof: usize| (dof + MODULE_DOFS) % dofs;
     let is_turned =

@@ -107,7 +107,7 @@ impl Scene {
     /// A structure whose eigenvalues would hold a run up.
     fn too_large_to_watch(&self) -> Option<Problem> {
         let is_damped = self.network().is_some_and(|network| !network.dampers.is_empty());
-        let falls = !self.friction_law.about().is_constant();
+        let falls = !self.friction_law.info().is_constant();
         let (most, with) = match (is_damped, falls) {
             // Displacements and velocities then have a row each.
             (true, _) => (MAX_WATCHED_ROWS / 2, " with dampers"),

@@ -31,7 +31,7 @@ impl Effects {
     /// Does friction of this law keep its direction, so that a slip may be against it?
     #[must_use]
     pub fn has_frozen_slip(&self, law: Law) -> bool {
-        !self.sticking && law.about().sticks
+        !self.sticking && law.info().sticks
     }
 }
 

@@ -7,7 +7,7 @@ use crate::contact::Law;
 /// Looks for effects that contradict each other, or the rest of the scene.
 pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     let law = scene.contact_law().friction;
-    let about = law.about();
+    let about = law.info();
     let problem = |path: &str, message: String, help: &str| Problem::new(path, message).help(help);
     if !about.sticks {
         report_own_friction(scene, checks);

@@ -33,7 +33,7 @@ impl EffectsTable {
             let help = "leave it out";
             report("sticking", self.sticking.is_some(), "the scene has no contact", help);
             report("detachment", self.detachment.is_some(), "the scene has no contact", help);
-        } else if !law.about().sticks {
+        } else if !law.info().sticks {
             let message = "there is no friction that could hold a contact";
             let help = "leave it out, or give another law of friction";
             report("sticking", self.sticking.is_some(), message, help);

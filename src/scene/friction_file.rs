@@ -31,7 +31,7 @@ pub(super) struct FrictionTable {
 #[cfg(feature = "schema")]
 fn laws(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let law = |law: &Law| {
-        let about = law.about();
+        let about = law.info();
         serde_json::json!({ "const": about.name, "description": about.equation, "type": "string" })
     };
     let laws: Vec<_> = Law::ALL.iter().map(law).collect();
@@ -53,7 +53,7 @@ impl FrictionTable {
     pub(super) fn unknown_law(&self) -> Option<Problem> {
         let name = self.law.as_deref().filter(|name| Law::named(name).is_none())?;
         let known: Vec<String> =
-            Law::ALL.iter().map(|law| format!("\"{}\"", law.about().name)).collect();
+            Law::ALL.iter().map(|law| format!("\"{}\"", law.info().name)).collect();
         let problem = Problem::new("friction.law", "is no law of friction");
         Some(problem.of(format!("\"{name}\"")).help(format!("there are {}", known.join(", "))))
     }
@@ -61,7 +61,7 @@ impl FrictionTable {
     /// The law that is named, or else the one whose numbers these are; what is wrong goes to `problems`.
     pub(super) fn law(&self, problems: &mut Vec<Problem>) -> Law {
         let given = self.given();
-        let needs = |law: &Law| law.about().keys;
+        let needs = |law: &Law| law.info().keys;
         let Some(name) = &self.law else {
             // The simplest law that has all these numbers.
             let has_all = |law: &&Law| given.iter().all(|key| needs(law).contains(key));
@@ -78,9 +78,9 @@ impl FrictionTable {
             let with: Vec<String> = Law::ALL
                 .iter()
                 .filter(|law| needs(law).contains(key))
-                .map(|law| format!("\"{}\"", law.about().name))
+                .map(|law| format!("\"{}\"", law.info().name))
                 .collect();
-            let equation = law.about().equation;
+            let equation = law.info().equation;
             let message = format!("the law \"{name}\" has no such number: {equation}");
             let help = format!("leave it out, or give law = {}", with.join(" or "));
             problems.push(Problem::new(format!("friction.{key}"), message).help(help));
@@ -90,7 +90,7 @@ impl FrictionTable {
 
     /// Numbers that the law needs.
     fn report_lacking(&self, law: Law, given: &[&str], problems: &mut Vec<Problem>) {
-        let about = law.about();
+        let about = law.info();
         let lacking: Vec<&str> =
             about.keys.iter().copied().filter(|key| !given.contains(key)).collect();
         if lacking.is_empty() {

@@ -338,6 +338,31 @@ impl Scene {
         }
     }
 
+    /// The numbers of friction of a contact. The common static coefficient belongs to the common kinetic one: a contact
+    /// with a µ of its own has that for both, unless it has a µ_s of its own as well.
+    #[must_use]
+    pub fn friction_of(&self, contact: usize) -> Friction {
+        let common = self.friction();
+        let Some(place) = self.place(contact) else { return common };
+        Friction {
+            kinetic: place.friction.unwrap_or(common.kinetic),
+            static_: place.static_friction.or(place.friction).unwrap_or(common.static_),
+            ..common
+        }
+    }
+
+    /// v, the velocity of the surface that a contact rubs on, along the tangent, m/s.
+    #[must_use]
+    pub fn surface_velocity(&self, contact: usize) -> f64 {
+        self.place(contact).and_then(|place| place.velocity).unwrap_or(self.slider.velocity)
+    }
+
+    /// A contact of a network.
+    #[must_use]
+    pub(crate) fn place(&self, contact: usize) -> Option<&RubbingPlace> {
+        self.network().map(|network| &network.contacts[contact])
+    }
+
     /// The greatest common µ that the scene's static friction leaves possible: that of a contact that stands is at least
     /// that of one that slips. `None` where there is no such bound.
     #[must_use]
@@ -421,7 +446,7 @@ impl Scene {
     /// Does a drive that moves the slider feel what rubs on it? Without friction a network's has no reaction.
     #[must_use]
     pub fn has_slider_reaction(&self) -> bool {
-        self.network().is_none() || (self.has_common_velocity() && self.friction_law.about().sticks)
+        self.network().is_none() || (self.has_common_velocity() && self.friction_law.info().sticks)
     }
 
     /// Do all contacts on the slider press along its normal, with no mass between that carries the surface?
@@ -443,7 +468,7 @@ impl Scene {
     /// Does any contact have the common µ?
     #[must_use]
     pub fn has_common_friction(&self) -> bool {
-        self.friction_law.about().sticks && self.shares(|place| place.friction.is_some())
+        self.friction_law.info().sticks && self.shares(|place| place.friction.is_some())
     }
 
     /// Does any contact have the common µ_s?

@@ -130,21 +130,18 @@ impl Simulation {
     fn assemble(
         scene: Scene,
         driven: Option<Driven>,
-        mut model: LumpedModel,
+        model: LumpedModel,
         reference: Reference,
         motion: Motion,
         clock: Clock,
     ) -> Result<Self, Error> {
         let acting = signals::acting(driven.as_ref(), &scene);
         check_friction(&model, acting, clock.time())?;
-        let friction = acting.friction_coefficient;
-        model.raise_friction(acting);
-        let mut guard = (scene.method == Method::ForwardIncrement)
-            .then(|| StepGuard::new(&model, friction, scene.step));
+        let mut guard =
+            (scene.method == Method::ForwardIncrement).then(|| StepGuard::new(&model, scene.step));
         if let Some(guard) = &mut guard {
-            guard.check(&model, friction)?;
+            guard.check(&model)?;
         }
-        model.update_contacts(acting);
         let mut integrator = if scene.effects.energy {
             integrator::choose_with_ledger(&model, scene.method)?
         } else {
@@ -429,10 +426,9 @@ impl Simulation {
             contact.tangent.add_to(&mut self.drive.force, -friction);
         }
         self.model.update_contacts(acting);
-        let friction = acting.friction();
         for (i, contact) in self.model.contacts.iter().enumerate() {
-            self.drive.slider_velocity[i] = contact.velocity(acting.slider.velocity);
-            self.drive.friction[i] = contact.coefficients(friction);
+            self.drive.slider_velocity[i] = contact.surface_velocity;
+            self.drive.friction[i] = contact.friction;
             // A direction that is frozen is that of the surface; one that stands still has none.
             if self.model.law.is_frozen() && self.drive.slider_velocity[i] == 0.0 {
                 self.drive.friction[i] = Friction::from(0.0);
@@ -466,12 +462,10 @@ impl Simulation {
     fn check_limit(&mut self, time: f64) -> Result<(), Error> {
         if self.stale.limit {
             let acting = signals::acting(self.driven.as_ref(), &self.scene);
+            self.model.update_contacts(acting);
             check_friction(&self.model, acting, time)?;
             if let Some(guard) = &mut self.guard {
-                self.model.raise_friction(acting);
-                let checked = guard.check(&self.model, acting.friction_coefficient);
-                self.model.update_contacts(acting);
-                checked.map_err(|error| limit_left(acting, time, &error))?;
+                guard.check(&self.model).map_err(|error| limit_left(acting, time, &error))?;
             }
         }
         self.stale.limit = false;
@@ -522,7 +516,6 @@ fn length_to(edge: Option<f64>, leg: &Leg) -> f64 {
 /// What an input acts on.
 fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &Variable) -> Reach {
     let index = variable.index;
-    let own = |contact: usize| scene.network().and_then(|it| it.contacts[contact].velocity);
     match variable.template.quantity {
         Quantity::ExternalForce => {
             Reach { pushes: vec![(dof(scene, numbering, variable), 1.0)], ..Reach::default() }
@@ -534,7 +527,8 @@ fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &V
             Reach { pushes: pushes.collect(), ..Reach::default() }
         }
         Quantity::SliderVelocity => {
-            let moves = (0..model.contacts.len()).filter(|contact| own(*contact).is_none());
+            let own = |contact: &usize| scene.place(*contact).and_then(|place| place.velocity);
+            let moves = (0..model.contacts.len()).filter(|contact| own(contact).is_none());
             Reach { moves: moves.collect(), ..Reach::default() }
         }
         Quantity::OwnVelocity => Reach { moves: vec![index], ..Reach::default() },
@@ -555,9 +549,8 @@ fn limit_left(acting: &Scene, time: f64, error: &Error) -> Error {
 
 /// Refuses static friction that inputs or signals have brought below the kinetic one.
 fn check_friction(model: &LumpedModel, scene: &Scene, time: f64) -> Result<(), Error> {
-    let common = scene.friction();
     for (i, contact) in model.contacts.iter().enumerate() {
-        let Friction { kinetic, static_, .. } = contact.coefficients(common);
+        let Friction { kinetic, static_, .. } = contact.friction;
         if static_ < kinetic {
             return Err(Error::step(format!(
                 "at {} s static friction of {} is {}, below its kinetic friction of {}; raise it, or lower the \

@@ -1,11 +1,9 @@
 //! Watches the stability of the present contact state.
 
 use super::Simulation;
-use super::signals;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::{Damping, Equilibrium, LumpedModel, SparseMatrix, Steady};
-use crate::scene::Scene;
+use crate::model::{Damping, LinearModel, SlidingFriction, SparseMatrix};
 use crate::stability::Spectrum;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -29,11 +27,11 @@ pub(super) struct Outlook {
 }
 
 impl Outlook {
-    fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Self {
+    fn of(model: LinearModel<'_>, states: &[ContactState]) -> Self {
         let unknown = Self { modes: -1, ..Self::default() };
-        let Ok(spectrum) = Spectrum::of(model, states, friction) else { return unknown };
+        let Ok(spectrum) = Spectrum::of(model, states) else { return unknown };
         let Some(fastest) = spectrum.fastest_growing() else {
-            let is_held = model.reduced(states, friction).is_some();
+            let is_held = model.reduced(states).is_some();
             return if is_held { Self::default() } else { unknown };
         };
         let modes = spectrum.oscillating.len() + spectrum.real.len();
@@ -49,9 +47,9 @@ impl Outlook {
 /// nothing back.
 #[derive(Default)]
 pub(super) struct Monitor {
-    /// What else they depend on, of that which may change during a run: µ of each contact, how it falls, and the
+    /// What else they depend on, of that which may change during a run: the friction of each contact and the
     /// damping.
-    friction: Vec<(f64, Option<Steady>)>,
+    friction: Vec<SlidingFriction>,
     damping: Damping,
     dampers: Option<SparseMatrix>,
     known: HashMap<Box<[ContactState]>, Outlook>,
@@ -61,36 +59,33 @@ pub(super) struct Monitor {
 
 impl Monitor {
     /// Forgets what was found with another friction or damping.
-    fn keep_up(
-        &mut self,
-        model: &LumpedModel,
-        friction: impl Iterator<Item = (f64, Option<Steady>)> + Clone,
-    ) {
-        let is_same = self.friction.iter().copied().eq(friction.clone())
+    fn keep_up(&mut self, linear: LinearModel<'_>) {
+        let model = linear.model();
+        let is_same = self.friction.iter().copied().eq(linear.friction())
             && self.damping == model.damping
             && self.dampers.as_ref() == Some(&model.dampers);
         if !is_same {
             self.known.clear();
             self.friction.clear();
-            self.friction.extend(friction);
+            self.friction.extend(linear.friction());
             self.damping = model.damping;
             self.dampers = Some(model.dampers.clone());
         }
     }
 
-    /// The outlook of these states; `common` is µ of contacts without one of their own.
+    /// The outlook of these states.
     fn outlook(
         &mut self,
-        model: &LumpedModel,
+        model: LinearModel<'_>,
         states: impl Iterator<Item = ContactState>,
-        common: f64,
     ) -> Outlook {
+        self.keep_up(model);
         self.states.clear();
         self.states.extend(states);
         if let Some(&known) = self.known.get(&*self.states) {
             return known;
         }
-        let found = Outlook::of(model, &self.states, common);
+        let found = Outlook::of(model, &self.states);
         if self.known.len() >= MOST_KNOWN {
             self.known.clear();
         }
@@ -109,29 +104,8 @@ impl Simulation {
         self.contact_forces()?;
         let Some(monitor) = &mut self.monitor else { return Ok(Outlook::default()) };
         let states = self.contact_forces.iter().map(|force| force.state);
-        let acting = signals::acting(self.driven.as_ref(), &self.scene);
-        let equilibrium = &self.reference.equilibrium;
-        Ok(linearised(&mut self.model, equilibrium, acting, |model, common| {
-            let friction =
-                model.contacts.iter().map(|contact| (contact.friction(common), contact.steady));
-            monitor.keep_up(model, friction);
-            monitor.outlook(model, states, common)
-        }))
+        Ok(monitor.outlook(self.model.linear_about(&self.reference.equilibrium), states))
     }
-}
-
-/// Does something with the model linearised about the equilibrium, and with µ of contacts without one of their own.
-/// Nothing of that is left to whoever looks at the model next.
-fn linearised<T>(
-    model: &mut LumpedModel,
-    equilibrium: &Equilibrium,
-    acting: &Scene,
-    work: impl FnOnce(&LumpedModel, f64) -> T,
-) -> T {
-    model.linearise(equilibrium);
-    let result = work(model, acting.friction_coefficient);
-    model.update_contacts(acting);
-    result
 }
 
 #[cfg(test)]
@@ -139,11 +113,17 @@ mod tests {
     use super::*;
     use crate::contact::ContactLaw;
     use crate::contact::ContactState::{Detached, ReverseSlide, Slide, Stick};
-    use crate::model::{Contact, Direction};
+    use crate::model::{Contact, Direction, LumpedModel};
 
     /// A mass of two degrees of freedom with M = [[1, a], [a, 1]], K = 4 along each, and contacts along the
     /// first with the second as their normal.
-    fn mass(a: f64, contacts: usize) -> LumpedModel {
+    fn mass(a: f64, contacts: usize, friction: f64) -> LumpedModel {
+        let contact = Contact {
+            normal: Direction::unit(1),
+            tangent: Direction::unit(0),
+            friction: friction.into(),
+            surface_velocity: 1.0,
+        };
         let entries = vec![(0, 0, 1.0), (0, 1, a), (1, 0, a), (1, 1, 1.0)];
         LumpedModel {
             mass: SparseMatrix::from_entries(2, entries),
@@ -151,7 +131,7 @@ mod tests {
             damping: Damping::default(),
             dampers: SparseMatrix::zero(2),
             load: vec![0.0; 2],
-            contacts: vec![Contact::new(Direction::unit(1), Direction::unit(0)); contacts],
+            contacts: vec![contact; contacts],
             law: ContactLaw::default(),
         }
     }
@@ -159,34 +139,36 @@ mod tests {
     #[test]
     fn states_without_eigenvalues_are_told_from_those_that_hold_everything() {
         let unknown = Outlook { modes: -1, ..Outlook::default() };
-        let two = mass(0.0, 2);
-        assert_eq!(Outlook::of(&two, &[Slide, ReverseSlide], 0.5), unknown);
-        assert_eq!(Outlook::of(&two, &[Stick, Stick], 0.5), Outlook::default());
-        assert_eq!(Outlook::of(&two, &[Slide, Slide], 0.5).modes, 1);
+        let two = mass(0.0, 2, 0.5);
+        let two = two.linear().unwrap();
+        assert_eq!(Outlook::of(two, &[Slide, ReverseSlide]), unknown);
+        assert_eq!(Outlook::of(two, &[Stick, Stick]), Outlook::default());
+        assert_eq!(Outlook::of(two, &[Slide, Slide]).modes, 1);
         // M̃ = 1 ± µ a: one way friction wedges the mass, the other way it is twice as heavy.
-        let coupled = mass(0.5, 1);
-        let ways = [Slide, ReverseSlide].map(|state| Outlook::of(&coupled, &[state], 2.0));
+        let coupled = mass(0.5, 1, 2.0);
+        let coupled = coupled.linear().unwrap();
+        let ways = [Slide, ReverseSlide].map(|state| Outlook::of(coupled, &[state]));
         assert!(ways.contains(&unknown), "{ways:?}");
         let free = ways.into_iter().find(|way| *way != unknown).unwrap();
         assert!((TAU * free.frequency - 2.0_f64.sqrt()).abs() < 1e-12 && free.modes == 1);
-        assert_eq!(Outlook::of(&coupled, &[Detached], 2.0).modes, 2);
+        assert_eq!(Outlook::of(coupled, &[Detached]).modes, 2);
     }
 
     #[test]
     fn a_state_is_solved_once_until_friction_or_damping_is_another() {
-        let (mut monitor, mut model) = (Monitor::default(), mass(0.0, 1));
-        let mut look = |model: &LumpedModel, friction: f64, state: ContactState| {
-            monitor.keep_up(model, std::iter::once((friction, None)));
-            monitor.outlook(model, std::iter::once(state), friction);
+        let (mut monitor, mut model) = (Monitor::default(), mass(0.0, 1, 0.5));
+        let mut look = |model: &LumpedModel, state: ContactState| {
+            monitor.outlook(model.linear().unwrap(), std::iter::once(state));
             monitor.known.len()
         };
-        assert_eq!([Slide, Stick, Slide].map(|state| look(&model, 0.5, state)), [1, 2, 2]);
-        assert_eq!(look(&model, 0.6, Slide), 1);
-        assert_eq!(look(&model, 0.6, Stick), 2);
+        assert_eq!([Slide, Stick, Slide].map(|state| look(&model, state)), [1, 2, 2]);
+        model = model.with_friction(0.6);
+        assert_eq!(look(&model, Slide), 1);
+        assert_eq!(look(&model, Stick), 2);
         model.damping.beta = 1e-3;
-        assert_eq!(look(&model, 0.6, Stick), 1);
-        assert_eq!(look(&model, 0.6, Slide), 2);
+        assert_eq!(look(&model, Stick), 1);
+        assert_eq!(look(&model, Slide), 2);
         model.dampers = SparseMatrix::diagonal(&[1.0, 0.0]);
-        assert_eq!(look(&model, 0.6, Slide), 1);
+        assert_eq!(look(&model, Slide), 1);
     }
 }

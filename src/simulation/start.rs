@@ -12,7 +12,7 @@ pub(super) fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
     let displacement: Vec<f64> = scene.initial_displacements().collect();
     let velocity: Vec<f64> = scene.initial_velocities().collect();
     let contacts = model.contacts.iter().map(|contact| {
-        let surface = contact.velocity(scene.slider.velocity);
+        let surface = contact.surface_velocity;
         let slip = surface - contact.tangent.dot(&velocity);
         if is_positive(&contact.normal, &displacement) || is_positive(&contact.normal, &velocity) {
             ContactState::Detached

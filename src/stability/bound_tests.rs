@@ -5,7 +5,7 @@ use super::critical_step::{bound, limits, over_all_states, squares};
 use super::eigenvalues::by_schur;
 use super::frequency_bound::{FrequencyBound, Sizes};
 use crate::contact::{ContactLaw, ContactState, all_states};
-use crate::model::{Contact, Damping, Direction, LumpedModel, SparseMatrix};
+use crate::model::{Contact, Damping, Direction, LinearModel, LumpedModel, SparseMatrix};
 use proptest::prelude::*;
 use std::f64::consts::TAU;
 use std::time::Instant;
@@ -91,15 +91,15 @@ pub(super) fn model(shape: Shape, contacts: usize, numbers: &[f64]) -> LumpedMod
     }
 }
 
-fn sizes(model: &LumpedModel, mu: f64) -> Option<Sizes> {
-    let sizes = FrequencyBound::new(model, mu)?.at(model, mu);
+fn sizes(model: LinearModel<'_>) -> Option<Sizes> {
+    let sizes = FrequencyBound::new(model)?.at(model);
     sizes.largest_square().is_finite().then_some(sizes)
 }
 
 /// The largest |s| of a contact state, after asking that every s is where the bound says.
-fn enclosed(model: &LumpedModel, states: &[ContactState], mu: f64, sizes: Sizes) -> f64 {
+fn enclosed(model: LinearModel<'_>, states: &[ContactState], sizes: Sizes) -> f64 {
     let ellipse = sizes.ellipse.expect("there are no dampers");
-    squares(model, states, mu, by_schur).unwrap().into_iter().fold(0.0, |most, s| {
+    squares(model, states, by_schur).unwrap().into_iter().fold(0.0, |most, s| {
         let size = modulus(s);
         assert!(ellipse.encloses(s), "{states:?}: {s} is outside of {ellipse:?}");
         assert!(size <= sizes.largest_square() * (1.0 + 1e-9), "{states:?}: {s} {sizes:?}");
@@ -141,13 +141,14 @@ proptest! {
         contacts in 2_usize..=5,
         mu in 0.0..0.9,
     ) {
-        let model = model(shape, contacts, &numbers);
-        if let Some(sizes) = sizes(&model, mu) {
+        let model = model(shape, contacts, &numbers).with_friction(mu);
+        let model = model.linear().unwrap();
+        if let Some(sizes) = sizes(model) {
             for states in all_states(u32::try_from(contacts).unwrap()) {
-                enclosed(&model, &states, mu, sizes);
+                enclosed(model, &states, sizes);
             }
-            let exact = over_all_states(&model, mu).unwrap().step;
-            let known = bound(&model, mu).unwrap();
+            let exact = over_all_states(model).unwrap().step;
+            let known = bound(model).unwrap();
             prop_assert!(known <= exact, "{} {}", known, exact);
         } else {
             // With little friction there is always a bound.
@@ -157,13 +158,14 @@ proptest! {
 
     #[test]
     fn a_disc_has_a_bound_near_the_exact_limit(numbers in any_numbers(), mu in 0.0..0.6) {
-        let model = model(Shape::Disc, 5, &numbers);
-        let sizes = sizes(&model, mu).unwrap();
+        let model = model(Shape::Disc, 5, &numbers).with_friction(mu);
+        let model = model.linear().unwrap();
+        let sizes = sizes(model).unwrap();
         let states = all_states(5);
-        let largest = states.fold(0.0, |most, s| f64::max(most, enclosed(&model, &s, mu, sizes)));
-        let exact = over_all_states(&model, mu).unwrap().step;
+        let largest = states.fold(0.0, |most, s| f64::max(most, enclosed(model, &s, sizes)));
+        let exact = over_all_states(model).unwrap().step;
         let frequency = (sizes.largest_square() / largest).sqrt();
-        let step = exact / bound(&model, mu).unwrap();
+        let step = exact / bound(model).unwrap();
         println!("{mu:.3}: frequencies {frequency:.3}, step {step:.3}");
         prop_assert!(frequency <= 2.0 && step < 10.0, "{} {}", frequency, step);
     }
@@ -174,19 +176,20 @@ fn many_contacts_on_one_body_have_a_bound_and_128_take_no_time() {
     let numbers: Vec<f64> = (1..200).map(|i| (0.618_034 * f64::from(i)).fract()).collect();
     for shape in [Shape::Disc, Shape::Tangled, Shape::OneMass] {
         for (contacts, mu) in [(8, 0.1), (8, 0.4), (32, 0.1), (32, 0.4), (128, 0.1), (128, 0.3)] {
-            let model = model(shape, contacts, &numbers);
+            let model = model(shape, contacts, &numbers).with_friction(mu);
+            let model = model.linear().unwrap();
             let start = Instant::now();
-            let sizes = sizes(&model, mu).unwrap();
+            let sizes = sizes(model).unwrap();
             assert!(start.elapsed().as_secs_f64() < 0.5);
-            let known = bound(&model, mu).unwrap();
+            let known = bound(model).unwrap();
             assert!(known > 0.0);
             if contacts == 128 {
                 continue;
             }
             let (mut largest, mut step) = (0.0, f64::INFINITY);
             for states in sampled(contacts, &numbers) {
-                largest = f64::max(largest, enclosed(&model, &states, mu, sizes));
-                step = limits(&model, &states, mu).unwrap().iter().fold(step, |s, l| s.min(l.0));
+                largest = f64::max(largest, enclosed(model, &states, sizes));
+                step = limits(model, &states).unwrap().iter().fold(step, |s, l| s.min(l.0));
             }
             let frequency = (sizes.largest_square() / largest).sqrt();
             println!(

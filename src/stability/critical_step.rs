@@ -21,7 +21,7 @@ use super::frequency_bound::{FrequencyBound, Sizes};
 use super::{damped_step, step_search};
 use crate::Error;
 use crate::contact::{ContactState, Joined, all_states};
-use crate::model::LumpedModel;
+use crate::model::{LinearModel, LumpedModel};
 use crate::scene::Damping;
 use nalgebra::Complex;
 
@@ -72,19 +72,17 @@ impl std::fmt::Display for CriticalStep {
     }
 }
 
-/// The critical step of a model, over all its contact states.
+/// The critical step of a model, over all its contact states, with the greatest µ that each contact can have in slip.
 ///
 /// # Errors
 /// A state whose eigenvalues are not found; many contacts that share masses and have so much friction that no bound
 /// is known.
-pub fn critical_step(
-    model: &LumpedModel,
-    friction_coefficient: f64,
-) -> Result<CriticalStep, Error> {
+pub fn critical_step(model: &LumpedModel) -> Result<CriticalStep, Error> {
+    let friction = model.with_greatest_friction();
     if can_be_enumerated(model) {
-        return over_all_states(model, friction_coefficient);
+        return over_all_states(friction);
     }
-    let step = bound(model, friction_coefficient).ok_or_else(|| {
+    let step = bound(friction).ok_or_else(|| {
         Error::step_too_large(format!(
             "no critical step is known for {} contacts with this friction: those that share masses may jam in \
              some of their states, and nothing bounds the frequencies there; take less friction or the \
@@ -96,21 +94,21 @@ pub fn critical_step(
 }
 
 /// A step, s, that is not above the critical one; `None` where none is known.
-pub(super) fn bound(model: &LumpedModel, friction: f64) -> Option<f64> {
-    let sizes = FrequencyBound::new(model, friction)?.at(model, friction);
-    let most = sizes.largest_square();
+pub(super) fn bound(model: LinearModel<'_>) -> Option<f64> {
+    let sizes = FrequencyBound::new(model)?.at(model);
+    let (most, damping) = (sizes.largest_square(), model.model().damping);
     most.is_finite().then(|| {
-        step_search::largest(real_limit(model.damping, sizes), |step| {
-            all_admissible(step, model.damping, sizes, has_friction(model, friction))
+        step_search::largest(real_limit(damping, sizes), |step| {
+            all_admissible(step, damping, sizes, has_friction(model))
         })
     })
 }
 
 /// The critical step from each contact state.
-pub(super) fn over_all_states(model: &LumpedModel, friction: f64) -> Result<CriticalStep, Error> {
+pub(super) fn over_all_states(model: LinearModel<'_>) -> Result<CriticalStep, Error> {
     let mut critical = CriticalStep { step: f64::INFINITY, origin: Origin::Bound };
-    for states in states_of(model) {
-        for (step, coalesced) in limits(model, &states, friction)? {
+    for states in states_of(model.model()) {
+        for (step, coalesced) in limits(model, &states)? {
             if step < critical.step {
                 critical = CriticalStep {
                     step,
@@ -132,20 +130,19 @@ fn states_of(model: &LumpedModel) -> impl Iterator<Item = Vec<ContactState>> {
 /// states that `concerns` picks: the others are known to admit it.
 pub(super) fn is_reached(
     step: f64,
-    model: &LumpedModel,
-    friction: f64,
+    model: LinearModel<'_>,
     concerns: impl Fn(&[ContactState]) -> bool,
 ) -> bool {
-    if can_be_enumerated(model) {
-        let mut asked = states_of(model).filter(|states| concerns(states));
-        return asked.all(|states| state_reaches(step, model, &states, friction).unwrap_or(false));
+    if can_be_enumerated(model.model()) {
+        let mut asked = states_of(model.model()).filter(|states| concerns(states));
+        return asked.all(|states| state_reaches(step, model, &states).unwrap_or(false));
     }
-    let bound = FrequencyBound::new(model, friction);
-    let sizes = bound.map(|bound| bound.at(model, friction));
+    let bound = FrequencyBound::new(model);
+    let sizes = bound.map(|bound| bound.at(model));
     sizes.filter(|sizes| sizes.largest_square().is_finite()).is_some_and(|sizes| {
-        let rubs = has_friction(model, friction);
-        step_search::reaches(step, real_limit(model.damping, sizes), |step| {
-            all_admissible(step, model.damping, sizes, rubs)
+        let (rubs, damping) = (has_friction(model), model.model().damping);
+        step_search::reaches(step, real_limit(damping, sizes), |step| {
+            all_admissible(step, damping, sizes, rubs)
         })
     })
 }
@@ -153,18 +150,17 @@ pub(super) fn is_reached(
 /// Is a step at most the largest one of each mode of a state?
 fn state_reaches(
     step: f64,
-    model: &LumpedModel,
+    model: LinearModel<'_>,
     states: &[ContactState],
-    friction: f64,
 ) -> Result<bool, Error> {
-    if !model.dampers.is_empty() {
-        let reduced = model.reduced(states, friction);
+    if !model.model().dampers.is_empty() {
+        let reduced = model.reduced(states);
         return reduced.map_or(Ok(true), |reduced| damped_step::reaches(step, &reduced));
     }
     // The other one of a pair has the same limit.
-    let squares = squares(model, states, friction, eigenvalues)?;
+    let squares = squares(model, states, eigenvalues)?;
     let mut squares = squares.into_iter().filter(|square| square.im >= 0.0);
-    Ok(squares.all(|square| mode_reaches(step, model.damping, square)))
+    Ok(squares.all(|square| mode_reaches(step, model.model().damping, square)))
 }
 
 /// Are the model's states few and small enough to look at all of them?
@@ -176,29 +172,27 @@ pub(super) fn can_be_enumerated(model: &LumpedModel) -> bool {
     contacts <= MAX_ENUMERATED_CONTACTS && work() <= most
 }
 
-/// Does any contact rub with friction?
-pub(super) fn has_friction(model: &LumpedModel, common: f64) -> bool {
-    model.contacts.iter().any(|contact| contact.friction(common) != 0.0)
+/// `true` where some contact has friction.
+pub(super) fn has_friction(model: LinearModel<'_>) -> bool {
+    model.friction().any(|friction| friction.coefficient != 0.0)
 }
 
 /// The largest steps of a state's modes, and whether those have coalesced.
 pub(super) fn limits(
-    model: &LumpedModel,
+    model: LinearModel<'_>,
     states: &[ContactState],
-    friction: f64,
 ) -> Result<Vec<(f64, bool)>, Error> {
-    if model.dampers.is_empty() {
-        let squares = squares(model, states, friction, by_schur)?.into_iter();
-        return Ok(squares.map(|s| (mode_limit(model.damping, s), s.im != 0.0)).collect());
+    if model.model().dampers.is_empty() {
+        let squares = squares(model, states, by_schur)?.into_iter();
+        return Ok(squares.map(|s| (mode_limit(model.model().damping, s), s.im != 0.0)).collect());
     }
-    model.reduced(states, friction).iter().map(damped_step::limit).collect()
+    model.reduced(states).iter().map(damped_step::limit).collect()
 }
 
 /// The eigenvalues s of M̃⁻¹ K̃, 1/s²; real ones with an exact zero for their imaginary part.
 pub(super) fn squares(
-    model: &LumpedModel,
+    model: LinearModel<'_>,
     states: &[ContactState],
-    friction: f64,
     solver: Solver,
 ) -> Result<Vec<Complex<f64>>, Error> {
     let failed = || {
@@ -208,7 +202,7 @@ pub(super) fn squares(
         ))
     };
     // A state that determines no motion sets no limit.
-    let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
+    let Some(reduced) = model.reduced(states) else { return Ok(Vec::new()) };
     if reduced.mass.nrows() == 0 {
         return Ok(Vec::new());
     }
@@ -339,14 +333,14 @@ mod tests {
         let omega = (k / m).sqrt();
         let zeta = 0.5 * (alpha / omega + beta * omega);
         let expected = 2.0 / omega * ((1.0 + zeta * zeta).sqrt() - zeta);
-        let found = critical_step(&model, 0.0).unwrap();
+        let found = critical_step(&model).unwrap();
         assert!((found.step - expected).abs() < 1e-14 * expected);
     }
 
     #[test]
     fn set_1_at_low_friction_is_limited_by_the_highest_mode_of_the_detached_state() {
         // Dt–Dt has the same modes at every µ; Table 2: −5.08 ± 232.00i Hz.
-        let found = critical_step(&set1(), 0.5).unwrap();
+        let found = critical_step(&set1().with_friction(0.5)).unwrap();
         let states = vec![ContactState::Detached; 2];
         assert_eq!(found.origin, Origin::State { states, coalesced: false });
         let omega = 2.0 * std::f64::consts::PI * 232.00_f64.hypot(5.08);
@@ -358,16 +352,16 @@ mod tests {
 
     #[test]
     fn coalesced_modes_limit_set_1_where_it_squeals() {
-        let found = critical_step(&set1(), 1.96).unwrap();
+        let found = critical_step(&set1()).unwrap();
         let states = vec![ContactState::Slide; 2];
         assert_eq!(found.origin, Origin::State { states, coalesced: true });
     }
 
     #[test]
     fn a_structure_with_redundant_contacts_has_a_critical_step() {
-        let mut model = set1();
+        let mut model = set1().with_friction(0.5);
         model.contacts[1] = model.contacts[0].clone();
-        assert!(critical_step(&model, 0.5).unwrap().step > 1e-5);
+        assert!(critical_step(&model).unwrap().step > 1e-5);
     }
 
     #[test]
@@ -375,18 +369,23 @@ mod tests {
         let mut scene = builtin("set1").unwrap().scene();
         let module = scene.modules()[0];
         *scene.modules_mut() = vec![module; 7];
-        let mut model = LumpedModel::from(&scene);
-        let free = critical_step(&model, 0.3).unwrap();
+        let mut model = LumpedModel::from(&scene).with_friction(0.3);
+        let free = critical_step(&model).unwrap();
         assert_eq!(free.origin, Origin::Bound);
         // A normal that all share leaves each contact no coordinate of its own, but a few of them have a bound.
-        let shared = |dof| Contact::new(Direction::unit(dof), Direction(vec![(2, 0.6), (6, 0.8)]));
-        model.contacts[..1].clone_from_slice(&[3].map(shared));
-        let found = critical_step(&model, 0.3).unwrap();
+        let first = model.contacts[0].clone();
+        let shared = |dof| Contact {
+            normal: Direction::unit(dof),
+            tangent: Direction(vec![(2, 0.6), (6, 0.8)]),
+            ..first.clone()
+        };
+        model.contacts[0] = shared(3);
+        let found = critical_step(&model).unwrap();
         assert!(found.origin == Origin::Bound && found.step > 0.1 * free.step, "{found}");
         model.contacts = [3, 7, 11, 15, 19, 23, 27].map(shared).to_vec();
-        assert!(critical_step(&model, 0.3).is_ok());
+        assert!(critical_step(&model).is_ok());
         // So much friction may jam them.
-        let said = critical_step(&model, 4.0).unwrap_err().to_string();
+        let said = critical_step(&model.with_friction(4.0)).unwrap_err().to_string();
         assert!(said.contains("may jam"), "{said}");
     }
 
@@ -401,8 +400,8 @@ mod tests {
     }
 
     /// The spectral radius of one step of a contact state, from the printed equations.
-    fn radius(model: &LumpedModel, states: &[ContactState], mu: f64, h: f64) -> f64 {
-        let reduced = model.reduced(states, mu).unwrap();
+    fn radius(model: &LumpedModel, states: &[ContactState], h: f64) -> f64 {
+        let reduced = model.linear().unwrap().reduced(states).unwrap();
         let n = reduced.mass.nrows();
         let inverse = reduced.mass.clone().try_inverse().unwrap();
         let (k, c) = (&inverse * reduced.stiffness * h, &inverse * reduced.damping * h);
@@ -418,18 +417,19 @@ mod tests {
     #[test]
     fn single_dampers_set_the_limit_where_the_step_leaves_the_unit_circle() {
         for strength in [1.0, 300.0, 1e4] {
-            let model = damped(strength);
-            let found = critical_step(&model, 0.0).unwrap();
+            let model = damped(strength).with_friction(0.0);
+            let found = critical_step(&model).unwrap();
             let Origin::State { states, coalesced: false } = &found.origin else {
                 panic!("{found}")
             };
-            assert!(radius(&model, states, 0.0, 0.999 * found.step) <= 1.0 + 1e-9, "{found}");
-            assert!(radius(&model, states, 0.0, 1.001 * found.step) > 1.0 + 1e-9, "{found}");
+            assert!(radius(&model, states, 0.999 * found.step) <= 1.0 + 1e-9, "{found}");
+            assert!(radius(&model, states, 1.001 * found.step) > 1.0 + 1e-9, "{found}");
             for states in all_states(2) {
-                assert!(radius(&model, &states, 0.0, 0.999 * found.step) <= 1.0 + 1e-9);
+                assert!(radius(&model, &states, 0.999 * found.step) <= 1.0 + 1e-9);
             }
             // The bound is never above it, and not useless.
-            let bound = FrequencyBound::new(&model, 0.0).unwrap().at(&model, 0.0);
+            let linear = model.linear().unwrap();
+            let bound = FrequencyBound::new(linear).unwrap().at(linear);
             let bound = real_limit(model.damping, bound);
             assert!(bound <= found.step && bound > 0.3 * found.step, "{bound} {found}");
         }
@@ -439,13 +439,14 @@ mod tests {
     fn a_damper_that_is_rayleigh_damping_in_disguise_has_the_same_limit() {
         // D = α M in place of α: the two ways to the limit have little in common.
         for mu in [0.3, 1.96] {
-            let (mut rayleigh, mut single) = (set1(), set1());
+            let (mut rayleigh, mut single) = (set1().with_friction(mu), set1().with_friction(mu));
             rayleigh.damping.alpha = 40.0;
             let entries = rayleigh.mass.entries().map(|(i, j, m)| (i, j, 40.0 * m)).collect();
             single.dampers = SparseMatrix::from_entries(8, entries);
-            let [a, b] = [&rayleigh, &single].map(|model| critical_step(model, mu).unwrap());
+            let [a, b] = [&rayleigh, &single].map(|model| critical_step(model).unwrap());
             assert!((a.step / b.step - 1.0).abs() < 0.05, "{a} {b}");
-            let sizes = FrequencyBound::new(&single, mu).unwrap().at(&single, mu);
+            let linear = single.linear().unwrap();
+            let sizes = FrequencyBound::new(linear).unwrap().at(linear);
             let bound = step_search::largest(real_limit(single.damping, sizes), |h| {
                 all_admissible(h, single.damping, sizes, true)
             });

@@ -5,7 +5,7 @@ use super::complex::from_polar;
 #[cfg(test)]
 use super::complex::modulus;
 use super::oblique_projection::{Group, groups};
-use crate::model::{LumpedModel, SparseMatrix};
+use crate::model::{LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::Complex;
 
 /// What no mode of any contact state exceeds.
@@ -85,8 +85,9 @@ pub(super) struct FrequencyBound {
 }
 
 impl FrequencyBound {
-    /// The bounds for a model, sharpest near the given µ; `None` for a full mass matrix.
-    pub(super) fn new(model: &LumpedModel, friction: f64) -> Option<Self> {
+    /// The bounds for a model, sharpest near its present µ; `None` for a full mass matrix.
+    pub(super) fn new(linear: LinearModel<'_>) -> Option<Self> {
+        let model = linear.model();
         let mass = model.mass.as_diagonal()?;
         let alone = vec![None; mass.len()];
         let groups = groups(&model.contacts, &mass);
@@ -98,7 +99,8 @@ impl FrequencyBound {
         let most = largest(&rows);
         let foci = Some([least(&model.stiffness, &mass, most), most]);
         if let Some(dragged_by) = uncoupled(model) {
-            let friction: Vec<f64> = model.contacts.iter().map(|c| c.friction(friction)).collect();
+            let friction: Vec<f64> =
+                linear.friction().map(|friction| friction.coefficient).collect();
             let rows = collatz_wielandt(&model.stiffness, &mass, &dragged_by, &friction);
             return Some(Self { rows, dampers: 0.0, foci, has_friction: true, groups });
         }
@@ -114,10 +116,10 @@ impl FrequencyBound {
         self.dampers / largest(&self.rows)
     }
 
-    /// The bounds at this µ; `model` is the one they were made for, but for its contacts' own values. Infinite where
-    /// nothing is known.
-    pub(super) fn at(&self, model: &LumpedModel, friction: f64) -> Sizes {
-        let mu = |contact: usize| model.contacts.get(contact).map_or(0.0, |c| c.friction(friction));
+    /// The bounds with the model's present µ; `model` is the one they were made for, but for its friction. Infinite
+    /// where nothing is known.
+    pub(super) fn at(&self, model: LinearModel<'_>) -> Sizes {
+        let mu = |contact: usize| model.friction_of(contact).coefficient;
         let square = self.rows.iter().fold(0.0, |largest, &(own, drag, contact)| {
             f64::max(largest, if drag == 0.0 { own } else { own + mu(contact) * drag })
         });

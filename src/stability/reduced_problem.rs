@@ -10,7 +10,7 @@ use super::complex::{modulus, root};
 use super::eigenvalues::eigenvalues;
 use crate::Error;
 use crate::contact::{ContactState, Joined};
-use crate::model::{LumpedModel, ReducedMatrices};
+use crate::model::{LinearModel, LumpedModel, ReducedMatrices};
 use nalgebra::{Complex, DMatrix};
 
 /// The eigenvalues σ of M̃⁻¹ K̃, 1/s², from the whole matrices; those of a state's modes where there
@@ -19,19 +19,16 @@ use nalgebra::{Complex, DMatrix};
 /// # Errors
 /// The model is too large ([`check_size`]), or its masses cannot be accelerated, or the iteration fails.
 pub fn stiffness_eigenvalues(
-    model: &LumpedModel,
+    model: LinearModel<'_>,
     states: &[ContactState],
-    friction: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
-    check_size(model)?;
-    let Some(reduced) = model.reduced(states, friction) else { return Ok(Vec::new()) };
+    check_size(model.model())?;
+    let Some(reduced) = model.reduced(states) else { return Ok(Vec::new()) };
     let (operator, _) = operator(&reduced)?;
     let floor = rounding(&operator);
     let found = eigenvalues(operator).ok_or_else(|| {
         let states = Joined(states);
-        Error::analysis(format!(
-            "the eigenvalues of state {states} were not found at µ = {friction}"
-        ))
+        Error::analysis(format!("the eigenvalues of state {states} were not found"))
     })?;
     Ok(found.into_iter().map(|sigma| cleaned(sigma, floor)).collect())
 }

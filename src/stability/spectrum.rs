@@ -5,7 +5,7 @@ use super::reduced_problem::{Kind, check_size, quadratic_roots};
 use super::symmetry::all_stiffness_eigenvalues;
 use crate::Error;
 use crate::contact::{ContactState, Joined};
-use crate::model::LumpedModel;
+use crate::model::LinearModel;
 use nalgebra::Complex;
 
 /// Eigenvalues alone, without shapes; 1/s.
@@ -22,20 +22,20 @@ impl Spectrum {
     ///
     /// # Errors
     /// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
-    pub fn of(model: &LumpedModel, states: &[ContactState], friction: f64) -> Result<Self, Error> {
+    pub fn of(model: LinearModel<'_>, states: &[ContactState]) -> Result<Self, Error> {
         let found = if !model.has_single_damping_in(states) {
-            let sigmas = all_stiffness_eigenvalues(model, states, friction)?;
-            Self::from_all(sigmas.iter().flat_map(|&sigma| quadratic_roots(model, sigma)))
+            let sigmas = all_stiffness_eigenvalues(model, states)?;
+            Self::from_all(sigmas.iter().flat_map(|&sigma| quadratic_roots(model.model(), sigma)))
         } else {
-            check_size(model)?;
-            let Some(reduced) = model.reduced(states, friction) else { return Ok(Self::default()) };
+            check_size(model.model())?;
+            let Some(reduced) = model.reduced(states) else { return Ok(Self::default()) };
             Self::from_all(damped_modes::all_eigenvalues(&reduced)?)
         };
         if found.growth_rate() < f64::INFINITY && found.oscillating.iter().all(|v| v.is_finite()) {
             return Ok(found);
         }
         Err(Error::analysis(format!(
-            "the eigenvalues of state {} leave the range of numbers at µ = {friction}; look for a \
+            "the eigenvalues of state {} leave the range of numbers; look for a \
              value that is too large",
             Joined(states)
         )))

@@ -7,7 +7,7 @@ use super::frequency_bound::{FrequencyBound, Sizes};
 use super::step_search::largest;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::LumpedModel;
+use crate::model::{LinearModel, LumpedModel, SlidingFriction};
 use crate::scene::Damping;
 
 /// Refuses steps above the critical one, again and again as µ and the damping change. A question that was
@@ -26,9 +26,9 @@ pub struct StepGuard {
     /// single dampers grows in proportion with it.
     admissible: f64,
     /// The friction of each contact when all states were last found to admit the step, with `damping`.
-    admitted: Option<Vec<Rubbing>>,
+    admitted: Option<Vec<SlidingFriction>>,
     /// The friction of each contact with which the step was last admitted, with `damping`, if it has been since that changed.
-    last: Vec<Rubbing>,
+    last: Vec<SlidingFriction>,
     is_known: bool,
     /// How often the states have been asked without the bound since it failed, and how often they are to be.
     left_out: u32,
@@ -41,22 +41,11 @@ const MOST_LEFT_OUT: u32 = 63;
 /// By this part of itself rounding may move a limit. A step that is nearer to it is compared with the printed limit.
 const ROUNDING: f64 = 1e-5;
 
-/// µ of a contact that slides, and the damping that it adds, N s/m. The modes of its states depend on nothing else of it.
-type Rubbing = [f64; 2];
-
-fn rubbing(model: &LumpedModel, friction: f64) -> impl Iterator<Item = Rubbing> {
-    model.contacts.iter().map(move |contact| [contact.friction(friction), contact.weakening()])
-}
-
-fn is_same(before: &[Rubbing], model: &LumpedModel, friction: f64) -> bool {
-    rubbing(model, friction).eq(before.iter().copied())
-}
-
 impl StepGuard {
-    /// A guard of this step (s) for this model; sharpest near the given µ.
+    /// A guard of this step (s) for this model; sharpest near its present µ.
     #[must_use]
-    pub fn new(model: &LumpedModel, friction_coefficient: f64, step: f64) -> Self {
-        let bound = FrequencyBound::new(model, friction_coefficient);
+    pub fn new(model: &LumpedModel, step: f64) -> Self {
+        let bound = FrequencyBound::new(model.with_greatest_friction());
         let damping = model.damping;
         let mut guard = Self {
             step,
@@ -98,30 +87,31 @@ impl StepGuard {
         (self.admitted, self.is_known) = (None, false);
     }
 
-    /// Is the step below the critical one? `model` is the one that the guard was made for, but for
-    /// its damping and its contacts' own values.
+    /// Makes sure that the step is at most the critical one, with the greatest µ that each contact can have in slip.
+    /// `model` is the one that the guard was made for, but for its damping and its friction.
     ///
     /// # Errors
     /// The step, the limit, and the state that sets it.
-    pub fn check(&mut self, model: &LumpedModel, friction: f64) -> Result<(), Error> {
+    pub fn check(&mut self, model: &LumpedModel) -> Result<(), Error> {
+        let linear = model.with_greatest_friction();
         if self.damping != model.damping {
             self.set_damping(model.damping);
         }
-        if self.is_known && is_same(&self.last, model, friction) {
+        if self.is_known && linear.friction().eq(self.last.iter().copied()) {
             return Ok(());
         }
         // Where states are not asked one by one, their bound is the only answer.
         let is_first = self.bound_is_due() || !can_be_enumerated(model);
-        if (is_first && self.bound_suffices(model, friction))
-            || self.states_admit(model, friction)
-            || (!is_first && self.bound_suffices(model, friction))
+        if (is_first && self.bound_suffices(linear))
+            || self.states_admit(linear)
+            || (!is_first && self.bound_suffices(linear))
         {
-            self.note(model, friction);
+            self.note(linear);
             return Ok(());
         }
-        let critical = critical_step(model, friction)?;
+        let critical = critical_step(model)?;
         if self.step <= critical.step {
-            self.note(model, friction);
+            self.note(linear);
             return Ok(());
         }
         let step = self.step;
@@ -138,9 +128,9 @@ impl StepGuard {
     }
 
     /// Takes note that the step is admitted with this friction.
-    fn note(&mut self, model: &LumpedModel, friction: f64) {
+    fn note(&mut self, model: LinearModel<'_>) {
         self.last.clear();
-        self.last.extend(rubbing(model, friction));
+        self.last.extend(model.friction());
         self.is_known = true;
     }
 
@@ -153,13 +143,13 @@ impl StepGuard {
     }
 
     /// Is the bound enough to admit the step?
-    fn bound_suffices(&mut self, model: &LumpedModel, friction: f64) -> bool {
+    fn bound_suffices(&mut self, model: LinearModel<'_>) -> bool {
         let suffices = self.bound.as_ref().is_some_and(|bound| {
-            let sizes = bound.at(model, friction);
-            let friction = has_friction(model, friction);
+            let sizes = bound.at(model);
+            let friction = has_friction(model);
             sizes.square <= self.admissible
                 || ((!friction || sizes.ellipse.is_some())
-                    && all_admissible(self.step, model.damping, sizes, friction))
+                    && all_admissible(self.step, model.model().damping, sizes, friction))
         });
         let more = (2 * self.to_leave_out + 1).min(MOST_LEFT_OUT);
         (self.left_out, self.to_leave_out) = (0, if suffices { 0 } else { more });
@@ -167,18 +157,19 @@ impl StepGuard {
     }
 
     /// Do all states admit the step? Takes note of it.
-    fn states_admit(&mut self, model: &LumpedModel, friction: f64) -> bool {
+    fn states_admit(&mut self, model: LinearModel<'_>) -> bool {
         let before = self.admitted.as_deref();
-        let is_new = |(i, now): (usize, Rubbing)| before.is_none_or(|before| before[i] != now);
-        let new: Vec<bool> = rubbing(model, friction).enumerate().map(is_new).collect();
+        let is_new =
+            |(i, now): (usize, SlidingFriction)| before.is_none_or(|before| before[i] != now);
+        let new: Vec<bool> = model.friction().enumerate().map(is_new).collect();
         let concerns = |states: &[ContactState]| {
             let slides = |state: &ContactState| state.sliding_direction().is_some();
             before.is_none()
                 || states.iter().zip(&new).any(|(state, is_new)| *is_new && slides(state))
         };
-        let admit = is_reached((1.0 + ROUNDING) * self.step, model, friction, concerns);
+        let admit = is_reached((1.0 + ROUNDING) * self.step, model, concerns);
         if admit {
-            self.admitted = Some(rubbing(model, friction).collect());
+            self.admitted = Some(model.friction().collect());
         }
         admit
     }
@@ -199,17 +190,17 @@ mod tests {
     #[test]
     fn a_step_above_the_limit_is_refused_with_the_limit_and_its_state() {
         let model = set1();
-        let limit = critical_step(&model, 1.96).unwrap().step;
-        assert!(StepGuard::new(&model, 1.96, 0.999 * limit).check(&model, 1.96).is_ok());
-        let mut above = StepGuard::new(&model, 1.96, 1.001 * limit);
-        let error = above.check(&model, 1.96).unwrap_err();
+        let limit = critical_step(&model).unwrap().step;
+        assert!(StepGuard::new(&model, 0.999 * limit).check(&model).is_ok());
+        let mut above = StepGuard::new(&model, 1.001 * limit);
+        let error = above.check(&model).unwrap_err();
         assert!(error.is_step_too_large() && error.to_string().contains("Sl-Sl"), "{error}");
         // Without friction no modes coalesce, and the same step is fine.
-        assert!(above.check(&model, 0.0).is_ok());
+        assert!(above.check(&model.with_friction(0.0)).is_ok());
     }
 
-    /// A model with some of the contacts' friction of their own, and dampers where `dampers` is above zero.
-    fn any_model() -> impl Strategy<Value = LumpedModel> {
+    /// A model, with dampers or without, and the friction of its contacts, `None` where it is the common one.
+    fn any_model() -> impl Strategy<Value = (LumpedModel, Vec<Option<f64>>)> {
         let shapes = vec![Shape::Disc, Shape::Tangled, Shape::Chain, Shape::OneMass];
         let damping = (0.0..30.0_f64, 0.0..1e-4_f64, prop::option::of(0.1..100.0_f64));
         let own = prop::collection::vec(prop::option::of(0.0..1.0_f64), 3);
@@ -222,12 +213,15 @@ mod tests {
                     let entries = [(0, 0, damper), (1, 1, 0.3 * damper)].to_vec();
                     model.dampers = SparseMatrix::from_entries(model.dofs(), entries);
                 }
-                for (contact, own) in model.contacts.iter_mut().zip(own) {
-                    contact.own.friction_coefficient = own;
-                }
-                model
+                (model, own)
             },
         )
+    }
+
+    fn set_friction(model: &mut LumpedModel, common: f64, own: &[Option<f64>]) {
+        for (contact, own) in model.contacts.iter_mut().zip(own) {
+            contact.friction = own.unwrap_or(common).into();
+        }
     }
 
     proptest! {
@@ -235,23 +229,25 @@ mod tests {
 
         #[test]
         fn a_step_is_refused_where_it_is_above_the_limit_of_the_present_friction(
-            mut model in any_model(),
+            (mut model, mut own) in any_model(),
             frictions in prop::collection::vec((0.0..1.0_f64, 0_usize..4, prop::option::of(0.0..1.0_f64)), 8),
             part in prop_oneof![0.3..1.3_f64, 1.0 - 1e-5..1.0 + 1e-5, Just(1.0)],
         ) {
             // Where a state jams there is none.
-            let first = critical_step(&model, frictions[0].0).map_or(1e-4, |critical| critical.step);
+            set_friction(&mut model, frictions[0].0, &own);
+            let first = critical_step(&model).map_or(1e-4, |critical| critical.step);
             let step = part * first;
-            let mut guard = StepGuard::new(&model, frictions[0].0, step);
-            for (common, contact, own) in frictions {
-                if let Some(contact) = model.contacts.get_mut(contact) {
-                    contact.own.friction_coefficient = own;
+            let mut guard = StepGuard::new(&model, step);
+            for (common, contact, value) in frictions {
+                if let Some(own) = own.get_mut(contact) {
+                    *own = value;
                 }
-                let critical = critical_step(&model, common);
+                set_friction(&mut model, common, &own);
+                let critical = critical_step(&model);
                 let admits = critical.as_ref().is_ok_and(|critical| step <= critical.step);
                 let said = critical.map_or_else(|error| error.to_string(), |critical| critical.to_string());
                 for _ in 0..2 {
-                    match guard.check(&model, common) {
+                    match guard.check(&model) {
                         Ok(()) => prop_assert!(admits, "{} {}", step, said),
                         Err(error) => {
                             prop_assert!(!admits && error.to_string().contains(&said), "{} {}", error, said);
@@ -267,13 +263,14 @@ mod tests {
         let numbers: Vec<f64> = (1..200).map(|i| (0.618_034 * f64::from(i)).fract()).collect();
         let mut model = model(Shape::Disc, 3, &numbers);
         model.dampers = SparseMatrix::from_entries(model.dofs(), vec![(0, 0, 10.0)]);
-        let friction = |i: u32| 0.3 + 1e-4 * f64::from(i);
-        let limit = critical_step(&model, friction(0)).unwrap().step;
-        let mut guard = StepGuard::new(&model, friction(0), 0.2 * limit);
+        let rubbing = |i: u32| model.clone().with_friction(0.3 + 1e-4 * f64::from(i));
+        let models: Vec<LumpedModel> = (0..20).map(rubbing).collect();
+        let limit = critical_step(&models[0]).unwrap().step;
+        let mut guard = StepGuard::new(&models[0], 0.2 * limit);
         let begun = std::time::Instant::now();
-        (0..20).for_each(|i| guard.check(&model, friction(i)).unwrap());
+        models.iter().for_each(|model| guard.check(model).unwrap());
         let changing = begun.elapsed().as_secs_f64();
-        (0..1000).for_each(|_| guard.check(&model, friction(19)).unwrap());
+        (0..1000).for_each(|_| guard.check(&models[19]).unwrap());
         let constant = begun.elapsed().as_secs_f64() - changing;
         println!("{changing} s for 20 values, {constant} s for the same one 1000 times");
         assert!(changing < 2.0 && constant < 0.5, "{changing} s, {constant} s");

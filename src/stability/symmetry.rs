@@ -4,7 +4,7 @@ use super::reduced_problem::stiffness_eigenvalues;
 use crate::Error;
 use crate::contact::ContactState;
 use crate::model::ring::MODULE_DOFS;
-use crate::model::{LumpedModel, SparseMatrix};
+use crate::model::{LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -21,16 +21,19 @@ impl Symmetry {
     /// The symmetry of a model: that of a ring if turning it by one module and turning it round
     /// change no entry of its matrices.
     #[must_use]
-    pub fn of(model: &LumpedModel) -> Self {
+    pub fn of(linear: LinearModel<'_>) -> Self {
+        let model = linear.model();
         let dofs = model.dofs();
         let count = dofs / MODULE_DOFS;
+        let Some(first) = model.contacts.first() else { return Self::None };
+        let first = (first.friction, first.surface_velocity);
         let in_place = model.contacts.iter().enumerate().all(|(i, contact)| {
             contact.tangent.as_unit() == Some(MODULE_DOFS * i + 2)
                 && contact.normal.as_unit() == Some(MODULE_DOFS * i + 3)
-                && contact.own == model.contacts[0].own
+                && (contact.friction, contact.surface_velocity) == first
         });
         let is_ring = model.contacts.len() == count && dofs == MODULE_DOFS * count && in_place;
-        if !is_ring || model.mass.as_diagonal().is_none() || model.has_single_damping() {
+        if !is_ring || model.mass.as_diagonal().is_none() || linear.has_single_damping() {
             return Self::None;
         }
         let turned = |dof: usize| (dof + MODULE_DOFS) % dofs;
@@ -87,7 +90,7 @@ pub enum Part {
 impl Part {
     /// The parts of a contact state, for models that differ in the value of a parameter.
     pub fn all<'a>(
-        models: impl IntoIterator<Item = &'a LumpedModel>,
+        models: impl IntoIterator<Item = LinearModel<'a>>,
         states: &[ContactState],
     ) -> Vec<Self> {
         let uniform = !states.is_empty() && states.windows(2).all(|pair| pair[0] == pair[1]);
@@ -114,17 +117,15 @@ impl Part {
     /// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
     pub fn stiffness_eigenvalues(
         self,
-        model: &LumpedModel,
+        model: LinearModel<'_>,
         states: &[ContactState],
-        friction_coefficient: f64,
     ) -> Result<Vec<Complex<f64>>, Error> {
         match self {
-            Self::Whole => stiffness_eigenvalues(model, states, friction_coefficient),
-            Self::Wave { k, modules } => stiffness_eigenvalues(
-                &module_of_wave(model, k, modules),
-                &states[..1],
-                friction_coefficient,
-            ),
+            Self::Whole => stiffness_eigenvalues(model, states),
+            Self::Wave { k, modules } => {
+                let module = module_of_wave(model.model(), k, modules);
+                stiffness_eigenvalues(model.of_part(&module), &states[..1])
+            }
         }
     }
 }
@@ -163,13 +164,12 @@ pub fn turn(part: usize, whole: usize) -> f64 {
 /// # Errors
 /// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
 pub fn all_stiffness_eigenvalues(
-    model: &LumpedModel,
+    model: LinearModel<'_>,
     states: &[ContactState],
-    friction_coefficient: f64,
 ) -> Result<Vec<Complex<f64>>, Error> {
-    let mut sigmas = Vec::with_capacity(model.dofs());
+    let mut sigmas = Vec::with_capacity(model.model().dofs());
     for part in Part::all([model], states) {
-        let found = part.stiffness_eigenvalues(model, states, friction_coefficient)?;
+        let found = part.stiffness_eigenvalues(model, states)?;
         for _ in 0..part.copies() {
             sigmas.extend_from_slice(&found);
         }
@@ -193,7 +193,7 @@ mod tests {
 
     #[test]
     fn rotated_and_reflected_states_have_one_representative() {
-        let ring = Symmetry::of(&ring(4));
+        let ring = Symmetry::of(ring(4).linear().unwrap());
         assert_eq!(ring, Symmetry::Ring);
         let states = [[Sl, St, Dt, Dt], [Dt, Sl, St, Dt], [Dt, Dt, St, Sl], [St, Sl, Dt, Dt]];
         for other in states {
@@ -206,14 +206,15 @@ mod tests {
     fn one_different_module_breaks_the_symmetry() {
         let mut scene = builtin("set1").unwrap().scene();
         scene.modules_mut()[1].stiffness[4] += 1.0;
-        assert_eq!(Symmetry::of(&LumpedModel::from(&scene)), Symmetry::None);
+        assert_eq!(Symmetry::of(LumpedModel::from(&scene).linear().unwrap()), Symmetry::None);
     }
 
     #[test]
     fn states_with_one_representative_have_one_spectrum() {
         let model = ring(4);
-        let a = Spectrum::of(&model, &[Sl, St, Dt, Dt], 1.96).unwrap();
-        let b = Spectrum::of(&model, &[Dt, Dt, St, Sl], 1.96).unwrap();
+        let model = model.linear().unwrap();
+        let a = Spectrum::of(model, &[Sl, St, Dt, Dt]).unwrap();
+        let b = Spectrum::of(model, &[Dt, Dt, St, Sl]).unwrap();
         assert_eq!((a.oscillating.len(), a.real.len()), (b.oscillating.len(), b.real.len()));
         for (a, b) in a.oscillating.iter().zip(&b.oscillating) {
             assert!((a - b).norm() < 1e-9 * a.norm());
@@ -224,9 +225,10 @@ mod tests {
     fn waves_give_the_eigenvalues_of_the_whole_ring() {
         for modules in [1, 2, 3, 4, 7] {
             let model = ring(modules);
+            let model = model.linear().unwrap();
             for state in ContactState::ALL {
-                let whole = stiffness_eigenvalues(&model, &vec![state; modules], 1.96).unwrap();
-                let waves = all_stiffness_eigenvalues(&model, &vec![state; modules], 1.96).unwrap();
+                let whole = stiffness_eigenvalues(model, &vec![state; modules]).unwrap();
+                let waves = all_stiffness_eigenvalues(model, &vec![state; modules]).unwrap();
                 assert_eq!(whole.len(), waves.len());
                 for value in &whole {
                     let near = waves.iter().map(|w| (w - value).norm());

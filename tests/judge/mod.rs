@@ -154,7 +154,7 @@ impl Run {
         let force = largest(&model.load).max(largest(&reference.normal_force));
         let springs = stiffness.diagonal().iter().copied().fold(0.0, f64::max);
         let contacts = model.contacts.iter();
-        let velocity = contacts.map(|contact| contact.velocity(scene.slider.velocity).abs());
+        let velocity = contacts.map(|contact| contact.surface_velocity.abs());
         let mut velocity = velocity.fold(f64::MIN_POSITIVE, f64::max);
         // Contacts between masses close to the tolerance of the multipliers, a force: of ẋ = F/√(km).
         let is_exact = model.contacts.iter().all(|contact| {
@@ -344,17 +344,16 @@ impl Run {
             signal.shape.onward(if is_exact { times[0] } else { t }, t, slack)
         });
         let force = self.outer_force();
-        let (v, friction) = (self.acting.slider.velocity, self.acting.friction());
         let contacts = &self.model.contacts;
         let is_frozen = self.model.law.is_frozen();
         let friction = |contact: &model::Contact| {
             // A direction that is frozen is that of the surface; one that stands still has none.
-            let stands = is_frozen && contact.velocity(v) == 0.0;
-            if stands { Friction::from(0.0) } else { contact.coefficients(friction) }
+            let stands = is_frozen && contact.surface_velocity == 0.0;
+            if stands { Friction::from(0.0) } else { contact.friction }
         };
         Acting {
             force,
-            slider_velocity: contacts.iter().map(|contact| contact.velocity(v)).collect(),
+            slider_velocity: contacts.iter().map(|contact| contact.surface_velocity).collect(),
             friction: contacts.iter().map(friction).collect(),
         }
     }
@@ -376,8 +375,7 @@ impl Run {
                 Shape::Sine(_) => 0.0,
                 shape => part * shape.rate(time, slack),
             });
-            let (scene, places) = (&self.acting, self.model.contacts.iter());
-            let velocities = places.map(|contact| contact.velocity(scene.slider.velocity));
+            let velocities = self.model.contacts.iter().map(|contact| contact.surface_velocity);
             [self.outer_force(), DVector::from_iterator(contacts, velocities)]
         });
         let [force, velocity] = with;
@@ -398,8 +396,7 @@ impl Run {
         let swing = |(driving, sine): (Signal, Sine)| {
             let [with, without] = [1.0, 0.0].map(|part| {
                 self.drive(|signal, _| if *signal == driving { part } else { 0.0 });
-                let (scene, places) = (&self.acting, self.model.contacts.iter());
-                let velocities = places.map(|contact| contact.velocity(scene.slider.velocity));
+                let velocities = self.model.contacts.iter().map(|contact| contact.surface_velocity);
                 let moves = DVector::from_iterator(self.model.contacts.len(), velocities);
                 (self.outer_force(), moves)
             });

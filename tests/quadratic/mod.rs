@@ -7,7 +7,8 @@ use nalgebra::{Complex, DMatrix};
 /// All eigenvalues, 1/s, by eqs. (4)–(6) as they stand: the quadratic problem made linear, twice
 /// its size.
 pub fn eigenvalues(model: &LumpedModel, states: &[ContactState], mu: f64) -> Vec<Complex<f64>> {
-    let reduced = model.reduced(states, mu).unwrap();
+    let model = model.clone().with_friction(mu);
+    let reduced = model.linear().unwrap().reduced(states).unwrap();
     let n = reduced.mass.nrows();
     let square = |[a, b, c, d]: [&DMatrix<f64>; 4]| {
         let mut matrix = DMatrix::zeros(2 * n, 2 * n);

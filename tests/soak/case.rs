@@ -160,10 +160,9 @@ pub fn fastest(scene: &Scene) -> f64 {
 
 /// The steps of both integrators, which cover times of the same order.
 fn plans(random: &mut Random, scene: &Scene, fastest: f64) -> [Plan; 2] {
-    let mut model = LumpedModel::from(scene);
-    model.raise_friction(scene);
-    let most = drive::FRICTION_RISES * scene.friction_coefficient;
-    let critical = critical_step(&model, most).map_or(0.5 / fastest, |critical| critical.step);
+    let friction_coefficient = drive::FRICTION_RISES * scene.friction_coefficient;
+    let model = LumpedModel::from(&Scene { friction_coefficient, ..scene.clone() });
+    let critical = critical_step(&model).map_or(0.5 / fastest, |critical| critical.step);
     let critical = if critical.is_finite() { critical } else { 0.5 / fastest };
     let many = scene.contact_count() > 10;
     let steps = random.whole(50, if many { 100 } else { 250 }) as u32;

@@ -41,7 +41,7 @@ fn some(key: &str, value: Option<f64>) -> Option<String> {
 }
 
 fn friction(scene: &Scene) -> Vec<String> {
-    let about = scene.friction_law.about();
+    let about = scene.friction_law.info();
     let keys = [
         ("coefficient", Some(scene.friction_coefficient)),
         ("static", scene.static_friction),

@@ -14,7 +14,7 @@
 //! conditioned must agree as closely instead: [`assert_clusters_agree`] says what that is.
 
 use amontons::contact::ContactState;
-use amontons::model::{LumpedModel, ReducedMatrices};
+use amontons::model::{LinearModel, LumpedModel, ReducedMatrices};
 use amontons::scene::{Scene, builtin};
 use amontons::stability::{Spectrum, eigenvalues};
 use amontons_analysis::stability::StateClasses;
@@ -56,8 +56,8 @@ fn one_state(lapack: &mut Lapack) {
         let model = LumpedModel::from(&unequal(modules));
         let mu = |i: usize| FRICTION * (i + 1) as f64 / values_of_mu as f64;
         let states = vec![ContactState::Slide; modules];
-        let cases: Vec<_> = (0..values_of_mu).map(|i| (states.clone(), mu(i))).collect();
-        (Problem::new(model, cases), turns)
+        let case = |i: usize| (states.clone(), model.clone().with_friction(mu(i)));
+        (Problem::new((0..values_of_mu).map(case).collect()), turns)
     });
 
     println!("Eigenvalues of the same matrix M⁻¹ K, µs a matrix");
@@ -92,9 +92,8 @@ fn one_state(lapack: &mut Lapack) {
     );
     for (problem, turns) in &problems {
         let theirs = lapack.values("first_order", problem.request());
-        let spectrum = |(states, mu): &Case| {
-            Spectrum::of(&problem.model, states, *mu).expect("it is possible")
-        };
+        let spectrum =
+            |(states, model): &Case| Spectrum::of(linear(model), states).expect("it is possible");
         let ours: Vec<_> = problem.cases.iter().map(|case| all(&spectrum(case))).collect();
         let apart = assert_values_agree(&ours, &theirs);
         let [own, scipy] = shortest(
@@ -131,7 +130,7 @@ fn waves(lapack: &mut Lapack) {
         "beta": model.damping.beta,
     });
     let sliding = vec![ContactState::Slide; model.contacts.len()];
-    let spectrum = || Spectrum::of(&model, &sliding, FRICTION).expect("it is possible");
+    let spectrum = || Spectrum::of(linear(&model), &sliding).expect("it is possible");
     let theirs = lapack.values("waves", request.clone()).concat();
     let ours = all(&spectrum());
     let apart = assert_values_agree(&[ours], &[theirs]);
@@ -150,14 +149,13 @@ fn waves(lapack: &mut Lapack) {
 
 fn all_states(lapack: &mut Lapack) {
     let model = LumpedModel::from(&equal(8));
-    let classes = StateClasses::of(&model).expect("eight contacts are few enough");
+    let classes = StateClasses::of(linear(&model)).expect("eight contacts are few enough");
     let mut by_size: BTreeMap<usize, Vec<Case>> = BTreeMap::new();
     for states in &classes.representatives {
-        let size = reduced(&model, states, FRICTION).mass.nrows();
-        by_size.entry(size).or_default().push((states.clone(), FRICTION));
+        let size = reduced(&model, states).mass.nrows();
+        by_size.entry(size).or_default().push((states.clone(), model.clone()));
     }
-    let problems: Vec<_> =
-        by_size.into_values().map(|cases| Problem::new(model.clone(), cases)).collect();
+    let problems: Vec<_> = by_size.into_values().map(Problem::new).collect();
     let (mut apart, mut clustered) = (0.0_f64, [0; 2]);
     for problem in &problems {
         let theirs = lapack.values("numpy_stack", problem.request());
@@ -169,8 +167,8 @@ fn all_states(lapack: &mut Lapack) {
         }
     }
     let all_spectra = || {
-        let classes = StateClasses::of(&model).expect("few");
-        classes.spectra(&model, FRICTION, &|_| {}).expect("they are possible")
+        let classes = StateClasses::of(linear(&model)).expect("few");
+        classes.spectra(linear(&model), &|_| {}).expect("they are possible")
     };
     let solved = classes.representatives.len();
     let [whole, own, numpy] = shortest(
@@ -221,8 +219,12 @@ fn unequal(modules: usize) -> Scene {
     scene
 }
 
-fn reduced(model: &LumpedModel, states: &[ContactState], friction: f64) -> ReducedMatrices {
-    model.reduced(states, friction).expect("one contact a mass cannot contradict itself")
+fn linear(model: &LumpedModel) -> LinearModel<'_> {
+    model.linear().expect("µ is constant")
+}
+
+fn reduced(model: &LumpedModel, states: &[ContactState]) -> ReducedMatrices {
+    linear(model).reduced(states).expect("one contact a mass cannot contradict itself")
 }
 
 fn solve(operator: &DMatrix<f64>) -> Values {
@@ -235,12 +237,11 @@ fn all(spectrum: &Spectrum) -> Values {
     pairs.chain(spectrum.real.iter().map(|value| Complex::from(*value))).collect()
 }
 
-/// States and µ.
-type Case = (Vec<ContactState>, f64);
+/// States, and the model with its friction.
+type Case = (Vec<ContactState>, LumpedModel);
 
 /// Cases with matrices of one size, which are in a file too.
 struct Problem {
-    model: LumpedModel,
     cases: Vec<Case>,
     /// M̃⁻¹ K̃ of each.
     operators: Vec<DMatrix<f64>>,
@@ -248,9 +249,8 @@ struct Problem {
 }
 
 impl Problem {
-    fn new(model: LumpedModel, cases: Vec<Case>) -> Self {
-        let reduced: Vec<_> =
-            cases.iter().map(|(states, mu)| reduced(&model, states, *mu)).collect();
+    fn new(cases: Vec<Case>) -> Self {
+        let reduced: Vec<_> = cases.iter().map(|(states, model)| reduced(model, states)).collect();
         let operator = |r: &ReducedMatrices| r.mass.clone().lu().solve(&r.stiffness);
         let operators: Vec<_> =
             reduced.iter().map(|r| operator(r).expect("masses are positive")).collect();
@@ -268,10 +268,10 @@ impl Problem {
                 matrix.transpose().iter().flat_map(|v| v.to_le_bytes()).collect::<Vec<_>>()
             })
             .collect();
-        let name = format!("stability-{}-{}.f64", model.contacts.len(), operators[0].nrows());
+        let name = format!("stability-{}-{}.f64", cases[0].0.len(), operators[0].nrows());
         let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
         std::fs::write(&file, bytes).expect("the target folder can be written");
-        Self { model, cases, operators, file }
+        Self { cases, operators, file }
     }
 
     fn size(&self) -> usize {

@@ -53,12 +53,12 @@ pub fn effects(scene: &Scene) -> Vec<Effect> {
     let law = scene.contact_law().friction;
     if scene.contact_count() > 0 {
         for &other in Law::ALL.iter().filter(|law| **law != Law::Frictionless) {
-            let about = other.about();
+            let about = other.info();
             add(about.name, about.equation, law == other, &|scene, on| {
                 set_law(scene, if on { other } else { Law::Frictionless });
             });
         }
-        if law.about().sticks {
+        if law.info().sticks {
             add(
                 "sticking",
                 "ẋ_T = v while friction holds",
@@ -121,7 +121,7 @@ pub fn effects(scene: &Scene) -> Vec<Effect> {
 /// Gives the scene another law of friction, with the numbers that it needs: of those that it lacks, such as make
 /// no difference.
 fn set_law(scene: &mut Scene, law: Law) {
-    let has = |key| law.about().keys.contains(&key);
+    let has = |key| law.info().keys.contains(&key);
     scene.friction_law = if law == Law::StaticKinetic { Law::Coulomb } else { law };
     if !has("coefficient") {
         scene.friction_coefficient = 0.0;

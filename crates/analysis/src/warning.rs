@@ -19,9 +19,7 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     if scene.method != Method::ForwardIncrement || scene.selection != Selection::Given {
         return None;
     }
-    let mut model = LumpedModel::from(scene);
-    model.raise_friction(scene);
-    let critical = critical_step(&model, scene.friction_coefficient).ok()?;
+    let critical = critical_step(&LumpedModel::from(scene)).ok()?;
     let (step, relation) = match scene.step {
         step if step > critical.step => (step, "above the critical step"),
         step if SUSPICIOUS * step < critical.step => {

@@ -27,9 +27,10 @@ fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
     scene.damping.beta *= f64::from(u8::from(damped));
     let model = LumpedModel::from(&scene);
     let equilibrium = model::equilibrium(&scene, &model).unwrap();
-    let sliding = uniform_sliding(&model, velocity).unwrap();
-    let mode = &modes(&model, &sliding, mu).unwrap().oscillating[mode];
-    let found = departure(&model, &equilibrium, mu, velocity, mode).unwrap();
+    let sliding = uniform_sliding(&model).unwrap();
+    let linear = model.linear().unwrap();
+    let mode = &modes(linear, &sliding).unwrap().oscillating[mode];
+    let found = departure(linear, &equilibrium, mode).unwrap();
     let start = |factor: Complex<f64>| -> Vec<f64> {
         mode.shape.iter().map(|x| part * found.amplitude * (x * factor).re).collect()
     };
@@ -68,12 +69,13 @@ fn a_mode_that_does_not_reach_a_contact_makes_it_leave_nothing() {
     let scene = parse("alone", text).unwrap();
     let model = LumpedModel::from(&scene);
     let equilibrium = model::equilibrium(&scene, &model).unwrap();
-    let sliding = uniform_sliding(&model, 0.5).unwrap();
-    let found = modes(&model, &sliding, 0.5).unwrap().oscillating;
+    let sliding = uniform_sliding(&model).unwrap();
+    let linear = model.linear().unwrap();
+    let found = modes(linear, &sliding).unwrap().oscillating;
     assert_eq!(found.len(), 2);
     for mode in &found {
         let alone = (mode.frequency_hz() - (8e4_f64 / 0.5).sqrt() / TAU).abs() < 1e-6;
-        let leaves = departure(&model, &equilibrium, 0.5, 0.5, mode).is_some();
+        let leaves = departure(linear, &equilibrium, mode).is_some();
         assert_eq!(leaves, !alone, "{} Hz", mode.frequency_hz());
     }
 }

@@ -131,19 +131,17 @@ fn a_stronger_damper_keeps_the_belt_quiet_and_a_weaker_one_lets_it_stick() {
 
 #[test]
 fn the_analyser_knows_how_friction_falls() {
-    use amontons::model::{LumpedModel, equilibrium};
     use amontons::stability::Spectrum;
-    use amontons_analysis::stability::modes;
-    let scene = parse("effect", STRIBECK).unwrap();
-    let mut model = LumpedModel::from(&scene);
-    model.linearise(&equilibrium(&scene, &model).unwrap());
-    let found = modes(&model, &[Slide], scene.friction_coefficient).unwrap();
+    use amontons_analysis::stability::{Linearised, modes};
+    let here = Linearised::of(&parse("effect", STRIBECK).unwrap());
+    let linear = here.linear().unwrap();
+    let found = modes(linear, &[Slide]).unwrap();
     assert!((found.oscillating[0].growth_rate() - growth()).abs() < 1e-12);
     let omega = (1e4 - growth().powi(2)).sqrt();
     assert!((found.oscillating[0].eigenvalue.im - omega).abs() < 1e-10);
-    assert!(Spectrum::of(&model, &[Slide], scene.friction_coefficient).unwrap().unstable());
+    assert!(Spectrum::of(linear, &[Slide]).unwrap().unstable());
     // A stuck contact knows nothing of it.
-    assert!(!Spectrum::of(&model, &[Stick], scene.friction_coefficient).unwrap().unstable());
+    assert!(!Spectrum::of(linear, &[Stick]).unwrap().unstable());
 }
 
 #[test]

@@ -2,13 +2,12 @@
 //! that only their contact carries.
 
 use amontons::contact::ContactState::{Detached, ReverseSlide, Slide, Stick};
-use amontons::model::{self, LumpedModel};
+use amontons::model::LumpedModel;
 use amontons::scene::{Scene, builtin, parse};
 use amontons::stability::Spectrum;
 use amontons_analysis::stability::candidates::{bistability, resting_state, uniform_sliding};
 use amontons_analysis::stability::locus::locus;
 use amontons_analysis::stability::{Linearised, departure, modes};
-use std::borrow::Cow;
 
 const MASS: f64 = 2.0;
 const STIFFNESS: f64 = 800.0;
@@ -44,18 +43,22 @@ const DAMPER: &str =
 
 #[test]
 fn each_contact_slides_by_the_sign_of_its_own_velocity() {
-    let (_, model) = pressed("", &format!("{SECOND}velocity = -0.2\n"));
-    assert_eq!(uniform_sliding(&model, 0.1).unwrap(), [Slide, ReverseSlide]);
-    assert_eq!(uniform_sliding(&model, -0.1).unwrap(), [ReverseSlide; 2]);
-    let error = uniform_sliding(&model, 0.0).unwrap_err().to_string();
+    let (mut scene, _) = pressed("", &format!("{SECOND}velocity = -0.2\n"));
+    let mut sliding = |velocity: f64| {
+        scene.slider.velocity = velocity;
+        uniform_sliding(&LumpedModel::from(&scene))
+    };
+    assert_eq!(sliding(0.1).unwrap(), [Slide, ReverseSlide]);
+    assert_eq!(sliding(-0.1).unwrap(), [ReverseSlide; 2]);
+    let error = sliding(0.0).unwrap_err().to_string();
     assert!(error.contains("the slider stands still"), "{error}");
 }
 
 #[test]
 fn a_contact_whose_surface_stands_still_rests_stuck_and_does_not_slide() {
     let (_, model) = pressed("", &format!("{SECOND}velocity = 0.0\n"));
-    assert_eq!(resting_state(&model, 0.1), [Slide, Stick]);
-    let error = uniform_sliding(&model, 0.1).unwrap_err().to_string();
+    assert_eq!(resting_state(&model), [Slide, Stick]);
+    let error = uniform_sliding(&model).unwrap_err().to_string();
     assert!(error.contains("contact 2 rubs on stands still"), "{error}");
 }
 
@@ -63,13 +66,13 @@ fn a_contact_whose_surface_stands_still_rests_stuck_and_does_not_slide() {
 fn a_mass_that_only_its_contact_carries_flies_off_and_does_not_grow() {
     for damper in ["", DAMPER] {
         let (_, model) = turned(0.2, "", damper);
-        let found = Spectrum::of(&model, &[Detached], 0.5).unwrap();
+        let found = Spectrum::of(model.linear().unwrap(), &[Detached]).unwrap();
         assert_eq!((&found.real[..], found.unstable()), (&[0.0, 0.0][..], false), "{damper}");
         let rate = if damper.is_empty() { 0.0 } else { -0.5 * 3.0 / MASS };
         let omega = (STIFFNESS / MASS - rate * rate).sqrt();
         let [lambda] = found.oscillating[..] else { panic!("{found:?}") };
         assert!((lambda.re - rate).abs() < 1e-9 && (lambda.im - omega).abs() < 1e-9, "{lambda}");
-        assert!(!modes(&model, &[Detached], 0.5).unwrap().unstable());
+        assert!(!modes(model.linear().unwrap(), &[Detached]).unwrap().unstable());
     }
 }
 
@@ -79,7 +82,7 @@ fn a_mode_that_no_damper_sees_neither_grows_nor_decays() {
         let up = "[[spring]]\nname = \"up\"\nbetween = [\"pad\", \"ground\"]\ndirection = \"y\"\n\
                   stiffness = 5000.0\n";
         let (_, model) = turned(angle, "", &format!("{up}{DAMPER}"));
-        let found = Spectrum::of(&model, &[Detached], 0.5).unwrap();
+        let found = Spectrum::of(model.linear().unwrap(), &[Detached]).unwrap();
         let [damped, free] = found.oscillating[..] else { panic!("{found:?}") };
         assert!((damped.re + 0.5 * 3.0 / MASS).abs() < 1e-9, "{damped}");
         assert!(free.re == 0.0 && (free.im - (5000.0_f64 / MASS).sqrt()).abs() < 1e-9, "{free}");
@@ -90,9 +93,12 @@ fn a_mode_that_no_damper_sees_neither_grows_nor_decays() {
 fn a_contacts_own_friction_stands_in_for_the_common_one() {
     let inclined = "[[spring]]\nname = \"s\"\nbetween = [\"pad\", \"ground\"]\ndirection = 0.9\n\
                     stiffness = 500.0\n";
-    let (_, common) = pressed("", inclined);
-    let (_, own) = pressed("friction = 0.8\n", inclined);
-    let spectrum = |model, mu| Spectrum::of(model, &[Slide], mu).unwrap();
+    let (common, _) = pressed("", inclined);
+    let (own, _) = pressed("friction = 0.8\n", inclined);
+    let spectrum = |scene: &Scene, friction_coefficient: f64| {
+        let scene = Scene { friction_coefficient, ..scene.clone() };
+        Spectrum::of(Linearised::of(&scene).linear().unwrap(), &[Slide]).unwrap()
+    };
     assert_eq!(spectrum(&own, 0.1), spectrum(&common, 0.8));
     assert_ne!(spectrum(&common, 0.1), spectrum(&common, 0.8));
 }
@@ -108,12 +114,11 @@ fn a_mode_leaves_sliding_by_the_contacts_own_velocity_and_friction() {
         ("velocity = -0.3\nfriction = 0.0\n", 0.5, 0.3, Slide),
         ("friction = 0.2\n", 0.0, 0.1, Stick),
     ] {
-        let (scene, model) = pressed(contact, "");
-        let scene = Scene { friction_coefficient: mu, ..scene };
-        let equilibrium = model::equilibrium(&scene, &model).unwrap();
-        let sliding = uniform_sliding(&model, 0.1).unwrap();
-        let mode = &modes(&model, &sliding, mu).unwrap().oscillating[0];
-        let found = departure(&model, &equilibrium, mu, 0.1, mode).unwrap();
+        let (scene, _) = pressed(contact, "");
+        let here = Linearised::of(&Scene { friction_coefficient: mu, ..scene });
+        let linear = here.linear().unwrap();
+        let mode = &modes(linear, &here.uniform_sliding().unwrap()).unwrap().oscillating[0];
+        let found = departure(linear, here.equilibrium().unwrap(), mode).unwrap();
         let expected = velocity / (STIFFNESS / MASS).sqrt();
         assert_eq!(found.into, into, "{contact}");
         assert!((found.amplitude - expected).abs() < 1e-12, "{contact}");
@@ -137,9 +142,9 @@ fn a_damper_on_one_direction_makes_hoffmanns_model_flutter_earlier() {
     let text = builtin("hoffmann").unwrap().text;
     let damper = "[[damper]]\nname = \"d\"\nbetween = [\"block\", \"ground\"]\ndirection = \"x\"\n\
                   damping = 0.05\n";
-    let model = LumpedModel::from(&parse("damped", &format!("{text}{damper}")).unwrap());
+    let scene = parse("damped", &format!("{text}{damper}")).unwrap();
     let values: Vec<f64> = (0..=100).map(|i| 0.01 * f64::from(i)).collect();
-    let model_at = |mu| Ok((Cow::Borrowed(&model), mu));
+    let model_at = |mu| Ok(Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() }));
     let found = locus(&model_at, &[Slide], &values, &|_, _| {}).unwrap();
     let [onset] = found.crossings[..] else { panic!("{found:?}") };
     assert!((onset.value - 0.19756985620).abs() < 1e-9, "{onset:?}");
@@ -161,7 +166,7 @@ fn a_disc_brake_whose_friction_falls_is_stable_where_an_independent_program_says
     let here = Linearised::of(&steep);
     let sliding = here.uniform_sliding().unwrap();
     assert_eq!(sliding, [Slide, ReverseSlide]);
-    let growth = Spectrum::of(here.model(), &sliding, 0.4).unwrap().growth_rate();
+    let growth = Spectrum::of(here.linear().unwrap(), &sliding).unwrap().growth_rate();
     assert!((growth / 5803.454543507425 - 1.0).abs() < 1e-9, "{growth}");
     let found = bistability(&steep, [0.3, 0.9], &|_| {}).unwrap();
     assert_eq!((found.range, found.stable), ([0.3, 0.6], vec![]));

@@ -16,7 +16,7 @@ const K_XX: f64 = 900.0;
 const K_XY: f64 = 400.0;
 const K_YY: f64 = 500.0;
 
-fn corner() -> LumpedModel {
+fn corner(mu: f64) -> LumpedModel {
     let stiffness = vec![(0, 0, K_XX), (0, 1, K_XY), (1, 0, K_XY), (1, 1, K_YY)];
     LumpedModel {
         mass: SparseMatrix::diagonal(&[MASS, MASS]),
@@ -30,6 +30,7 @@ fn corner() -> LumpedModel {
         ],
         law: ContactLaw::default(),
     }
+    .with_friction(mu)
 }
 
 /// σ of the one motion that a state leaves, if it leaves one.
@@ -45,11 +46,11 @@ fn expected(states: [ContactState; 2], mu: f64) -> Option<f64> {
 
 #[test]
 fn every_state_has_the_eigenvalue_of_its_closed_form() {
-    let model = corner();
     for mu in [0.0, 0.5, 2.0] {
+        let model = corner(mu);
         for states in all_states(2) {
             let states: [ContactState; 2] = states.try_into().unwrap();
-            let found = Spectrum::of(&model, &states, mu).unwrap();
+            let found = Spectrum::of(model.linear().unwrap(), &states).unwrap();
             let name = format!("{states:?} at µ = {mu}");
             match expected(states, mu) {
                 Some(sigma) if sigma > 0.0 => {
@@ -81,24 +82,25 @@ fn past_its_critical_friction_a_contact_diverges_without_oscillating() {
     // k_xx = µ k_xy at µ = 2.25: from there on the floor draws the mass along.
     let states = [Slide, Detached];
     for (mu, grows) in [(2.2499, false), (2.2501, true)] {
-        let found = modes(&corner(), &states, mu).unwrap();
+        let found = modes(corner(mu).linear().unwrap(), &states).unwrap();
         assert_eq!((found.unstable(), found.real.len()), (grows, if grows { 2 } else { 0 }));
     }
-    let growth = Spectrum::of(&corner(), &states, 3.0).unwrap().growth_rate();
+    let growth = Spectrum::of(corner(3.0).linear().unwrap(), &states).unwrap().growth_rate();
     assert!((growth - ((3.0 * K_XY - K_XX) / MASS).sqrt()).abs() < 1e-12);
-    assert!(!Spectrum::of(&corner(), &[ReverseSlide, Detached], 3.0).unwrap().unstable());
+    let backwards = Spectrum::of(corner(3.0).linear().unwrap(), &[ReverseSlide, Detached]);
+    assert!(!backwards.unwrap().unstable());
 }
 
 #[test]
 fn two_contacts_in_one_place_count_once_unless_their_friction_differs() {
-    let mut model = corner();
+    let mut model = corner(0.5);
     model.contacts[1] = model.contacts[0].clone();
     let free = |states: [ContactState; 2]| {
-        let found = Spectrum::of(&model, &states, 0.5).unwrap();
+        let found = Spectrum::of(model.linear().unwrap(), &states).unwrap();
         found.oscillating.len()
     };
     assert_eq!([[Slide, Slide], [Stick, Stick], [Stick, Slide]].map(free), [1, 0, 0]);
     // Sl and R-Sl at one place contradict each other: no motion, and no force, is determined.
     assert_eq!(free([Slide, ReverseSlide]), 0);
-    assert_eq!(StateClasses::of(&model).unwrap().representatives.len(), 16);
+    assert_eq!(StateClasses::of(model.linear().unwrap()).unwrap().representatives.len(), 16);
 }

@@ -12,7 +12,7 @@ mod program;
 
 use amontons::scene::{Scene, read};
 use amontons_analysis::assign::assign;
-use cases::{Case, cases};
+use cases::{Case, cases, of_laws};
 use oracle::{Motion, Oracle, State};
 use program::{folder, run, text};
 use serde_json::Value;
@@ -569,4 +569,82 @@ fn each_analysis_of_each_kind_of_scene_is_right_or_refused_or_says_what_it_leave
             "docs/answers.md says:\n{now}"
         );
     }
+}
+
+/// What `modes` says about growth.
+fn modes(case: &Case, folder: &Path) -> Result<Answer, String> {
+    let (out, err) = ask(EIGENVALUES, folder, &["modes", "scene.toml"])?;
+    let rates = out.lines().filter_map(|line| line.split_once("growth rate ")?.1.split_once(' '));
+    let fastest = rates.map(|(rate, _)| number(rate)).fold(f64::NEG_INFINITY, f64::max);
+    case.compare_growth(folder, "modes", fastest);
+    Ok(limits(&err))
+}
+
+/// The output `stability.growth_rate` of an FMU at the start.
+fn monitored(case: &Case, folder: &Path) -> Result<Answer, String> {
+    let with = format!("effects.stability = true\n{}", case.file);
+    std::fs::write(folder.join("monitored.toml"), with).unwrap();
+    let arguments = ["simulate", "monitored.toml", "--stop-time", "0.01"];
+    let (out, err) = ask(MOTIONS, folder, &arguments)?;
+    let table = csv(&out);
+    let rate = number(&table[1][column(&table, "stability.growth_rate")]);
+    case.compare_growth(folder, "stability.growth_rate", rate);
+    Ok(limits(&err))
+}
+
+/// What the page in an FMU says about growth.
+fn page_of_fmu(case: &Case, folder: &Path) -> Result<Answer, String> {
+    let (_, err) = ask(MOTIONS, folder, &["export", "scene.toml", "-o", "scene.fmu"])?;
+    let file = std::fs::File::open(folder.join("scene.fmu")).unwrap();
+    let mut archive = zip::ZipArchive::new(file).unwrap();
+    let page = archive.by_name("documentation/index.html").unwrap();
+    let page = std::io::read_to_string(page).unwrap();
+    let after = |words: &str| Some(number(page.split_once(words)?.1.split(' ').next()?));
+    let rate = after("the fastest by ").or_else(|| after("the slowest by ").map(|rate| -rate));
+    case.compare_growth(folder, "page", rate.unwrap());
+    Ok(limits(&err))
+}
+
+impl Case {
+    /// Compares a growth rate of uniform sliding, 1/s, that is printed with five digits.
+    fn compare_growth(&self, folder: &Path, what: &str, found: f64) {
+        let oracle = self.oracle(folder, &[]);
+        let expected = oracle.growth(&oracle.sliding());
+        let off = (found / expected - 1.0).abs();
+        assert!(off < 1e-4, "{}, {what}: {found}, the oracle has {expected}", self.name);
+    }
+}
+
+#[test]
+fn whatever_takes_eigenvalues_knows_the_law_of_friction_and_what_each_contact_has_of_its_own() {
+    let analyses: [(&str, Analysis); 8] = [
+        ("states", states),
+        ("locus over µ", locus_over_friction),
+        ("locus over v", locus_over_velocity),
+        ("bistable", bistable),
+        ("map", mapped),
+        ("modes", modes),
+        ("monitor", monitored),
+        ("page", page_of_fmu),
+    ];
+    // Over v eigenvalues change only where friction depends on it.
+    let is_refused =
+        |case: &Case, name: &str| name == "locus over v" && !case.name.starts_with("Stribeck");
+    let mut wrong = Vec::new();
+    for case in of_laws() {
+        let folder = folder();
+        std::fs::write(folder.path().join("scene.toml"), &case.file).unwrap();
+        for (name, analysis) in analyses {
+            let answer = std::panic::catch_unwind(|| analysis(&case, folder.path()));
+            let is_right = match &answer {
+                Ok(Ok(Answer::Right)) => true,
+                Ok(Err(_)) => is_refused(&case, name),
+                _ => false,
+            };
+            if !is_right {
+                wrong.push(format!("{}, {name}: {answer:?}", case.name));
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{wrong:#?}");
 }

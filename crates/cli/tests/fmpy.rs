@@ -48,7 +48,7 @@ fn effects(integrator: &str) -> Vec<PathBuf> {
     let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
     let is_taken = |file: &PathBuf| {
         let scene = parse("effect", &std::fs::read_to_string(file).unwrap()).unwrap();
-        integrator != "event-driven" || scene.contact_law().friction.about().is_constant()
+        integrator != "event-driven" || scene.contact_law().friction.info().is_constant()
     };
     files.filter(is_taken).collect()
 }

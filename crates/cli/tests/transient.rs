@@ -46,7 +46,7 @@ fn near(found: &Transient, frequency: f64) -> &Finding {
 /// real and imaginary part in Hz.
 fn assert_mode(finding: &Finding, scene: &Scene, [real, imaginary]: [f64; 2]) {
     let model = LumpedModel::from(scene);
-    let spectrum = Spectrum::of(&model, &[Slide, Slide], scene.friction_coefficient).unwrap();
+    let spectrum = Spectrum::of(model.linear().unwrap(), &[Slide, Slide]).unwrap();
     let phase = &finding.phase;
     let is_mode = |mode: &&nalgebra::Complex<f64>| {
         (mode.im / TAU - phase.frequency).abs() <= phase.frequency_error
@@ -199,8 +199,7 @@ fn each_mode_of_the_paper_s_scheme_is_told_once_whatever_its_step() {
         let scene = scene.with_integrator(Method::ForwardIncrement, step);
         let found = found(&scene, stop_time, None);
         let states = vec![Slide; scene.contact_count()];
-        let spectrum =
-            Spectrum::of(&LumpedModel::from(&scene), &states, scene.friction_coefficient).unwrap();
+        let spectrum = Spectrum::of(LumpedModel::from(&scene).linear().unwrap(), &states).unwrap();
         for mode in &spectrum.oscillating {
             // The scheme's frequencies are off by (ω h)² / 24 of themselves, its rates by more, since modes are nearly
             // parallel.
@@ -259,7 +258,8 @@ fn modes_beyond_a_ramp_are_those_of_the_values_that_act_there() {
     "#;
     let found = found(&pair(ramp), 1.5, None);
     let scene = pair("");
-    let sliding = |friction| Spectrum::of(&LumpedModel::from(&scene), &[Slide], friction).unwrap();
+    let model = |friction: f64| LumpedModel::from(&scene).with_friction(friction);
+    let sliding = |friction| Spectrum::of(model(friction).linear().unwrap(), &[Slide]).unwrap();
     let after = sliding(0.2);
     let beyond: Vec<&Finding> =
         found.findings.iter().filter(|finding| finding.phase.span[0] > 0.04).collect();
@@ -297,7 +297,7 @@ fn disc_brake(interval: f64) -> Scene {
 fn fastest(scene: &Scene) -> [f64; 2] {
     let model = LumpedModel::from(scene);
     let states = [Slide, ReverseSlide];
-    let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).unwrap();
+    let spectrum = Spectrum::of(model.linear().unwrap(), &states).unwrap();
     let mode = spectrum.fastest_growing().unwrap();
     [mode.re, mode.im / TAU]
 }
@@ -407,7 +407,7 @@ fn a_run_of_a_single_period_asks_for_more_of_them() {
         panic!("{:?}", short.open)
     };
     let model = LumpedModel::from(&scene);
-    let modes = Spectrum::of(&model, &[Slide, Slide], scene.friction_coefficient).unwrap();
+    let modes = Spectrum::of(model.linear().unwrap(), &[Slide, Slide]).unwrap();
     assert!((frequency / (modes.oscillating[0].im / TAU) - 1.0).abs() < 1e-9, "{frequency}");
     let longer = found(&scene, *stop_time, None);
     assert!(!longer.open.iter().any(|open| is_slow(&open)) && !longer.open.is_empty());

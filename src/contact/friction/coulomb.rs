@@ -1,12 +1,12 @@
 //! Coulomb's law with one coefficient: |T| ≤ µ N where the contact sticks, T = ±µ N where it slips.
 
-use super::{About, Friction, FrictionLaw, Frozen};
+use super::{LawInfo, Friction, FrictionLaw, Frozen};
 
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: LawInfo = LawInfo {
     name: "coulomb",
     keys: &["coefficient"],
     equation: "|T| ≤ µ N, T = ±µ N in slip",
-    falls: None,
+    velocity_dependence: None,
     sticks: true,
 };
 

@@ -1,10 +1,10 @@
 //! No friction: T = 0.
 
-use super::{About, Friction, FrictionLaw};
+use super::{LawInfo, Friction, FrictionLaw};
 use crate::contact::ContactState;
 
-pub(super) const ABOUT: About =
-    About { name: "none", keys: &[], equation: "T = 0", falls: None, sticks: false };
+pub(super) const INFO: LawInfo =
+    LawInfo { name: "none", keys: &[], equation: "T = 0", velocity_dependence: None, sticks: false };
 
 /// Nothing holds a contact but its normal. Slip has no direction then: a closed contact is said to slide.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -39,7 +39,7 @@ impl Friction {
 
 /// What there is to know about a law before it is used.
 #[derive(Clone, Copy, Debug)]
-pub struct About {
+pub struct LawInfo {
     /// Its name in a scene.
     pub name: &'static str,
     /// The keys of `[friction]` that it needs.
@@ -48,30 +48,30 @@ pub struct About {
     pub equation: &'static str,
     /// How µ depends on the slip velocity, where it does. Where it does not, the law is that of µ and µ_s of
     /// [`Friction`], which exact motion and the analyses take from there.
-    pub falls: Option<Falls>,
+    pub velocity_dependence: Option<VelocityDependence>,
     /// Can a contact stick?
     pub sticks: bool,
 }
 
-impl About {
+impl LawInfo {
     /// Is the coefficient the same at all slip velocities? Then a contact state has linear motion.
     #[must_use]
     pub const fn is_constant(&self) -> bool {
-        self.falls.is_none()
+        self.velocity_dependence.is_none()
     }
 }
 
 /// µ as a function of the slip velocity v_r (m/s), for whoever linearises it or asks what may happen.
 #[derive(Clone, Copy, Debug)]
-pub struct Falls {
+pub struct VelocityDependence {
     /// µ(v_r).
     pub friction: fn(Friction, f64) -> f64,
     /// dµ/d|v_r|, s/m.
     pub slope: fn(Friction, f64) -> f64,
     /// ∂µ/∂µ_k and ∂µ/∂µ_s.
     pub by_coefficients: fn(Friction, f64) -> [f64; 2],
-    /// The most that µ can be in slip.
-    pub most: fn(Friction) -> f64,
+    /// The greatest µ in slip.
+    pub greatest: fn(Friction) -> f64,
 }
 
 /// A law that says what friction is on a closed contact.
@@ -151,9 +151,9 @@ macro_rules! register {
 
             /// What there is to know about it.
             #[must_use]
-            pub const fn about(self) -> About {
+            pub const fn info(self) -> LawInfo {
                 match self {
-                    $(Self::$law => $file::ABOUT,)+
+                    $(Self::$law => $file::INFO,)+
                 }
             }
 
@@ -183,9 +183,29 @@ register! {
 }
 
 impl Law {
+    /// µ at a slip velocity, m/s.
+    #[must_use]
+    pub fn at_slip(self, friction: Friction, slip: f64) -> f64 {
+        self.info()
+            .velocity_dependence
+            .map_or(friction.kinetic, |law| (law.friction)(friction, slip))
+    }
+
+    /// dµ/d|v_r| at a slip velocity v_r, s/m; v_r in m/s.
+    #[must_use]
+    pub fn slope_at(self, friction: Friction, slip: f64) -> f64 {
+        self.info().velocity_dependence.map_or(0.0, |law| (law.slope)(friction, slip))
+    }
+
+    /// The greatest µ that a contact can have in slip.
+    #[must_use]
+    pub fn greatest_in_slip(self, friction: Friction) -> f64 {
+        self.info().velocity_dependence.map_or(friction.kinetic, |law| (law.greatest)(friction))
+    }
+
     /// The law of this name in a scene.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|law| law.about().name == name)
+        Self::ALL.iter().copied().find(|law| law.info().name == name)
     }
 }

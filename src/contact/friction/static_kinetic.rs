@@ -3,14 +3,14 @@
 //! A contact that slips sticks where µ_k N brings its slip velocity to zero, and then holds with up to
 //! µ_s N against slipping the other way. A touch-down has slipped.
 
-use super::{About, Coulomb, Friction, FrictionLaw, FrictionRange, Frozen};
+use super::{LawInfo, Coulomb, Friction, FrictionLaw, FrictionRange, Frozen};
 use crate::contact::ContactState;
 
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: LawInfo = LawInfo {
     name: "static",
     keys: &["coefficient", "static"],
     equation: "|T| ≤ µ_s N, T = ±µ N in slip",
-    falls: None,
+    velocity_dependence: None,
     sticks: true,
 };
 

@@ -3,14 +3,14 @@
 //!
 //! Over a step µ is that of the slip velocity at its beginning, as damping is: of the scheme's first order.
 
-use super::{About, Falls, Friction, FrictionLaw, Frozen};
+use super::{Friction, FrictionLaw, Frozen, LawInfo, VelocityDependence};
 use crate::contact::ContactState;
 
-pub(super) const ABOUT: About = About {
+pub(super) const INFO: LawInfo = LawInfo {
     name: "stribeck",
     keys: &["coefficient", "static", "stribeck_velocity"],
     equation: "|T| ≤ µ_s N, T = ±(µ + (µ_s − µ) exp(−|v_r|/v_s)) N in slip",
-    falls: Some(Falls {
+    velocity_dependence: Some(VelocityDependence {
         friction: |friction, slip| Stribeck::new(friction, 0.0).at(slip, ContactState::Slide).now,
         slope: |friction, slip| {
             let Friction { kinetic, static_, stribeck_velocity: v_s } = friction;
@@ -20,7 +20,7 @@ pub(super) const ABOUT: About = About {
             let decay = libm::exp(-slip.abs() / friction.stribeck_velocity);
             [1.0 - decay, decay]
         },
-        most: |friction| friction.static_,
+        greatest: |friction| friction.static_,
     }),
     sticks: true,
 };
@@ -64,7 +64,7 @@ mod tests {
 
     const FRICTION: Friction = Friction { kinetic: 0.2, static_: 0.5, stribeck_velocity: 0.1 };
 
-    const FALLS: Falls = ABOUT.falls.unwrap();
+    const FALLS: VelocityDependence = INFO.velocity_dependence.unwrap();
 
     fn mu(slip: f64) -> f64 {
         (FALLS.friction)(FRICTION, slip)

@@ -206,7 +206,7 @@ impl EventDriven {
 
 impl<W: Witness> EventDriven<W> {
     pub(super) fn with_witness(model: &LumpedModel, witness: W) -> Result<Self, Error> {
-        let about = model.law.friction.about();
+        let about = model.law.friction.info();
         if !about.is_constant() {
             return Err(Error::scene(format!(
                 "exact motion cannot take the law \"{}\": between events the motion would not be linear",

@@ -91,7 +91,7 @@ pub fn select(scene: &Scene, tolerance: f64) -> Selected {
     // Of equal ones the first: the event-driven one with the longest step.
     while let Some(best) = cheapest_kept(&left).or_else(|| most_accurate(&left)) {
         let is_scheme = best.method == Method::ForwardIncrement;
-        if !is_scheme || is_below_critical(scene, &model, best.step) {
+        if !is_scheme || is_below_critical(&model, best.step) {
             return best;
         }
         left.retain(|one| one.method != best.method || one.step < best.step);
@@ -119,9 +119,8 @@ fn tidy(step: f64) -> f64 {
 }
 
 /// Is a step of the scheme below the critical one?
-fn is_below_critical(scene: &Scene, model: &LumpedModel, step: f64) -> bool {
-    let friction = scene.friction_coefficient;
-    StepGuard::new(model, friction, step).check(model, friction).is_ok()
+fn is_below_critical(model: &LumpedModel, step: f64) -> bool {
+    StepGuard::new(model, step).check(model).is_ok()
 }
 
 /// What the rule knows of a scene.

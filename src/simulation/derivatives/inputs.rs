@@ -3,7 +3,8 @@
 use super::Change;
 use super::slope::Slope;
 use crate::Error;
-use crate::model::{self, Contact};
+use crate::model;
+use crate::scene::RubbingPlace;
 use crate::simulation::catalogue::{Causality, Quantity};
 use crate::simulation::{Simulation, Variable, dof};
 
@@ -31,25 +32,27 @@ impl Simulation {
 
     fn add(&self, change: &mut Change, input: &Variable, by: f64) -> Result<(), Error> {
         let i = input.index;
-        let own = |contact: &Contact| contact.own;
-        let contacts = self.model.contacts.iter().map(own).enumerate();
+        // Contacts that have no value of their own take the common one.
+        let common = |own: fn(&RubbingPlace) -> Option<f64>| {
+            let lacks = move |contact: &usize| self.scene.place(*contact).and_then(own).is_none();
+            (0..self.model.contacts.len()).filter(lacks)
+        };
         match (input.causality, input.template.quantity) {
-            (Causality::Input, Quantity::SliderVelocity) => contacts
-                .filter(|(_, own)| own.slider_velocity.is_none())
-                .for_each(|(contact, _)| change.slider_velocity[contact] += by),
+            (Causality::Input, Quantity::SliderVelocity) => {
+                common(|place| place.velocity).for_each(|i| change.slider_velocity[i] += by);
+            }
             (Causality::Input, Quantity::OwnVelocity) => change.slider_velocity[i] += by,
-            (Causality::Input, Quantity::FrictionCoefficient) => contacts
-                .filter(|(_, own)| own.friction_coefficient.is_none())
-                .for_each(|(contact, _)| change.friction[contact][0] += by),
-            (Causality::Input, Quantity::StaticFriction) => contacts
-                .filter(|(_, own)| {
-                    own.friction_coefficient.is_none() && own.static_friction.is_none()
-                })
-                .for_each(|(contact, _)| change.friction[contact][1] += by),
+            (Causality::Input, Quantity::FrictionCoefficient) => {
+                common(|place| place.friction).for_each(|i| change.friction[i][0] += by);
+            }
+            (Causality::Input, Quantity::StaticFriction) => {
+                common(|place| place.static_friction.or(place.friction))
+                    .for_each(|i| change.friction[i][1] += by);
+            }
             // Without static friction of its own a contact has this for both.
             (Causality::Input, Quantity::OwnFriction) => {
                 change.friction[i][0] += by;
-                if self.model.contacts[i].own.static_friction.is_none() {
+                if self.scene.place(i).is_some_and(|place| place.static_friction.is_none()) {
                     change.friction[i][1] += by;
                 }
             }
@@ -76,13 +79,10 @@ impl Simulation {
     /// # Errors
     /// There is no equilibrium.
     pub(super) fn move_reference(&self, change: &mut Change) -> Result<(), Error> {
-        let friction = self.acting().friction();
-        let common = self.acting().slider.velocity;
         let (mut slopes, mut by) = (Vec::new(), Vec::new());
         for (i, contact) in self.model.contacts.iter().enumerate() {
-            let (surface, sign) = (contact.velocity(common), contact.sliding_sign(common));
-            let coefficients = contact.coefficients(friction);
-            let slope = Slope::with_sign(self.model.law, coefficients, surface, sign);
+            let (surface, sign) = (contact.surface_velocity, contact.sliding_sign());
+            let slope = Slope::with_sign(self.model.law, contact.friction, surface, sign);
             slopes.push(slope.value);
             by.push(slope.change(change.slider_velocity[i], change.friction[i]));
         }

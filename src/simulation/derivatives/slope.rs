@@ -22,14 +22,14 @@ impl Slope {
 
     /// That of friction with this sign, at a slip velocity, m/s.
     pub(super) fn with_sign(law: ContactLaw, friction: Friction, slip: f64, sign: f64) -> Self {
-        let Some(falls) = law.friction.about().falls else {
+        let Some(dependence) = law.friction.info().velocity_dependence else {
             let value = sign * friction.kinetic;
             return Self { value, by_slip: 0.0, by_coefficients: [sign, 0.0] };
         };
         Self {
-            value: sign * (falls.friction)(friction, slip),
-            by_slip: sign * (falls.slope)(friction, slip) * slip.signum(),
-            by_coefficients: (falls.by_coefficients)(friction, slip).map(|by| sign * by),
+            value: sign * (dependence.friction)(friction, slip),
+            by_slip: sign * (dependence.slope)(friction, slip) * slip.signum(),
+            by_coefficients: (dependence.by_coefficients)(friction, slip).map(|by| sign * by),
         }
     }
 

@@ -191,7 +191,7 @@ impl Study {
     /// What is wrong with the scene; a run that fails; a window too long to keep.
     pub fn new(scene: &Scene, dof: Option<usize>, watch: Watch<'_>) -> Result<Option<Self>, Error> {
         let law = scene.contact_law();
-        if !law.friction.about().is_constant() || law.follows_size() {
+        if !law.friction.info().is_constant() || law.follows_size() {
             return Err(Error::scene(format!(
                 "the errors of {} cannot be told: the reference is exact motion, which takes neither friction that \
                  falls with the slip velocity nor contacts that stick and cannot open; compare runs with \
@@ -203,7 +203,7 @@ impl Study {
         let start = Simulation::new(scene.with_integrator(Method::EventDriven, interval), 0.0)?;
         let acting = start.acting();
         let model = LumpedModel::from(acting);
-        let critical = critical_step(&model, acting.friction_coefficient);
+        let critical = critical_step(&model);
         let grid = Grid::of(scene, critical.as_ref().ok().map(|critical| critical.step))?;
         let size =
             start.reference().displacement.iter().fold(0.0, |most, x| f64::max(most, x.abs()));

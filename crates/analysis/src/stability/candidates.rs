@@ -11,7 +11,6 @@ use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::model::{Contact, LumpedModel};
 use amontons::scene::Scene;
-use std::borrow::Cow;
 
 /// What a range of µ holds.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,8 +54,8 @@ pub struct Candidate {
 /// The one state in which a model can be at rest in its own frame: each contact slides by the sign of
 /// its velocity, the slider's or its own, and sticks where that is zero.
 #[must_use]
-pub fn resting_state(model: &LumpedModel, slider_velocity: f64) -> Vec<ContactState> {
-    let state = |contact: &Contact| match contact.velocity(slider_velocity) {
+pub fn resting_state(model: &LumpedModel) -> Vec<ContactState> {
+    let state = |contact: &Contact| match contact.surface_velocity {
         v if v > 0.0 => ContactState::Slide,
         v if v < 0.0 => ContactState::ReverseSlide,
         _ => ContactState::Stick,
@@ -67,23 +66,20 @@ pub fn resting_state(model: &LumpedModel, slider_velocity: f64) -> Vec<ContactSt
 /// The state of uniform sliding: the resting state, where that has every contact sliding.
 ///
 /// # Errors
-/// What a contact rubs on stands still.
-pub fn uniform_sliding(
-    model: &LumpedModel,
-    slider_velocity: f64,
-) -> Result<Vec<ContactState>, Error> {
-    let states = resting_state(model, slider_velocity);
+/// A surface stands still.
+pub fn uniform_sliding(model: &LumpedModel) -> Result<Vec<ContactState>, Error> {
+    let states = resting_state(model);
     let Some(stuck) = states.iter().position(|state| *state == ContactState::Stick) else {
         return Ok(states);
     };
-    let problem = match model.contacts[stuck].own.slider_velocity {
-        None => {
-            "the slider stands still, so nothing slides: give slider.velocity another value".into()
-        }
-        Some(_) => format!(
+    let same = model.contacts.iter().all(|contact| contact.surface_velocity == 0.0);
+    let problem = if same {
+        "the slider stands still, so nothing slides: give slider.velocity another value".into()
+    } else {
+        format!(
             "what contact {} rubs on stands still, so it does not slide: give it another velocity",
             stuck + 1
-        ),
+        )
     };
     Err(Error::analysis(format!(
         "{problem}, or name a contact state with --state where a command has it"
@@ -116,19 +112,7 @@ pub fn bistability(
     let at = |mu: f64| Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() });
     let here = at(first);
     let uniform_state = here.uniform_sliding()?;
-    let classes = StateClasses::of(here.model())?;
-    // Where µ is the same at all slip velocities, the model is the same at all µ.
-    let constant = here.model().law.friction.about().is_constant().then(|| here.model());
-    let model_at = |mu: f64| {
-        Ok::<_, Error>(match constant {
-            Some(model) => (Cow::Borrowed(model), mu),
-            None => {
-                let found = at(mu);
-                found.require_slopes()?;
-                (Cow::Owned(found.into_model()), mu)
-            }
-        })
-    };
+    let classes = StateClasses::of(here.model().with_greatest_friction())?;
     let has_equilibrium = |mu: f64| at(mu).equilibrium().map(|_| ());
     let steps = ((last - first) / STEP).ceil().max(FEWEST_STEPS);
     let equilibrium = equilibrium_ranges(&has_equilibrium, &spread([first, last], steps));
@@ -138,7 +122,8 @@ pub fn bistability(
     let (mut uniform, mut stable) = (Vec::new(), Vec::new());
     for &[from, to] in equilibrium.iter().filter(|[from, to]| from < to) {
         let steps = ((to - from) / STEP).ceil().max(FEWEST_STEPS);
-        let found = locus(&model_at, &uniform_state, &spread([from, to], steps), &|_, _| {})?;
+        let found =
+            locus(&|mu| Ok(at(mu)), &uniform_state, &spread([from, to], steps), &|_, _| {})?;
         let mut growing: Vec<[f64; 2]> =
             (0..found.branches.len()).flat_map(|mode| growing_ranges(&found, mode)).collect();
         growing.sort_by(|a, b| a[0].total_cmp(&b[0]));
@@ -162,10 +147,7 @@ pub fn bistability(
             if loads_are_alike { vec![states] } else { classes.members(class).collect() };
         let mut found = Vec::new();
         for &range in stable.iter().filter(|_| *states != uniform_state) {
-            let growing = |mu: f64| {
-                let (model, mu) = model_at(mu)?;
-                growing(&model, states, mu)
-            };
+            let growing = |mu: f64| growing(at(mu).linear()?, states);
             for growth in growth(&growing, &spread(range, steps))? {
                 // A mode that two states share ceases to grow in the one where it begins to in the other, but for
                 // rounding.

@@ -3,7 +3,7 @@
 
 use super::modes::{Mode, largest};
 use amontons::contact::ContactState;
-use amontons::model::{Contact, Equilibrium, LumpedModel};
+use amontons::model::{Equilibrium, LinearModel};
 use amontons::stability::singular_values::SingularValues;
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -32,15 +32,12 @@ pub struct Departure {
 /// could not be solved for.
 #[must_use]
 pub fn departure(
-    model: &LumpedModel,
+    linear: LinearModel<'_>,
     equilibrium: &Equilibrium,
-    friction_coefficient: f64,
-    slider_velocity: f64,
     mode: &Mode,
 ) -> Option<Departure> {
-    let slope = |contact: &Contact| contact.sliding_slope(friction_coefficient, slider_velocity);
-    let slopes: Vec<f64> = model.contacts.iter().map(slope).collect();
-    let normal = normal_force_amplitudes(model, &slopes, mode)?;
+    let model = linear.model();
+    let normal = normal_force_amplitudes(linear, mode)?;
     let along = |direction: &amontons::model::Direction| -> Complex<f64> {
         direction.0.iter().map(|&(dof, value)| mode.shape[dof] * value).sum()
     };
@@ -49,9 +46,9 @@ pub fn departure(
         let moved = along(&rows.tangent);
         let is_reached = moved.norm() > UNSEEN * mode.shape[dof].norm();
         let speed = if is_reached { (mode.eigenvalue * moved).norm() } else { 0.0 };
-        let velocity = rows.velocity(slider_velocity);
+        let velocity = rows.surface_velocity;
         let slow = match velocity {
-            _ if rows.friction(friction_coefficient) > 0.0 => ContactState::Stick,
+            _ if linear.friction_of(contact).coefficient > 0.0 => ContactState::Stick,
             v if v > 0.0 => ContactState::ReverseSlide,
             _ => ContactState::Slide,
         };
@@ -68,7 +65,8 @@ pub fn departure(
 }
 
 /// |N| of each contact for the shape as it is: (λ² M + λ C + K) x = Σ (G_N + s µ G_T)ᵀ N.
-fn normal_force_amplitudes(model: &LumpedModel, slopes: &[f64], mode: &Mode) -> Option<Vec<f64>> {
+fn normal_force_amplitudes(linear: LinearModel<'_>, mode: &Mode) -> Option<Vec<f64>> {
+    let model = linear.model();
     let (lambda, dofs) = (mode.eigenvalue, model.dofs());
     let damping = model.damping;
     let pull = |row: usize| -> f64 {
@@ -83,17 +81,18 @@ fn normal_force_amplitudes(model: &LumpedModel, slopes: &[f64], mode: &Mode) -> 
             + times(&model.stiffness) * (lambda * damping.beta + 1.0)
             + times(&model.dampers) * lambda
     });
-    for contact in model.contacts.iter().filter(|contact| contact.weakening() != 0.0) {
+    for (contact, friction) in model.contacts.iter().zip(linear.friction()) {
         let tangent = &contact.tangent.0;
         let moved =
             tangent.iter().map(|&(dof, value)| mode.shape[dof] * value).sum::<Complex<f64>>();
         for &(dof, value) in tangent {
-            rest[dof] += moved * lambda * (contact.weakening() * value);
+            rest[dof] += moved * lambda * (friction.damping * value);
         }
     }
     let mut forces = DMatrix::<Complex<f64>>::zeros(dofs, model.contacts.len());
-    for (column, contact) in model.contacts.iter().enumerate() {
-        for (direction, factor) in [(&contact.normal, 1.0), (&contact.tangent, slopes[column])] {
+    for (column, (contact, ratio)) in model.contacts.iter().zip(model.sliding_ratios()).enumerate()
+    {
+        for (direction, factor) in [(&contact.normal, 1.0), (&contact.tangent, ratio)] {
             for &(dof, value) in &direction.0 {
                 forces[(dof, column)] += Complex::new(factor * value, 0.0);
             }

@@ -3,73 +3,97 @@
 use super::candidates::{resting_state, uniform_sliding};
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::{Equilibrium, LumpedModel, equilibrium};
+use amontons::model::{Equilibrium, LinearModel, LumpedModel, equilibrium};
 use amontons::scene::Scene;
+use amontons::simulation::Simulation;
+use std::sync::OnceLock;
 
-/// A scene's model, linearised about its equilibrium in uniform sliding. It cannot be changed, so that it always
-/// belongs to its equilibrium, its µ and its velocity. Signals of the scene are left out: evaluate the scene at an
-/// instant first, where it has some.
-#[derive(Clone, Debug, PartialEq)]
+/// A model with the equilibrium in uniform sliding about which it is linearised. It cannot be changed, so the
+/// equilibrium always belongs to the model. The equilibrium is sought when it is first asked for: models with the same
+/// µ at all slip velocities have eigenvalues without one.
+///
+/// ```
+/// use amontons_analysis::stability::{Linearised, modes};
+///
+/// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();
+/// let here = Linearised::of(&scene);
+/// let found = modes(here.linear()?, &here.uniform_sliding()?)?;
+/// assert!(found.all().any(|mode| mode.growth_rate() > 0.0));
+/// # Ok::<(), amontons::Error>(())
+/// ```
+#[derive(Clone, Debug)]
 pub struct Linearised {
     model: LumpedModel,
-    equilibrium: Result<Equilibrium, Error>,
-    friction: f64,
-    velocity: f64,
+    /// It names the contacts.
+    scene: Option<Scene>,
+    equilibrium: OnceLock<Result<Equilibrium, Error>>,
+}
+
+/// A model whose contacts have no names.
+impl From<LumpedModel> for Linearised {
+    fn from(model: LumpedModel) -> Self {
+        Self { model, scene: None, equilibrium: OnceLock::new() }
+    }
 }
 
 impl Linearised {
-    /// The model of a scene; its external forces, held as they are, are part of the load. Where the scene has no equilibrium, friction that depends on the slip velocity has no
-    /// slope in it ([`require_slopes`](Self::require_slopes)).
+    /// The model of a scene; its external forces, held as they are, are part of the load. Signals of the scene are left
+    /// out: evaluate the scene at an instant first, where it has some.
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let mut model = LumpedModel::from(scene);
         for (load, force) in model.load.iter_mut().zip(scene.external_forces()) {
             *load += force;
         }
-        let equilibrium = equilibrium(scene, &model);
-        if let Ok(equilibrium) = &equilibrium {
-            model.linearise(equilibrium);
-        }
-        let (friction, velocity) = (scene.friction_coefficient, scene.slider.velocity);
-        Self { model, equilibrium, friction, velocity }
+        Self { model, scene: Some(scene.clone()), equilibrium: OnceLock::new() }
     }
 
-    /// The linearised model.
+    /// The model of a scene about an equilibrium that is known already.
+    #[must_use]
+    pub fn about(scene: &Scene, equilibrium: &Equilibrium) -> Self {
+        Self { equilibrium: OnceLock::from(Ok(equilibrium.clone())), ..Self::of(scene) }
+    }
+
+    /// The model of a simulation with the values that act now, about the simulation's reference position.
+    #[must_use]
+    pub fn now(simulation: &Simulation) -> Self {
+        Self::about(simulation.acting(), simulation.reference())
+    }
+
+    /// The model that is linearised.
     #[must_use]
     pub fn model(&self) -> &LumpedModel {
         &self.model
     }
 
-    /// The linearised model by itself.
-    #[must_use]
-    pub fn into_model(self) -> LumpedModel {
-        self.model
+    /// The linearised model: what eigenvalues are taken of.
+    ///
+    /// # Errors
+    /// µ depends on the slip velocity, and there is no equilibrium to linearise about.
+    pub fn linear(&self) -> Result<LinearModel<'_>, Error> {
+        if self.model.law.friction.info().is_constant() {
+            self.model.linear()
+        } else {
+            Ok(self.model.linear_about(self.equilibrium()?))
+        }
     }
 
-    /// The equilibrium about which it is linearised.
+    /// The equilibrium in uniform sliding.
     ///
     /// # Errors
     /// There is none: why.
     pub fn equilibrium(&self) -> Result<&Equilibrium, Error> {
-        self.equilibrium.as_ref().map_err(Error::clone)
-    }
-
-    /// µ of the contacts that have the common one.
-    #[must_use]
-    pub fn friction(&self) -> f64 {
-        self.friction
-    }
-
-    /// The slider's velocity, m/s.
-    #[must_use]
-    pub fn velocity(&self) -> f64 {
-        self.velocity
+        let found = self.equilibrium.get_or_init(|| match &self.scene {
+            Some(scene) => equilibrium(scene, &self.model),
+            None => self.model.sliding_equilibrium(),
+        });
+        found.as_ref().map_err(Error::clone)
     }
 
     /// The one state in which the model can be at rest ([`resting_state`]).
     #[must_use]
     pub fn resting_state(&self) -> Vec<ContactState> {
-        resting_state(&self.model, self.velocity)
+        resting_state(&self.model)
     }
 
     /// The state of uniform sliding.
@@ -77,19 +101,7 @@ impl Linearised {
     /// # Errors
     /// A surface stands still ([`uniform_sliding`]).
     pub fn uniform_sliding(&self) -> Result<Vec<ContactState>, Error> {
-        uniform_sliding(&self.model, self.velocity)
-    }
-
-    /// Makes sure that the model has the slope of its law of friction, without which eigenvalues are those of another
-    /// law.
-    ///
-    /// # Errors
-    /// µ depends on the slip velocity, and there is no equilibrium to linearise about.
-    pub fn require_slopes(&self) -> Result<(), Error> {
-        match &self.equilibrium {
-            Err(error) if !self.model.law.friction.about().is_constant() => Err(error.clone()),
-            _ => Ok(()),
-        }
+        uniform_sliding(&self.model)
     }
 }
 
@@ -105,12 +117,11 @@ mod tests {
         // N = 10 N, dµ/dv = −(µ_s − µ) / v_s exp(−v / v_s) with v = v_s = 0.1 m/s.
         let expected = -10.0 * (0.4 - 0.2) / 0.1 * f64::exp(-1.0);
         let found = Linearised::of(&scene);
-        assert!((found.model().contacts[0].weakening() - expected).abs() < 1e-12);
-        assert_eq!(found.require_slopes(), Ok(()));
+        assert!((found.linear().unwrap().friction_of(0).damping - expected).abs() < 1e-12);
         let mut lifted = scene;
         let amontons::scene::Structure::Network(network) = &mut lifted.structure else { panic!() };
         network.masses[0].load = [0.0, 1.0];
-        assert!(Linearised::of(&lifted).require_slopes().unwrap_err().is_equilibrium());
+        assert!(Linearised::of(&lifted).linear().unwrap_err().is_equilibrium());
     }
 
     #[test]
@@ -118,6 +129,6 @@ mod tests {
         let mut scene = builtin("set1").unwrap().scene();
         scene.modules_mut()[0].preload = -0.1;
         let found = Linearised::of(&scene);
-        assert!(found.equilibrium().is_err() && found.require_slopes().is_ok());
+        assert!(found.equilibrium().is_err() && found.linear().is_ok());
     }
 }

@@ -71,12 +71,12 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
         Err(error) if error.is_equilibrium() => return Ok(Verdict::NoEquilibrium),
         Err(error) => return Err(error),
     }
-    let (model, mu) = (here.model(), here.friction());
+    let model = here.linear()?;
     let Ok(uniform) = here.uniform_sliding() else { return Ok(Verdict::NoEquilibrium) };
-    if Spectrum::of(model, &uniform, mu)?.unstable() {
+    if Spectrum::of(model, &uniform)?.unstable() {
         return Ok(Verdict::Unstable);
     }
-    if model.contacts.len() > MAX_CONTACTS {
+    if here.model().contacts.len() > MAX_CONTACTS {
         return Ok(Verdict::Stable);
     }
     let mut found = Verdict::Stable;
@@ -87,7 +87,7 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
             .all(|(state, sliding)| state == sliding || *state == ContactState::Stick);
         // A far state tells nothing new after another one.
         let asks = only_sticks || found == Verdict::Stable;
-        if asks && Spectrum::of(model, states, mu)?.unstable() && reach(&here, states)?.is_some() {
+        if asks && Spectrum::of(model, states)?.unstable() && reach(&here, states)?.is_some() {
             if only_sticks {
                 return Ok(Verdict::Candidate);
             }

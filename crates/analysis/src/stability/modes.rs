@@ -2,7 +2,7 @@
 
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::{Damping, LumpedModel, ReducedMatrices};
+use amontons::model::{Damping, LinearModel, ReducedMatrices};
 use amontons::stability::damped_modes::QuadraticProblem;
 use amontons::stability::reduced_problem::{
     Kind, check_size, cleaned, operator, quadratic_roots, rounding,
@@ -91,18 +91,14 @@ impl Modes {
 /// # Errors
 /// The masses of the state cannot be inverted (friction wedges a contact), the eigenvalue iteration
 /// does not converge or leaves the range of numbers, or the model is too large for dense matrices.
-pub fn modes(
-    model: &LumpedModel,
-    states: &[ContactState],
-    friction_coefficient: f64,
-) -> Result<Modes, Error> {
+pub fn modes(model: LinearModel<'_>, states: &[ContactState]) -> Result<Modes, Error> {
     let mut found = Modes { oscillating: Vec::new(), real: Vec::new() };
     for part in Part::all([model], states) {
         match part {
-            Part::Whole => found.add(modes_of(model, states, friction_coefficient)?),
+            Part::Whole => found.add(modes_of(model, states)?),
             Part::Wave { k, modules } => {
-                let module = module_of_wave(model, k, modules);
-                let one = modes_of(&module, &states[..1], friction_coefficient)?;
+                let module = module_of_wave(model.model(), k, modules);
+                let one = modes_of(model.of_part(&module), &states[..1])?;
                 found.add(one.iter().map(|mode| around(mode, k, modules, f64::cos)).collect());
                 if part.copies() == 2 {
                     found.add(one.iter().map(|mode| around(mode, k, modules, f64::sin)).collect());
@@ -124,9 +120,10 @@ fn around(mode: &Mode, k: usize, modules: usize, wave: fn(f64) -> f64) -> Mode {
 }
 
 /// The modes of a contact state, from its whole matrices.
-fn modes_of(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec<Mode>, Error> {
+fn modes_of(linear: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<Mode>, Error> {
+    let model = linear.model();
     check_size(model)?;
-    let Some(reduced) = model.reduced(states, mu) else { return Ok(Vec::new()) };
+    let Some(reduced) = linear.reduced(states) else { return Ok(Vec::new()) };
     let mut found = Vec::new();
     let mut add = |eigenvalue, stiffness_eigenvalue, vector: &[Complex<f64>]| {
         if !matches!(Kind::of(eigenvalue), Kind::Conjugate) {
@@ -139,7 +136,7 @@ fn modes_of(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec
             });
         }
     };
-    if model.has_single_damping_in(states) {
+    if linear.has_single_damping_in(states) {
         let Damping { alpha, beta } = model.damping;
         for (eigenvalue, vector) in damped(&reduced)? {
             let rayleigh = -eigenvalue * (eigenvalue + alpha) / (eigenvalue * beta + 1.0);
@@ -240,7 +237,8 @@ mod tests {
             (0.02, 1e8, -3.0),
         ];
         for (m, d, k) in MASSES {
-            let found = modes(&model(&[m], &[(0, 0, k)], &[(0, 0, d)]), &[], 0.0).unwrap();
+            let found =
+                modes(model(&[m], &[(0, 0, k)], &[(0, 0, d)]).linear().unwrap(), &[]).unwrap();
             let discriminant = d * d - 4.0 * m * k;
             if discriminant < 0.0 {
                 let [mode] = &found.oscillating[..] else { panic!("{found:?}") };
@@ -269,11 +267,15 @@ mod tests {
         }
     }
 
+    fn spectrum(model: &LumpedModel) -> Spectrum {
+        Spectrum::of(model.linear().unwrap(), &[]).unwrap()
+    }
+
     #[test]
     fn what_no_spring_holds_has_eigenvalues_zero_and_nothing_else_has() {
         let tie = |c: f64| [(0, 0, c), (0, 1, -c), (1, 0, -c), (1, 1, c)];
         let zeros = |model: &LumpedModel| {
-            let Spectrum { real, oscillating } = Spectrum::of(model, &[], 0.0).unwrap();
+            let Spectrum { real, oscillating } = spectrum(model);
             let count = real.iter().filter(|value| **value == 0.0).count();
             assert_eq!(real.len() + 2 * oscillating.len(), 4);
             count
@@ -283,8 +285,8 @@ mod tests {
             assert_eq!(zeros(&model(&[1.0, 0.3], &tie(2e5), &tie(d))), 2, "{d}");
             assert_eq!(zeros(&model(&[1.0, 0.3], &tie(2e5), &[(0, 0, d)])), 1, "{d}");
             // One that hardly brakes: its rate is lost in the zero's rounding, and is no growth.
-            let slow = Spectrum::of(&model(&[1.0, 0.3], &tie(2e5), &[(0, 0, 1e-4)]), &[], 0.0);
-            assert!(!slow.unwrap().unstable());
+            let slow = spectrum(&model(&[1.0, 0.3], &tie(2e5), &[(0, 0, 1e-4)]));
+            assert!(!slow.unstable());
             // A soft spring to the ground holds them.
             let held: Vec<_> = tie(2e5).into_iter().chain([(0, 0, 1e-3)]).collect();
             assert_eq!(zeros(&model(&[1.0, 0.3], &held, &tie(d))), 0, "{d}");
@@ -295,8 +297,7 @@ mod tests {
     fn a_slow_motion_of_two_equal_parts_is_that_of_one() {
         for (m, d, k) in [(1.0, 5e4, -100.0), (0.05, 1e6, 2e5)] {
             let twice = |value: f64| [(0, 0, value), (1, 1, value)];
-            let Spectrum { real, .. } =
-                Spectrum::of(&model(&[m, m], &twice(k), &twice(d)), &[], 0.0).unwrap();
+            let Spectrum { real, .. } = spectrum(&model(&[m, m], &twice(k), &twice(d)));
             let slow = -2.0 * k / (d + f64::sqrt(d * d - 4.0 * m * k));
             assert_eq!(real.len(), 4);
             for value in &real[2..] {
@@ -310,7 +311,7 @@ mod tests {
         // Two masses that a damper of 1e5 N s/m ties, each on a soft spring: together they swing at 4.1 rad/s.
         let tie = |c: f64| [(0, 0, c), (0, 1, -c), (1, 0, -c), (1, 1, c)];
         let held: Vec<_> = tie(1e8).into_iter().chain([(0, 0, 17.0), (1, 1, 17.0)]).collect();
-        let found = Spectrum::of(&model(&[1.0, 1.0], &held, &tie(1e5)), &[], 0.0).unwrap();
+        let found = spectrum(&model(&[1.0, 1.0], &held, &tie(1e5)));
         let [mode] = found.oscillating[..] else { panic!("{found:?}") };
         assert!(mode.re == 0.0 && (mode.im / 17.0_f64.sqrt() - 1.0).abs() < 1e-6, "{found:?}");
         assert!(!found.unstable());
@@ -324,7 +325,7 @@ mod tests {
                 let k = part * 4e10 / 3e5;
                 let stiffness = [(0, 0, k), (0, 1, 2e5), (1, 0, 2e5), (1, 1, 3e5)];
                 let model = model(&[0.05, 0.02], &stiffness, &[(0, 0, d)]);
-                let found = Spectrum::of(&model, &[], 0.0).unwrap();
+                let found = spectrum(&model);
                 let slow = found.real.iter().copied().min_by(|a, b| a.abs().total_cmp(&b.abs()));
                 let expected = -3e5 * (k - 4e10 / 3e5) / (3e5 * d);
                 let off = slow.unwrap() / expected - 1.0;
@@ -341,9 +342,9 @@ mod tests {
         let entries = rayleigh.stiffness.entries().map(|(i, j, k)| (i, j, beta * k)).collect();
         single.dampers = SparseMatrix::from_entries(8, entries);
         for states in [[Slide, Slide], [Slide, Stick]] {
-            let a = Spectrum::of(&rayleigh, &states, 1.96).unwrap();
-            let b = Spectrum::of(&single, &states, 1.96).unwrap();
-            let c = modes(&single, &states, 1.96).unwrap();
+            let [a, b] = [&rayleigh, &single]
+                .map(|model| Spectrum::of(model.linear().unwrap(), &states).unwrap());
+            let c = modes(single.linear().unwrap(), &states).unwrap();
             assert_eq!((a.oscillating.len(), a.real.len()), (b.oscillating.len(), b.real.len()));
             for ((a, b), c) in a.oscillating.iter().zip(&b.oscillating).zip(&c.oscillating) {
                 let size = 1e-8 * a.norm();

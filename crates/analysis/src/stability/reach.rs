@@ -8,7 +8,7 @@
 use super::linearised::Linearised;
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::{Contact, LumpedModel, SparseMatrix};
+use amontons::model::{LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::{DMatrix, DVector};
 
 /// How large a motion is whose contacts are in a state. It ranks states and is no threshold: friction may feed a smaller
@@ -40,7 +40,7 @@ pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<Reach>
     }
     let mass = dense(&model.mass);
     let Some(inverse) = mass.clone().try_inverse() else { return Ok(None) };
-    let problem = Problem { here, model, inverse, damping: damping(model) };
+    let problem = Problem { model, inverse, damping: damping(here.linear()?) };
     let Some(mut energy) = problem.kinetic(states, &sliding) else { return Ok(None) };
     for i in (0..states.len()).filter(|i| states[*i] == ContactState::Detached) {
         let opens = problem.opening(i, equilibrium.normal_force[i]);
@@ -51,7 +51,6 @@ pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<Reach>
 }
 
 struct Problem<'a> {
-    here: &'a Linearised,
     model: &'a LumpedModel,
     /// M⁻¹.
     inverse: DMatrix<f64>,
@@ -73,7 +72,7 @@ impl Problem<'_> {
                 || *state != *usual && state.sliding_direction().is_some()
             {
                 rows.push(self.row(&contact.tangent.0));
-                speeds.push(contact.velocity(self.here.velocity()));
+                speeds.push(contact.surface_velocity);
             }
         }
         if rows.is_empty() {
@@ -102,11 +101,9 @@ impl Problem<'_> {
             contacts.iter().map(|contact| self.row(&contact.normal.0)).collect();
         let forces: Vec<DVector<f64>> = contacts
             .iter()
+            .zip(self.model.sliding_ratios())
             .zip(&rows)
-            .map(|(other, normal)| {
-                let slope = other.sliding_slope(self.here.friction(), self.here.velocity());
-                normal + self.row(&other.tangent.0) * slope
-            })
+            .map(|((other, ratio), normal)| normal + self.row(&other.tangent.0) * ratio)
             .collect();
         let mut wanted = DVector::zeros(contacts.len());
         wanted[contact] = 1.0;
@@ -131,16 +128,17 @@ impl Problem<'_> {
 }
 
 /// C = α M + β K + D, and what friction that falls with the slip velocity adds along each tangent.
-fn damping(model: &LumpedModel) -> DMatrix<f64> {
+fn damping(linear: LinearModel<'_>) -> DMatrix<f64> {
+    let model = linear.model();
     let mut found =
         dense(&model.mass) * model.damping.alpha + dense(&model.stiffness) * model.damping.beta;
     if !model.dampers.is_empty() {
         found += dense(&model.dampers);
     }
-    for contact in model.contacts.iter().filter(|contact: &&Contact| contact.weakening() != 0.0) {
+    for (contact, friction) in model.contacts.iter().zip(linear.friction()) {
         for &(i, a) in &contact.tangent.0 {
             for &(j, b) in &contact.tangent.0 {
-                found[(i, j)] += contact.weakening() * a * b;
+                found[(i, j)] += friction.damping * a * b;
             }
         }
     }
@@ -236,10 +234,9 @@ output_interval = 1.0e-3
         let here = Linearised::of(&scene);
         // Both press along one line, so there is no one equilibrium; the kinematics alone decide.
         let problem = Problem {
-            here: &here,
             model: here.model(),
             inverse: dense(&here.model().mass).try_inverse().unwrap(),
-            damping: damping(here.model()),
+            damping: damping(here.linear().unwrap()),
         };
         let sliding = here.uniform_sliding().unwrap();
         assert_eq!(problem.kinetic(&[ContactState::Stick; 2], &sliding), None);

@@ -3,7 +3,7 @@
 use super::parallel;
 use amontons::Error;
 use amontons::contact::{ContactState, all_states};
-use amontons::model::LumpedModel;
+use amontons::model::LinearModel;
 use amontons::stability::{Spectrum, Symmetry};
 use std::collections::HashMap;
 
@@ -24,7 +24,8 @@ impl StateClasses {
     ///
     /// # Errors
     /// More contacts than [`MAX_CONTACTS`].
-    pub fn of(model: &LumpedModel) -> Result<Self, Error> {
+    pub fn of(linear: LinearModel<'_>) -> Result<Self, Error> {
+        let model = linear.model();
         let contacts = model.contacts.len();
         if contacts > MAX_CONTACTS {
             return Err(Error::analysis(format!(
@@ -33,7 +34,7 @@ impl StateClasses {
                  with `states --state` and `locus --state`"
             )));
         }
-        let symmetry = Symmetry::of(model);
+        let symmetry = Symmetry::of(linear);
         let mut classes = Self { representatives: Vec::new(), states: Vec::new() };
         let mut places = HashMap::new();
         let is_allowed = |states: &Vec<_>| states.iter().all(|state| model.law.allows(*state));
@@ -59,12 +60,10 @@ impl StateClasses {
     /// A class has no spectrum ([`Spectrum::of`]).
     pub fn spectra(
         &self,
-        model: &LumpedModel,
-        friction_coefficient: f64,
+        model: LinearModel<'_>,
         done: &(dyn Fn(usize) + Sync),
     ) -> Result<Vec<Spectrum>, Error> {
-        let work =
-            |class: usize| Spectrum::of(model, &self.representatives[class], friction_coefficient);
+        let work = |class: usize| Spectrum::of(model, &self.representatives[class]);
         parallel::collect(self.representatives.len(), &work, done)
     }
 }
@@ -72,16 +71,17 @@ impl StateClasses {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use amontons::model::LumpedModel;
     use amontons::scene::builtin;
 
     #[test]
     fn symmetry_leaves_ten_of_the_sixteen_states_of_two_equal_modules() {
         let mut scene = builtin("set2").unwrap().scene();
-        let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
+        let classes = StateClasses::of(LumpedModel::from(&scene).linear().unwrap()).unwrap();
         assert_eq!((classes.representatives.len(), classes.states.len()), (10, 16));
         assert_eq!((0..10).map(|class| classes.members(class).count()).sum::<usize>(), 16);
         scene.modules_mut()[0].mass[0] *= 1.5;
-        let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
+        let classes = StateClasses::of(LumpedModel::from(&scene).linear().unwrap()).unwrap();
         assert_eq!(classes.representatives.len(), 16);
     }
 
@@ -90,11 +90,12 @@ mod tests {
         let mut scene = builtin("set1").unwrap().scene();
         scene.modules_mut().extend_from_within(..1);
         let model = LumpedModel::from(&scene);
-        let classes = StateClasses::of(&model).unwrap();
-        let spectra = classes.spectra(&model, 1.96, &|_| {}).unwrap();
+        let model = model.linear().unwrap();
+        let classes = StateClasses::of(model).unwrap();
+        let spectra = classes.spectra(model, &|_| {}).unwrap();
         assert_eq!(spectra.len(), 20);
         for (states, class) in &classes.states {
-            let own = Spectrum::of(&model, states, 1.96).unwrap();
+            let own = Spectrum::of(model, states).unwrap();
             assert_eq!(own.oscillating.len(), spectra[*class].oscillating.len());
             for (a, b) in own.oscillating.iter().zip(&spectra[*class].oscillating) {
                 // Double eigenvalues may coalesce, where half of the digits are rounding.

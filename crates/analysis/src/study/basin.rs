@@ -486,8 +486,8 @@ fn stable_rest(scene: &Scene) -> Option<Vec<ContactState>> {
     if !scene.signals.is_empty() || EventDriven::new(&model).is_err() {
         return None;
     }
-    let states = resting_state(&model, scene.slider.velocity);
-    let spectrum = Spectrum::of(&model, &states, scene.friction_coefficient).ok()?;
+    let states = resting_state(&model);
+    let spectrum = Spectrum::of(model.linear().ok()?, &states).ok()?;
     (spectrum.growth_rate() < 0.0).then_some(states)
 }
 

@@ -3,7 +3,7 @@
 use crate::stability::{Modes, modes};
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::{Damping, Entry, LumpedModel, SparseMatrix};
+use amontons::model::{Damping, Entry, LinearModel, LumpedModel, SparseMatrix};
 use amontons::scene::{Method, Scene};
 use nalgebra::{Complex, DMatrix, DVector};
 
@@ -43,15 +43,15 @@ pub(super) fn scheme_step(scene: &Scene) -> Option<f64> {
 /// s² (M − h C) + s (C − h K) + K = 0. The modes of the differential equation would differ by a part h |λ| from these, so
 /// that each would show in the others.
 fn modes_of_scheme(
-    model: &LumpedModel,
+    linear: LinearModel<'_>,
     states: &[ContactState],
-    friction: f64,
     step: f64,
 ) -> Result<Modes, Error> {
+    let model = linear.model();
     let Damping { alpha, beta } = model.damping;
-    if !model.has_single_damping_in(states) {
+    if !linear.has_single_damping_in(states) {
         // Shapes are those of M⁻¹ K.
-        let mut found = modes(model, states, friction)?;
+        let mut found = modes(linear, states)?;
         for mode in found.oscillating.iter_mut().chain(&mut found.real) {
             let sigma = mode.stiffness_eigenvalue;
             let damping = sigma * beta + alpha;
@@ -79,24 +79,23 @@ fn modes_of_scheme(
         dampers: sum([times(mass, alpha), times(stiffness, beta - step), times(dampers, 1.0)]),
         ..model.clone()
     };
-    modes(&stepped, states, friction)
+    modes(linear.of_part(&stepped), states)
 }
 
 impl Basis {
     /// Of exact motion, or of the paper's scheme with a step (s). `None` where the modes do not span the motions, or are too
     /// nearly parallel to be told from each other.
     pub(super) fn of(
-        model: &LumpedModel,
+        model: LinearModel<'_>,
         states: &[ContactState],
-        friction: f64,
         step: Option<f64>,
     ) -> Option<Self> {
-        let reduced = model.reduced(states, friction)?;
+        let reduced = model.reduced(states)?;
         let motions = reduced.motions;
         let free = (motions.transpose() * &motions).try_inverse()? * motions.transpose();
         let found = match step {
-            Some(step) => modes_of_scheme(model, states, friction, step),
-            None => modes(model, states, friction),
+            Some(step) => modes_of_scheme(model, states, step),
+            None => modes(model, states),
         }
         .ok()?;
         // By which the mode's amplitude goes on over time.

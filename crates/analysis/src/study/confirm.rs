@@ -10,7 +10,7 @@ use crate::stability::parallel::collect;
 use crate::stability::{Linearised, modes};
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::Contact;
+use amontons::model::{Contact, LumpedModel};
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 
@@ -139,9 +139,9 @@ fn tried(scene: &Scene, candidate: &Candidate, watch: Watch<'_>) -> Result<Optio
 
 /// Pushes, m/s: 1, 3, 10, 30, … times the least one.
 fn pushes(least: f64, scene: &Scene) -> Vec<f64> {
-    let here = Linearised::of(scene);
-    let speed = |contact: &Contact| contact.velocity(here.velocity()).abs();
-    let fastest = here.model().contacts.iter().map(speed).fold(0.0, f64::max);
+    let model = LumpedModel::from(scene);
+    let speed = |contact: &Contact| contact.surface_velocity.abs();
+    let fastest = model.contacts.iter().map(speed).fold(0.0, f64::max);
     let mut pushes = vec![least];
     while pushes.len() < FEWEST_PUSHES || least > 0.0 && pushes[pushes.len() - 1] < FAST * fastest {
         let factor = if pushes.len() % 2 == 1 { 3.0 } else { 10.0 };
@@ -156,7 +156,7 @@ fn pushes(least: f64, scene: &Scene) -> Vec<f64> {
 /// grow here.
 fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, Error> {
     let here = Linearised::of(scene);
-    let found = modes(here.model(), &candidate.states, here.friction())?;
+    let found = modes(here.linear()?, &candidate.states)?;
     let miss = |frequency: f64| (frequency - candidate.frequency_hz).abs();
     let mode = found
         .all()
@@ -168,7 +168,7 @@ fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, E
     let inwards: f64 = contacts()
         .map(|(contact, state)| match state {
             ContactState::Detached => contact.normal.dot(&along),
-            _ => contact.tangent.dot(&along) * contact.velocity(here.velocity()).signum(),
+            _ => contact.tangent.dot(&along) * contact.surface_velocity.signum(),
         })
         .sum();
     if inwards < 0.0 {

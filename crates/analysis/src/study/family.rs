@@ -5,9 +5,10 @@
 //! motion than that makes a contact change its state and loses energy, until it is as small.
 
 use super::basis::{Basis, Members, scheme_step};
-use super::linear::{Growth, MORE_THAN_ROUNDING, growth, linearised};
+use super::linear::{Growth, MORE_THAN_ROUNDING, growth};
 use super::look::Look;
 use super::recurrence::{begin_fast, way_of_a_step};
+use crate::stability::Linearised;
 use amontons::Error;
 use amontons::simulation::Simulation;
 use std::f64::consts::TAU;
@@ -109,9 +110,9 @@ fn changes_states(
 
 /// The modes of the present contact states.
 fn basis(simulation: &Simulation) -> Option<Basis> {
-    let friction = simulation.acting().friction_coefficient;
     let step = scheme_step(simulation.scene());
-    Basis::of(&linearised(simulation), simulation.contact_states(), friction, step)
+    let here = Linearised::now(simulation);
+    Basis::of(here.linear().ok()?, simulation.contact_states(), step)
 }
 
 /// The modes of the present contact states that oscillate and neither grow nor decay. `None` where they are not known.

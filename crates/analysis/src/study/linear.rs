@@ -1,6 +1,7 @@
 //! This module tells what is known of a simulation's motion before one looks at it: whether it is linear, and
 //! whether it then grows or decays, as its eigenvalues have it.
 
+use crate::stability::Linearised;
 use crate::stability::candidates::resting_state;
 use amontons::contact::ContactState;
 use amontons::model::{Contact, LumpedModel};
@@ -41,30 +42,16 @@ pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
 /// The growth rate of motions beside the equilibrium that are small enough for any law of friction, in the contact states that
 /// the motion is in. `None` where these cannot be analysed.
 pub(super) fn growth_of_small(simulation: &Simulation) -> Option<Growth> {
-    let (states, friction) =
-        (simulation.contact_states(), simulation.acting().friction_coefficient);
-    let spectrum = Spectrum::of(&linearised(simulation), states, friction).ok()?;
+    let here = Linearised::now(simulation);
+    let spectrum = Spectrum::of(here.linear().ok()?, simulation.contact_states()).ok()?;
     let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
     let rate = spectrum.growth_rate();
     Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })
 }
 
-/// The model of what acts now, linearised about the equilibrium; contacts that do not rub have no friction.
-pub(super) fn linearised(simulation: &Simulation) -> LumpedModel {
-    let scene = simulation.acting();
-    let mut model = LumpedModel::from(scene);
-    model.linearise(simulation.reference());
-    for contact in &mut model.contacts {
-        if !rubs(scene, contact) {
-            (contact.own.friction_coefficient, contact.steady) = (Some(0.0), None);
-        }
-    }
-    model
-}
-
 /// Can friction take no other size than in proportion to the normal force?
 pub(super) fn has_linear_friction(scene: &Scene) -> bool {
-    scene.friction_law.about().is_constant()
+    scene.friction_law.info().is_constant()
 }
 
 /// Can a contact pull while its friction follows the size of the normal force?
@@ -74,14 +61,14 @@ pub(super) fn may_pull(scene: &Scene) -> bool {
 
 /// Without sticking, friction has the direction of the surface's velocity, and so a surface that stands still does not rub.
 fn rubs(scene: &Scene, contact: &Contact) -> bool {
-    scene.effects.sticking || contact.velocity(scene.slider.velocity) != 0.0
+    scene.effects.sticking || contact.surface_velocity != 0.0
 }
 
 /// Is every contact closed in a state of rest, or open? One that sticks to a moving surface is carried on by it.
 pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
     let scene = simulation.acting();
     let model = LumpedModel::from(scene);
-    let at_rest = resting_state(&model, scene.slider.velocity);
+    let at_rest = resting_state(&model);
     let contacts = model.contacts.iter().zip(&at_rest);
     simulation.contact_states().iter().zip(contacts).all(|(state, (contact, at_rest))| {
         state == at_rest || *state == ContactState::Detached || !rubs(scene, contact)
@@ -116,7 +103,7 @@ pub(super) fn is_far(simulation: &Simulation) -> bool {
         return false;
     }
     let contacts = LumpedModel::from(scene).contacts;
-    let speed = |contact: &Contact| contact.velocity(scene.slider.velocity).abs();
+    let speed = |contact: &Contact| contact.surface_velocity.abs();
     // Without sticking only the direction of a surface's velocity matters.
     let speeds = contacts.iter().filter(|_| scene.effects.sticking).map(speed);
     largest(simulation.velocity()) > FAR * speeds.fold(0.0, f64::max)

@@ -46,11 +46,10 @@ pub(super) fn portrait(
     contacts: usize,
 ) -> Result<Portrait, Error> {
     let model = LumpedModel::from(simulation.acting());
-    let slider_velocity = simulation.acting().slider.velocity;
     let mut orbits: Vec<Orbit> = (0..model.contacts.len().min(contacts))
         .map(|i| Orbit {
             name: simulation.scene().contact_name(i),
-            slider_velocity: model.contacts[i].velocity(slider_velocity),
+            slider_velocity: model.contacts[i].surface_velocity,
             tangential: Vec::new(),
             normal: Vec::new(),
         })

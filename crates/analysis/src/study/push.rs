@@ -34,7 +34,7 @@ impl Push {
         let mut free = (0..model.dofs()).filter(|dof| !lifts(dof));
         let first = free.clone().next();
         let dof = free.find(|dof| !rubs(dof)).or(first).unwrap_or(0);
-        let speed = |contact: &Contact| contact.velocity(scene.slider.velocity).abs();
+        let speed = |contact: &Contact| contact.surface_velocity.abs();
         let fastest = model.contacts.iter().map(speed).fold(0.0, f64::max);
         Self { dof, velocity: if fastest > 0.0 { SMALL * fastest } else { STANDING } }
     }

@@ -1,9 +1,10 @@
 //! What is observed of a run: outputs by their names, and rows near enough to each other for the scene's fastest mode.
 
+use crate::stability::Linearised;
 use crate::stability::candidates::resting_state;
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::{LumpedModel, equilibrium};
+use amontons::model::LumpedModel;
 use amontons::scene::{Scene, Signal, nearest};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Variable, variables};
@@ -48,7 +49,7 @@ pub fn unit(output: &Variable) -> &'static str {
 /// The frequencies of the slowest and the fastest mode or sine of a signal, Hz: of the state that the scene can rest in
 /// and, where it is known, of all states. `None` where nothing oscillates.
 pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
-    let at_rest = |model: &LumpedModel| resting_state(model, scene.slider.velocity);
+    let at_rest = |model: &LumpedModel| resting_state(model);
     frequencies_in(scene, &at_rest)
 }
 
@@ -62,14 +63,13 @@ fn frequencies_in(
     scene: &Scene,
     states: &dyn Fn(&LumpedModel) -> Vec<ContactState>,
 ) -> Option<[f64; 2]> {
-    let mut model = LumpedModel::from(scene);
-    if let Ok(equilibrium) = equilibrium(scene, &model) {
-        model.linearise(&equilibrium);
-    }
-    let spectrum = Spectrum::of(&model, &states(&model), scene.friction_coefficient).ok()?;
+    let here = Linearised::of(scene);
+    let model = here.model();
+    let linear = here.linear().unwrap_or_else(|_| model.with_greatest_friction());
+    let spectrum = Spectrum::of(linear, &states(model)).ok()?;
     let slowest = spectrum.oscillating.first()?.im / TAU;
     let fastest = spectrum.oscillating.last()?.im / TAU;
-    let bound = highest_frequency(&model).map_or(fastest, |bound| bound / TAU);
+    let bound = highest_frequency(model).map_or(fastest, |bound| bound / TAU);
     // A motion follows what drives it, too.
     let sines = scene.signals.iter().filter_map(Signal::frequency);
     let range = [slowest, fastest.max(bound)];

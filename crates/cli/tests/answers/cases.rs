@@ -174,3 +174,32 @@ pub fn cases() -> Vec<Case> {
         Case { time: 0.5, ..of_ring("a ring of 30 modules", 30, [0.5, 1.0], 0.3) },
     ]
 }
+
+/// Each law of friction, with and without a contact that has values of its own.
+pub fn of_laws() -> Vec<Case> {
+    let laws = [
+        (
+            ["Coulomb's law", "Coulomb's law and own values"],
+            "coefficient = 0.5",
+            "friction = 0.7\nvelocity = -0.3",
+        ),
+        (
+            ["static friction", "static friction and own values"],
+            "coefficient = 0.5\nstatic = 0.7",
+            "friction = 0.4\nstatic_friction = 0.6\nvelocity = 0.3",
+        ),
+        (
+            ["Stribeck's law", "Stribeck's law and own values"],
+            "coefficient = 0.3\nstatic = 0.6\nstribeck_velocity = 0.2",
+            "friction = 0.2\nstatic_friction = 0.5\nvelocity = 0.1",
+        ),
+    ];
+    let mut all = Vec::new();
+    for ([name, with_own], law, own) in laws {
+        let pad = SECOND_PAD.replace("[[contact]]", &format!("[[contact]]\n{own}"));
+        let common = brake(name, "coefficient = 0.5", law);
+        let file = common.file.replace("[integrator]", &format!("{pad}\n[integrator]"));
+        all.extend([common, Case { file, ..brake(with_own, "", "") }]);
+    }
+    all
+}

@@ -23,7 +23,7 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
     }
     facts.push(("Method", method(subject)));
     if acting.method == Method::ForwardIncrement {
-        let critical = critical_step(&model, acting.friction_coefficient);
+        let critical = critical_step(&model);
         let told = |critical: CriticalStep| match scene.contact_count() {
             0 => format!("{:.4e} s", critical.step),
             _ => critical.to_string(),
@@ -89,7 +89,7 @@ fn structure(scene: &Scene, model: &LumpedModel) -> String {
 
 fn contact(scene: &Scene) -> String {
     let law = scene.contact_law();
-    let about = law.friction.about();
+    let about = law.friction.info();
     let mut text = format!("friction \"{}\": {}", about.name, about.equation);
     if about.sticks && !law.sticking {
         text += "; contacts never stick";

@@ -4,10 +4,10 @@ use super::{NAMED, can_squeal};
 use amontons::contact::{ContactState, Joined};
 use amontons::model::{LumpedModel, equilibrium};
 use amontons::scene::{Scene, Structure};
+use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
 use amontons_analysis::stability::locus::{Crossing, Locus, locus};
 use amontons_pictures::picture::{Chart, Mark, PALETTE, locus_chart, significant};
-use std::borrow::Cow;
 
 /// The most degrees of freedom of which modes are followed in an export: a second of work.
 const MOST_FOLLOWED: usize = 64;
@@ -65,7 +65,7 @@ pub(super) fn followed(
     if !can_squeal(scene) {
         return Err("There is no friction over which its modes could be followed.".into());
     }
-    let about = scene.friction_law.about();
+    let about = scene.friction_law.info();
     if !about.is_constant() {
         return Err(format!(
             "By its law of friction ({}) µ is another at each slip velocity, so there is no root locus over one µ.",
@@ -90,11 +90,7 @@ pub(super) fn followed(
     let values: Vec<f64> =
         (0..=STEPS).map(|step| last * (f64::from(step) / f64::from(STEPS))).collect();
     let at = |value: f64| with_friction(scene, axis, value);
-    let model_at = |value: f64| {
-        let scene = at(value);
-        Ok((Cow::Owned(LumpedModel::from(&scene)), scene.friction_coefficient))
-    };
-    let locus = locus(&model_at, states, &values, &|_, _| {})
+    let locus = locus(&|value| Ok(Linearised::of(&at(value))), states, &values, &|_, _| {})
         .map_err(|error| format!("Its modes cannot be followed over friction: {error}."))?;
     let has_equilibrium = |value: f64| {
         let scene = at(value);

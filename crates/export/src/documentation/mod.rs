@@ -79,5 +79,5 @@ fn drawn(scene: &Scene) -> Option<Structure> {
 
 /// Is there anything that rubs with friction?
 fn can_squeal(scene: &Scene) -> bool {
-    scene.contact_count() > 0 && scene.friction_law.about().sticks
+    scene.contact_count() > 0 && scene.friction_law.info().sticks
 }

@@ -4,10 +4,10 @@ use super::locus::followed;
 use super::{NAMED, can_squeal, markup};
 use amontons::Error;
 use amontons::contact::{ContactState, Joined};
-use amontons::model::{Equilibrium, LumpedModel};
+use amontons::model::Equilibrium;
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
-use amontons_analysis::stability::candidates::resting_state;
+use amontons_analysis::stability::Linearised;
 use amontons_pictures::picture::significant;
 use std::f64::consts::TAU;
 
@@ -20,11 +20,10 @@ const ROUNDING: f64 = 1e-9;
 /// The chart cannot be drawn.
 pub(super) fn section(acting: &Scene, reference: &Equilibrium) -> Result<String, Error> {
     let mut html = String::new();
-    let mut model = LumpedModel::from(acting);
-    model.linearise(reference);
-    let states = resting_state(&model, acting.slider.velocity);
-    markup::paragraphs(&mut html, &verdict(acting, &model, &states));
-    match followed(acting, &model, &states) {
+    let here = Linearised::about(acting, reference);
+    let states = here.resting_state();
+    markup::paragraphs(&mut html, &verdict(acting, &here, &states));
+    match followed(acting, here.model(), &states) {
         Err(why) => markup::paragraphs(&mut html, &[why]),
         Ok(found) => {
             let chart = found.chart(acting, &states);
@@ -36,7 +35,8 @@ pub(super) fn section(acting: &Scene, reference: &Equilibrium) -> Result<String,
 }
 
 /// What happens to small disturbances at the start.
-fn verdict(scene: &Scene, model: &LumpedModel, states: &[ContactState]) -> Vec<String> {
+fn verdict(scene: &Scene, here: &Linearised, states: &[ContactState]) -> Vec<String> {
+    let model = here.model();
     let mut words = vec![situation(scene, states)];
     if model.dofs() > MOST_DOFS {
         words.push(format!(
@@ -46,7 +46,7 @@ fn verdict(scene: &Scene, model: &LumpedModel, states: &[ContactState]) -> Vec<S
         ));
         return words;
     }
-    words.push(match Spectrum::of(model, states, scene.friction_coefficient) {
+    words.push(match here.linear().and_then(|linear| Spectrum::of(linear, states)) {
         Err(error) => format!("Its eigenvalues are not known: {error}."),
         Ok(spectrum) => growth(&spectrum, states, can_squeal(scene)),
     });

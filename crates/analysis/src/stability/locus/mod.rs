@@ -15,14 +15,14 @@
 mod events;
 mod follow;
 
+use crate::stability::Linearised;
 use amontons::Error;
 use amontons::contact::ContactState;
-use amontons::model::LumpedModel;
+use amontons::model::{LinearModel, LumpedModel};
 use amontons::stability::Spectrum;
 use amontons::stability::reduced_problem::quadratic_roots;
 use amontons::stability::symmetry::{Part, all_stiffness_eigenvalues};
 use nalgebra::Complex;
-use std::borrow::Cow;
 use std::cmp::Ordering;
 
 pub(super) use events::between;
@@ -63,15 +63,14 @@ enum Followable {
 /// # Errors
 /// The state cannot be analysed.
 fn roots(
-    model: &LumpedModel,
+    model: LinearModel<'_>,
     states: &[ContactState],
-    mu: f64,
     what: Followable,
 ) -> Result<Vec<Root>, Error> {
-    let Followable::Stiffness(part) = what else { return damped_roots(model, states, mu) };
-    let sigmas = part.stiffness_eigenvalues(model, states, mu)?;
+    let Followable::Stiffness(part) = what else { return damped_roots(model, states) };
+    let sigmas = part.stiffness_eigenvalues(model, states)?;
     let mut roots: Vec<Root> =
-        sigmas.into_iter().map(|sigma| rayleigh_root(model, sigma)).collect();
+        sigmas.into_iter().map(|sigma| rayleigh_root(model.model(), sigma)).collect();
     roots.sort_by(by_number);
     Ok(roots)
 }
@@ -80,16 +79,12 @@ fn roots(
 ///
 /// # Errors
 /// The state cannot be analysed.
-pub(super) fn growing(
-    model: &LumpedModel,
-    states: &[ContactState],
-    mu: f64,
-) -> Result<Vec<Root>, Error> {
+pub(super) fn growing(model: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<Root>, Error> {
     let mut found = if model.has_single_damping_in(states) {
-        damped_roots(model, states, mu)?
+        damped_roots(model, states)?
     } else {
-        let sigmas = all_stiffness_eigenvalues(model, states, mu)?;
-        sigmas.into_iter().map(|sigma| rayleigh_root(model, sigma)).collect()
+        let sigmas = all_stiffness_eigenvalues(model, states)?;
+        sigmas.into_iter().map(|sigma| rayleigh_root(model.model(), sigma)).collect()
     };
     found.retain(|root| root.grows());
     Ok(found)
@@ -101,13 +96,13 @@ fn rayleigh_root(model: &LumpedModel, sigma: Complex<f64>) -> Root {
 
 /// With single dampers: what stands for σ is made of the product and the sum of a mode's two λ, which
 /// are smooth where a mode ceases to oscillate.
-fn damped_roots(model: &LumpedModel, states: &[ContactState], mu: f64) -> Result<Vec<Root>, Error> {
+fn damped_roots(model: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<Root>, Error> {
     let root = |[a, b]: [Complex<f64>; 2]| {
         let product = (a * b).re;
         let sigma = Complex::new(product, (a + b).re * product.abs().sqrt());
         Root { sigma, lambda: upper([a, b]) }
     };
-    let Spectrum { oscillating, real } = Spectrum::of(model, states, mu)?;
+    let Spectrum { oscillating, real } = Spectrum::of(model, states)?;
     let pairs = oscillating.into_iter().map(|value| root([value, value.conj()]));
     let real = real.chunks_exact(2).map(|pair| root([pair[0].into(), pair[1].into()]));
     let mut roots: Vec<Root> = pairs.chain(real).collect();
@@ -193,8 +188,8 @@ pub struct Crossing {
     pub becomes_unstable: bool,
 }
 
-/// The model, and the µ, that belong to a value of the parameter.
-pub type ModelAt<'a> = dyn Fn(f64) -> Result<(Cow<'a, LumpedModel>, f64), Error> + 'a;
+/// The model that belongs to a value of the parameter.
+pub type ModelAt<'a> = dyn Fn(f64) -> Result<Linearised, Error> + 'a;
 
 /// Follows all modes of a contact state over ascending values of a parameter, of which there are at
 /// least two, in steps of at most a two-hundredth of the range; `done` hears of each value done in
@@ -212,23 +207,22 @@ pub fn locus(
     let [first, .., last] = values else {
         return Err(Error::analysis("a root locus needs at least two values of its parameter"));
     };
-    let ends = [*first, 0.5 * (first + last), *last].map(|value| Ok(model_at(value)?.0));
-    let ends: Vec<Cow<'_, LumpedModel>> = ends.into_iter().collect::<Result<_, Error>>()?;
+    let ends = [*first, 0.5 * (first + last), *last].map(model_at);
+    let ends: Vec<Linearised> = ends.into_iter().collect::<Result<_, Error>>()?;
+    let ends: Vec<LinearModel<'_>> =
+        ends.iter().map(Linearised::linear).collect::<Result<_, Error>>()?;
     let is_damped = ends.iter().any(|model| model.has_single_damping_in(states));
     let parts: Vec<(Followable, usize)> = if is_damped {
         vec![(Followable::Damped, 1)]
     } else {
-        let parts = Part::all(ends.iter().map(AsRef::as_ref), states);
+        let parts = Part::all(ends, states);
         parts.into_iter().map(|part| (Followable::Stiffness(part), part.copies())).collect()
     };
     let all = parts.len() * values.len();
     let count = std::cell::Cell::new(0);
     let mut followed = Vec::new();
     for &(part, copies) in &parts {
-        let evaluate = |value: f64| {
-            let (model, mu) = model_at(value)?;
-            roots(&model, states, mu, part)
-        };
+        let evaluate = |value: f64| roots(model_at(value)?.linear()?, states, part);
         let one_done = || {
             count.set(count.get() + 1);
             done(count.get(), all);

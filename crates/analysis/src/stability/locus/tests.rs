@@ -8,7 +8,8 @@ use std::f64::consts::TAU;
 /// The locus of uniform sliding over µ.
 fn over_friction(model: &LumpedModel, values: &[f64]) -> Locus {
     let states = vec![ContactState::Slide; model.contacts.len()];
-    locus(&|mu| Ok((Cow::Borrowed(model), mu)), &states, values, &|_, _| {}).unwrap()
+    let at = |mu: f64| Ok(Linearised::from(model.clone().with_friction(mu)));
+    locus(&at, &states, values, &|_, _| {}).unwrap()
 }
 
 fn of_set(name: &str) -> LumpedModel {
@@ -143,7 +144,7 @@ fn modules_that_nothing_joins_merge_each_on_its_own() {
     }
     let model = LumpedModel::from(&scene);
     let states = [ContactState::Slide, ContactState::Slide, ContactState::Stick];
-    let model_at = |mu| Ok((Cow::Borrowed(&model), mu));
+    let model_at = |mu: f64| Ok(Linearised::from(model.clone().with_friction(mu)));
     let found = locus(&model_at, &states, &grid(3.5, 0.5), &|_, _| {}).unwrap();
     let mut modes: Vec<usize> = found.coalescences.iter().flat_map(|c| c.modes).collect();
     modes.sort_unstable();
@@ -237,7 +238,8 @@ fn a_single_damper_keeps_modes_from_merging_and_a_weak_one_by_a_little() {
         assert!((near.value - merged[0].value).abs() < 0.1 * damping, "{near:?}");
         assert!(near.distance_hz > 0.0 && near.distance_hz < 2.0, "{near:?}");
         // Where the modes are, another method says so too: the eigenvalues of eq. (6).
-        let all = Spectrum::of(&model, &[ContactState::Slide; 2], near.value).unwrap();
+        let model = model.with_friction(near.value);
+        let all = Spectrum::of(model.linear().unwrap(), &[ContactState::Slide; 2]).unwrap();
         let apart = all.oscillating.windows(2).map(|pair| (pair[0] - pair[1]).norm() / TAU);
         assert!((apart.fold(f64::MAX, f64::min) - near.distance_hz).abs() < 1e-6);
         assert_eq!(found.crossings.len(), 2);

@@ -14,9 +14,9 @@ use super::curve::Curve;
 use super::growth::{Phase, ROUNDING};
 use super::rows::{Drives, Explained, Level, Rows, most};
 use super::trace::Trace;
+use crate::stability::Linearised;
 use crate::study::basis::{Basis, scheme_step};
 use amontons::contact::ContactState;
-use amontons::model::LumpedModel;
 use amontons::scene::Scene;
 use nalgebra::Complex;
 use std::collections::HashMap;
@@ -88,8 +88,7 @@ pub(super) struct Observed {
 
 /// Follows a run row by row.
 pub(super) struct Follower {
-    model: LumpedModel,
-    friction: f64,
+    here: Linearised,
     names: Vec<String>,
     /// The largest displacement at rest, m.
     largest: f64,
@@ -113,17 +112,10 @@ struct Traced {
 }
 
 impl Follower {
-    /// For a run of a scene with this model, linearised about its equilibrium, with rows each `interval`, s.
-    pub(super) fn of(
-        scene: &Scene,
-        model: LumpedModel,
-        friction: f64,
-        equilibrium: &[f64],
-        interval: f64,
-    ) -> Self {
+    /// For a run of a scene with this linearised model, with rows each `interval`, s.
+    pub(super) fn of(scene: &Scene, here: Linearised, equilibrium: &[f64], interval: f64) -> Self {
         Self {
-            model,
-            friction,
+            here,
             names: scene.dof_names(),
             largest: most(equilibrium),
             interval,
@@ -147,10 +139,10 @@ impl Follower {
         passes
     }
 
-    /// The model, linearised, and µ from here on.
-    pub(super) fn renew(&mut self, model: &LumpedModel, friction: f64) {
-        if self.model != *model || self.friction != friction {
-            (self.model, self.friction) = (model.clone(), friction);
+    /// Takes over the linearised model from here on.
+    pub(super) fn renew(&mut self, here: &Linearised) {
+        if self.here.model() != here.model() {
+            self.here = here.clone();
             self.known.clear();
         }
     }
@@ -204,13 +196,13 @@ impl Follower {
 
     /// Do contacts in these states leave the masses no motion of their own?
     fn holds_all(&self, states: &[ContactState]) -> bool {
-        let reduced = self.model.reduced(states, self.friction);
+        let reduced = self.here.linear().ok().and_then(|linear| linear.reduced(states));
         reduced.is_some_and(|reduced| reduced.motions.ncols() == 0)
     }
 
     fn basis(&mut self, states: &[ContactState]) -> Option<&Basis> {
-        let Self { model, friction, step, known, .. } = self;
-        let of = |states: &Vec<ContactState>| Basis::of(model, states, *friction, *step);
+        let Self { here, step, known, .. } = self;
+        let of = |states: &Vec<ContactState>| Basis::of(here.linear().ok()?, states, *step);
         known.entry(states.to_vec()).or_insert_with_key(of).as_ref()
     }
 
@@ -460,7 +452,7 @@ mod tests {
         );
         let mut scene = parse("decaying", &text).unwrap();
         scene.method = Method::EventDriven;
-        Follower::of(&scene, LumpedModel::from(&scene), 0.0, &[0.0], 1e-3)
+        Follower::of(&scene, Linearised::of(&scene), &[0.0], 1e-3)
     }
 
     /// A exp(−10 t) cos(ω t) beside a straight line, over so many rows of 1 ms.

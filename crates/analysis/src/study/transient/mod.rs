@@ -33,7 +33,7 @@ use super::basis::scheme_step;
 use super::look::{ROWS_A_PERIOD, frequencies, output};
 use super::{Watch, unit};
 use crate::spectral::Spectrogram;
-use crate::stability::candidates::resting_state;
+use crate::stability::Linearised;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::error::Short;
@@ -178,7 +178,7 @@ pub fn transient(
         failure: ended.err(),
         findings,
         open,
-        left_out: record.linear[0].1.leaves_out(scene),
+        left_out: leaves_out(&record.linear[0].1, scene),
         courses: stretches::courses(&contact_names(scene), &states, interval),
         spectrogram: spectrogram(&history, interval, growth.window, highest(scene)),
         growth,
@@ -248,48 +248,32 @@ fn contact_names(scene: &Scene) -> Vec<String> {
     states.map(|variable| variable.name.trim_end_matches(".state").to_owned()).collect()
 }
 
-/// A scene linearised about its equilibrium, with the values of one time.
-struct Linear {
-    model: LumpedModel,
-    friction: f64,
-    resting: Vec<ContactState>,
-}
-
-impl Linear {
-    fn of(simulation: &Simulation) -> Self {
-        let acting = simulation.acting();
-        let mut model = LumpedModel::from(acting);
-        model.linearise(simulation.reference());
-        let resting = resting_state(&model, acting.slider.velocity);
-        Self { model, friction: acting.friction_coefficient, resting }
+/// What the eigenvalues leave out that the run has.
+fn leaves_out(here: &Linearised, scene: &Scene) -> Vec<String> {
+    let mut found = Vec::new();
+    if !scene.signals.is_empty() {
+        found.push(
+            "signals act in the run; the eigenvalues beside a growth or decay are those of the values after the last jump \
+             or corner of a signal before it"
+                .to_owned(),
+        );
     }
-
-    fn leaves_out(&self, scene: &Scene) -> Vec<String> {
-        let mut found = Vec::new();
-        if !scene.signals.is_empty() {
-            found.push(
-                "signals act in the run; the eigenvalues beside a growth or decay are those of the values after the last jump \
-                 or corner of a signal before it"
-                    .to_owned(),
-            );
-        }
-        if let Some(step) = scheme_step(scene) {
-            found.push(format!(
-                "rates and frequencies are those of the paper's scheme, whose steps of {} s change them by parts that grow \
-                 with the step: the eigenvalues beside them are the scene's own; a smaller --step or, where the scene allows \
-                 it, --integrator event-driven comes nearer to these",
-                Short(step)
-            ));
-        }
-        if self.model.contacts.iter().any(|contact| contact.weakening() != 0.0) {
-            found.push(
-                "friction depends on the slip velocity; the eigenvalues have its slope at the equilibrium, which is \
-                 right for small motions"
-                    .to_owned(),
-            );
-        }
-        found
+    if let Some(step) = scheme_step(scene) {
+        found.push(format!(
+            "rates and frequencies are those of the paper's scheme, whose steps of {} s change them by parts that grow \
+             with the step: the eigenvalues beside them are the scene's own; a smaller --step or, where the scene allows \
+             it, --integrator event-driven comes nearer to these",
+            Short(step)
+        ));
     }
+    if here.linear().is_ok_and(|linear| linear.friction().any(|friction| friction.damping != 0.0)) {
+        found.push(
+            "friction depends on the slip velocity; the eigenvalues have its slope at the equilibrium, which is \
+             right for small motions"
+                .to_owned(),
+        );
+    }
+    found
 }
 
 /// What is kept of a run.
@@ -300,21 +284,20 @@ struct Record {
     rows: usize,
     follower: Follower,
     /// The linearised scene from a row on: the first, and those beyond an edge of a signal.
-    linear: Vec<(usize, Linear)>,
+    linear: Vec<(usize, Linearised)>,
 }
 
 impl Record {
     fn of(outputs: Vec<Variable>, simulation: &Simulation, interval: f64) -> Self {
-        let (scene, linear) = (simulation.scene(), Linear::of(simulation));
-        let (model, friction) = (linear.model.clone(), linear.friction);
+        let (scene, here) = (simulation.scene(), Linearised::now(simulation));
         let equilibrium = &simulation.reference().displacement;
         Self {
             histories: vec![Vec::new(); outputs.len()],
             outputs,
             states: vec![Vec::new(); scene.contact_count()],
             rows: 0,
-            follower: Follower::of(scene, model, friction, equilibrium, interval),
-            linear: vec![(0, linear)],
+            follower: Follower::of(scene, here.clone(), equilibrium, interval),
+            linear: vec![(0, here)],
         }
     }
 
@@ -350,9 +333,9 @@ impl Record {
             history.push(simulation.read(output)?);
         }
         if self.follower.passes_edge(self.rows) {
-            let linear = Linear::of(simulation);
-            self.follower.renew(&linear.model, linear.friction);
-            self.linear.push((self.rows, linear));
+            let here = Linearised::now(simulation);
+            self.follower.renew(&here);
+            self.linear.push((self.rows, here));
         }
         let changes = simulation.statistics().state_changes();
         let (displacement, velocity) = (simulation.displacement(), simulation.velocity());

@@ -1,6 +1,7 @@
 //! The contact states that a run has taken over a span of time, and their eigenvalues.
 
-use super::{Eigenvalue, Finding, Linear, Phase, Taken};
+use super::{Eigenvalue, Finding, Phase, Taken};
+use crate::stability::Linearised;
 use amontons::contact::{ContactState, Joined};
 use amontons::stability::Spectrum;
 use std::collections::HashMap;
@@ -13,7 +14,7 @@ const MOST_STATES: usize = 6;
 /// The eigenvalues of the states that a run has taken, each found once.
 pub(super) struct Shares<'a> {
     /// The linearised scene from each of some rows on, the first at the beginning.
-    linear: &'a [(usize, Linear)],
+    linear: &'a [(usize, Linearised)],
     states: &'a [Vec<ContactState>],
     interval: f64,
     /// By the place of the linearised scene, and the states.
@@ -22,7 +23,7 @@ pub(super) struct Shares<'a> {
 
 impl<'a> Shares<'a> {
     pub(super) fn of(
-        linear: &'a [(usize, Linear)],
+        linear: &'a [(usize, Linearised)],
         states: &'a [Vec<ContactState>],
         interval: f64,
     ) -> Self {
@@ -30,7 +31,7 @@ impl<'a> Shares<'a> {
     }
 
     pub(super) fn beside(&mut self, phase: &Phase) -> Finding {
-        let resting = self.nearest(&self.linear[self.place(phase)].1.resting, phase);
+        let resting = self.nearest(&self.linear[self.place(phase)].1.resting_state(), phase);
         let taken = self.taken(phase.span).into_iter().map(|(states, share)| Taken {
             eigenvalue: self.nearest(&states, phase),
             states: Joined(&states).to_string(),
@@ -70,10 +71,10 @@ impl<'a> Shares<'a> {
     /// The eigenvalue of these states that is nearest to what was found: of those that oscillate, or do not, as it does.
     fn nearest(&mut self, states: &[ContactState], phase: &Phase) -> Option<Eigenvalue> {
         let place = self.place(phase);
-        let Linear { model, friction, .. } = &self.linear[place].1;
+        let here = &self.linear[place].1;
         let spectrum = self.known.entry((place, states.to_vec())).or_insert_with(|| {
             // A state that contradicts itself has no eigenvalues.
-            Spectrum::of(model, states, *friction).unwrap_or_default()
+            here.linear().and_then(|linear| Spectrum::of(linear, states)).unwrap_or_default()
         });
         let apart = |rate: f64, im: f64| libm::hypot(rate - phase.rate, im - TAU * phase.frequency);
         let (oscillating, real) = match phase.frequency {

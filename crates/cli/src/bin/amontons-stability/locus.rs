@@ -15,7 +15,6 @@ use amontons_analysis::sweep::range::MAX_VALUES;
 use amontons_analysis::sweep::{FRICTION, Possible, axis};
 use amontons_cli::progress::Progress;
 use amontons_pictures::picture::{self, Chart, locus_chart};
-use std::borrow::Cow;
 use std::f64::consts::TAU;
 use std::io::Write;
 
@@ -89,9 +88,12 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         let seen = |value: f64| {
             let mut scene = scene.clone();
             assign(&mut scene, name, value)?;
-            let model = Linearised::of(&scene).into_model();
-            let LumpedModel { mass, stiffness, damping, dampers, contacts, .. } = model;
-            Ok((mass, stiffness, damping, dampers, contacts, scene.friction_coefficient))
+            let here = Linearised::of(&scene);
+            let friction: Option<Vec<_>> = here.linear().ok().map(|it| it.friction().collect());
+            let LumpedModel { mass, stiffness, damping, dampers, contacts, .. } =
+                here.model().clone();
+            let directions = contacts.into_iter().map(|contact| (contact.normal, contact.tangent));
+            Ok((mass, stiffness, damping, dampers, directions.collect::<Vec<_>>(), friction))
         };
         let wish = "eigenvalues depend on masses, stiffnesses, damping, slider.angle and \
                     friction.coefficient, and on velocities and loads where friction falls with the slip velocity";
@@ -163,17 +165,12 @@ impl Family<'_> {
         let here = |value: f64| Ok::<_, Error>(Linearised::of(&with(&scene, self.name, value)?));
         let has_equilibrium = |value: f64| here(value)?.equilibrium().map(|_| ());
         let equilibrium = equilibrium_ranges(&has_equilibrium, self.values);
-        let falls = !scene.contact_law().friction.about().is_constant();
+        let falls = !scene.contact_law().friction.info().is_constant();
         if falls && equilibrium != [[self.values[0], self.values[self.values.len() - 1]]] {
             return Err(self.explain_missing_slopes(&equilibrium, has_equilibrium));
         }
-        let model_at = |value: f64| {
-            let found = here(value)?;
-            let mu = found.friction();
-            Ok((Cow::Owned(found.into_model()), mu))
-        };
         let done = |done: usize, all: usize| progress(done as f64 / all as f64);
-        let locus = locus(&model_at, &self.states, self.values, &done)?;
+        let locus = locus(&here, &self.states, self.values, &done)?;
         let equilibrium = is_uniform.then_some(equilibrium);
         self.members.push(Member { at, locus, equilibrium });
         Ok(())

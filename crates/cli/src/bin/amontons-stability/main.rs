@@ -128,7 +128,7 @@ fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result
 
 /// µ as the heading of a table says it.
 fn friction(scene: &Scene) -> String {
-    let about = scene.contact_law().friction.about();
+    let about = scene.contact_law().friction.info();
     let Friction { kinetic, static_, .. } = scene.friction();
     if about.is_constant() {
         format!("µ = {}", of_contacts(scene).unwrap_or_else(|| kinetic.to_string()))

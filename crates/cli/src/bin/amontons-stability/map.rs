@@ -2,6 +2,7 @@
 
 use crate::arguments::{Map as Arguments, Values};
 use crate::{Failure, check_effect, configured};
+use amontons::model::Contact;
 use amontons_analysis::assign::assign;
 use amontons_analysis::stability::map::{Verdict, map};
 use amontons_analysis::stability::{Linearised, MAX_CONTACTS};
@@ -37,8 +38,14 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         let seen = |value: f64| {
             let mut scene = scene.clone();
             assign(&mut scene, name, value)?;
-            let velocity = scene.slider.velocity.partial_cmp(&0.0);
-            Ok((Linearised::of(&scene).into_model(), scene.friction_coefficient, velocity))
+            let mut model = Linearised::of(&scene).model().clone();
+            if model.law.friction.info().is_constant() {
+                // A verdict then depends on the directions of the surfaces alone.
+                let turn =
+                    |contact: &mut Contact| contact.surface_velocity = contact.sliding_sign();
+                model.contacts.iter_mut().for_each(turn);
+            }
+            Ok(model)
         };
         let wish = "the verdict depends on masses, stiffnesses, damping, preload, slider.angle, \
                     friction.coefficient and the sign of slider.velocity";

@@ -21,8 +21,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     }
     let here = Linearised::of(scene);
     let states = state(arguments.point.state.as_deref(), scene, &here)?;
-    here.require_slopes()?;
-    let found = modes(here.model(), &states, here.friction())?;
+    let found = modes(here.linear()?, &states)?;
     let state = Joined(&states);
     let title = format!("{}: state {state}, {}", scene.name, friction(scene));
     writeln!(out, "{title}")?;

@@ -53,7 +53,6 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
     if let Err(error) = here.equilibrium() {
         eprintln!("note: {error}");
     }
-    here.require_slopes()?;
     let found = spectra(arguments.point.state.as_deref(), scene, &here)?;
     let resting = here.resting_state();
     let rows = found.into_iter().map(|(states, spectrum, alike)| Row {
@@ -86,8 +85,8 @@ fn spectra(
     scene: &Scene,
     here: &Linearised,
 ) -> Result<Vec<(Vec<ContactState>, Spectrum, usize)>, Error> {
-    let (model, mu) = (here.model(), here.friction());
-    let contacts = model.contacts.len();
+    let model = here.linear()?;
+    let contacts = here.model().contacts.len();
     if name.is_none() && contacts > MAX_CONTACTS {
         eprintln!(
             "note: {contacts} contacts: only uniform sliding is looked at; name another state with \
@@ -96,12 +95,12 @@ fn spectra(
     }
     if name.is_some() || contacts > MAX_CONTACTS {
         let states = state(name, scene, here)?;
-        let spectrum = Spectrum::of(model, &states, mu)?;
+        let spectrum = Spectrum::of(model, &states)?;
         return Ok(vec![(states, spectrum, 1)]);
     }
     let classes = StateClasses::of(model)?;
     let bar = Progress::new("the contact states", classes.representatives.len() as u64);
-    let spectra = classes.spectra(model, mu, &|done| bar.set(done as u64))?;
+    let spectra = classes.spectra(model, &|done| bar.set(done as u64))?;
     bar.finish();
     eprintln!("{} states, {} solved", classes.states.len(), spectra.len());
     let found = classes.states.iter().map(|(states, class)| {
@@ -116,17 +115,17 @@ fn spectra(
 /// The way from the linear answer to the non-linear one: where each mode of uniform sliding makes a
 /// contact leave it.
 fn departures(here: &Linearised) -> Result<Vec<(Leaving, Option<Departure>)>, Error> {
-    let (model, mu) = (here.model(), here.friction());
+    let model = here.linear()?;
     let sliding = here.uniform_sliding()?;
     let equilibrium = here.equilibrium()?;
-    let found = modes(model, &sliding, mu)?;
+    let found = modes(model, &sliding)?;
     let leaving = found.all().map(|mode| {
         let leaving = Leaving {
             frequency_hz: mode.frequency_hz(),
             growth_rate: mode.growth_rate(),
             rate: mode.eigenvalue.norm(),
         };
-        (leaving, departure(model, equilibrium, mu, here.velocity(), mode))
+        (leaving, departure(model, equilibrium, mode))
     });
     Ok(leaving.collect())
 }

@@ -110,7 +110,7 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     say!("  step           {:e} s", acting.step);
     match acting.method {
         Method::ForwardIncrement => {
-            say!("  critical step  {}", critical_step(&model, acting.friction_coefficient)?);
+            say!("  critical step  {}", critical_step(&model)?);
         }
         Method::EventDriven => {
             say!("  integrator     event-driven, exact between changes of contact state");

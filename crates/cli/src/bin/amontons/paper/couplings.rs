@@ -3,13 +3,11 @@
 use super::claims::{claim, half_digit, is_about};
 use super::eigenvalues::FRICTION;
 use amontons::Error;
-use amontons::model::LumpedModel;
 use amontons::scene::Scene;
-use amontons_analysis::stability::candidates::uniform_sliding;
+use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::locus::{Coalescence, Crossing, Locus, Root, locus};
 use amontons_pictures::picture::{Chart, Mark, Panel, Series};
 use amontons_pictures::report::Claim;
-use std::borrow::Cow;
 use std::f64::consts::TAU;
 
 /// The modes that couple, from 1.
@@ -21,10 +19,10 @@ const UPPER: [usize; 2] = [5, 6];
 /// # Errors
 /// What is wrong with the scene.
 pub fn uniform(scene: &Scene) -> Result<Locus, Error> {
-    let model = LumpedModel::from(scene);
-    let states = uniform_sliding(&model, scene.slider.velocity)?;
+    let at = |mu: f64| Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() });
+    let states = at(0.0).uniform_sliding()?;
     let values: Vec<f64> = (0..=700).map(|i| 0.005 * f64::from(i)).collect();
-    locus(&|mu| Ok((Cow::Borrowed(&model), mu)), &states, &values, &|_, _| {})
+    locus(&|mu| Ok(at(mu)), &states, &values, &|_, _| {})
 }
 
 /// Where two modes (from 1) merge: µ and Hz.

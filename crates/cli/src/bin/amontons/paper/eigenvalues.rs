@@ -172,7 +172,7 @@ fn one_stuck([set1, set2]: &[Eigenvalues; 2]) -> Vec<Claim> {
 
 /// The eigenvalues of a state, (Re, Im)/2π, Hz.
 fn eigenvalues(model: &LumpedModel, state: &str) -> Result<Vec<[f64; 2]>, Error> {
-    let spectrum = Spectrum::of(model, &parse_states(state, model.contacts.len())?, FRICTION)?;
+    let spectrum = Spectrum::of(model.linear()?, &parse_states(state, model.contacts.len())?)?;
     Ok(spectrum.oscillating.iter().map(|value| [value.re / TAU, value.im / TAU]).collect())
 }
 
@@ -234,7 +234,7 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
 
 /// The contact states that differ, and how many are alike.
 fn classes(model: &LumpedModel) -> Result<Vec<(String, usize)>, Error> {
-    let classes = StateClasses::of(model)?;
+    let classes = StateClasses::of(model.linear()?)?;
     let named = |(class, states): (usize, &Vec<_>)| {
         (amontons::contact::Joined(states).to_string(), classes.members(class).count())
     };

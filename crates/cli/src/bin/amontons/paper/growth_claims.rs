@@ -82,7 +82,7 @@ pub fn claims(scene: &Scene, watch: Watch<'_>) -> Result<Option<Vec<Claim>>, Err
     if !is_recorded {
         return Ok(None);
     }
-    let measured = measure(&motion, &LumpedModel::from(scene), scene.friction_coefficient)?;
+    let measured = measure(&motion, &LumpedModel::from(scene))?;
     let mut claims = of_the_first_growth(&measured);
     claims.extend(of_the_band(&measured));
     claims.extend(of_the_second_growth(&measured));
@@ -90,8 +90,9 @@ pub fn claims(scene: &Scene, watch: Watch<'_>) -> Result<Option<Vec<Claim>>, Err
     Ok(Some(claims))
 }
 
-fn measure(motion: &Motion, model: &LumpedModel, friction: f64) -> Result<Measured, Error> {
-    let spectrum = |states: &[ContactState; 2]| Spectrum::of(model, states, friction);
+fn measure(motion: &Motion, model: &LumpedModel) -> Result<Measured, Error> {
+    let linear = model.linear()?;
+    let spectrum = |states: &[ContactState; 2]| Spectrum::of(linear, states);
     let sliding = spectrum(&[Slide; 2])?.fastest_growing().filter(|value| value.re > 0.0);
     let first_change = motion.first_change();
     let hz = sliding.map_or(PAIRS[1][0], |value| value.im / TAU);

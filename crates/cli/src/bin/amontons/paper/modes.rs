@@ -38,9 +38,9 @@ pub fn found() -> Result<Found, Error> {
 /// The real modes without friction and damping.
 fn real_modes(name: &str) -> Result<(Scene, Vec<Mode>), Error> {
     let (scene, _) = scene(name, &[("damping.beta", 0.0)])?;
-    let model = LumpedModel::from(&scene);
-    let states = uniform_sliding(&model, scene.slider.velocity)?;
-    let modes = modes(&model, &states, 0.0)?.all().cloned().collect();
+    let model = LumpedModel::from(&scene).with_friction(0.0);
+    let states = uniform_sliding(&model)?;
+    let modes = modes(model.linear()?, &states)?.all().cloned().collect();
     Ok((scene, modes))
 }
 

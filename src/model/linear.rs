@@ -1,0 +1,124 @@
+//! A model that is linear in each of its contact states: what eigenvalues are taken of.
+
+use super::{Contact, Equilibrium, LumpedModel};
+use crate::Error;
+
+/// A lumped model whose friction is linear in uniform sliding. It borrows the model, so the model cannot change
+/// while its eigenvalues are sought.
+///
+/// ```
+/// use amontons::contact::ContactState::Slide;
+/// use amontons::model::{LumpedModel, equilibrium};
+/// use amontons::stability::Spectrum;
+///
+/// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();
+/// let model = LumpedModel::from(&scene);
+/// let equilibrium = equilibrium(&scene, &model)?;
+/// let spectrum = Spectrum::of(model.linear_about(&equilibrium), &[Slide, Slide])?;
+/// assert!(spectrum.unstable());
+/// # Ok::<(), amontons::Error>(())
+/// ```
+#[derive(Clone, Copy, Debug)]
+pub struct LinearModel<'a> {
+    model: &'a LumpedModel,
+    friction: Linearisation<'a>,
+}
+
+/// How friction is made linear.
+#[derive(Clone, Copy, Debug)]
+enum Linearisation<'a> {
+    /// About an equilibrium in which the contacts press with these normal forces, N.
+    About(&'a [f64]),
+    /// One coefficient, which does not depend on the slip velocity.
+    Constant,
+    /// The greatest coefficient that a contact can have in slip.
+    Greatest,
+}
+
+/// Friction of a contact that slides, T = µ N, as it enters a linear equation of motion.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SlidingFriction {
+    /// µ.
+    pub coefficient: f64,
+    /// N dµ/d|v_r|, N s/m: what friction adds to damping along the tangent; below zero where µ falls with the slip
+    /// velocity.
+    pub damping: f64,
+}
+
+impl LumpedModel {
+    /// The model about an equilibrium, with µ and the slope dµ/d|v_r| of each contact at the velocity of its surface.
+    #[must_use]
+    pub fn linear_about<'a>(&'a self, equilibrium: &'a Equilibrium) -> LinearModel<'a> {
+        let friction = Linearisation::About(&equilibrium.normal_force);
+        LinearModel { model: self, friction }
+    }
+
+    /// The model without an equilibrium, which its linear equations need only where µ depends on the slip velocity.
+    ///
+    /// # Errors
+    /// µ depends on the slip velocity.
+    pub fn linear(&self) -> Result<LinearModel<'_>, Error> {
+        if self.law.friction.info().is_constant() {
+            Ok(LinearModel { model: self, friction: Linearisation::Constant })
+        } else {
+            Err(Error::equilibrium(
+                "friction that depends on the slip velocity is linear only about an equilibrium, and there is none",
+            ))
+        }
+    }
+
+    /// The model with the greatest µ that each contact can have in slip, and without a slope: for limits that hold
+    /// at all slip velocities.
+    #[must_use]
+    pub fn with_greatest_friction(&self) -> LinearModel<'_> {
+        LinearModel { model: self, friction: Linearisation::Greatest }
+    }
+}
+
+impl<'a> LinearModel<'a> {
+    /// The model that is linearised.
+    #[must_use]
+    pub fn model(self) -> &'a LumpedModel {
+        self.model
+    }
+
+    /// Friction of each contact that slides.
+    pub fn friction(self) -> impl Iterator<Item = SlidingFriction> + Clone + 'a {
+        (0..self.model.contacts.len()).map(move |contact| self.friction_of(contact))
+    }
+
+    /// Friction of one contact, where it slides.
+    #[must_use]
+    pub fn friction_of(self, contact: usize) -> SlidingFriction {
+        let law = self.model.law;
+        let Contact { friction, surface_velocity, .. } = self.model.contacts[contact];
+        let normal_force = match self.friction {
+            Linearisation::Greatest => {
+                let coefficient = law.friction.greatest_in_slip(friction);
+                return SlidingFriction { coefficient, damping: 0.0 };
+            }
+            Linearisation::Constant => 0.0,
+            Linearisation::About(normal_force) => normal_force[contact],
+        };
+        SlidingFriction {
+            coefficient: self.model.sliding_friction(contact),
+            damping: normal_force * law.friction.slope_at(friction, surface_velocity),
+        }
+    }
+
+    /// Other matrices with the friction of this model's contacts, of which the other model has all or the first ones.
+    #[must_use]
+    pub fn of_part<'b>(self, part: &'b LumpedModel) -> LinearModel<'b>
+    where
+        'a: 'b,
+    {
+        LinearModel { model: part, friction: self.friction }
+    }
+
+    /// `true` where the model has damping besides α M + β K. The modes of a contact state then have no common
+    /// eigenvectors.
+    #[must_use]
+    pub fn has_single_damping(self) -> bool {
+        !self.model.dampers.is_empty() || self.friction().any(|friction| friction.damping != 0.0)
+    }
+}
