@@ -6,21 +6,25 @@
 //! | --- | --- |
 //! | [`error`] | the one error type |
 //! | [`contact`] | contact states and the Signorini–Coulomb law of one contact |
+//! | [`model`] | mass, stiffness, load and contacts; equilibrium; the linear model of a contact state |
+//! | [`stability`] | eigenvalues of contact states, and the critical step |
+//! | [`integrator`] | forward increment Lagrange multipliers; event-driven motion |
 //! | [`scene`] | the file as its user writes it, checked |
-//! | [`model`] | mass, stiffness, load and contact directions; equilibrium; reduced matrices |
-//! | [`stability`] | the critical step, from the eigenvalues of the contact states |
-//! | [`integrator`] | forward increment Lagrange multipliers |
+//! | [`assembly`] | the model of a scene |
+//! | [`selection`] | the rule by which a tolerance chooses method and step |
 //! | [`simulation`] | model and motion together: advance, read, write, save, restore |
 //! | [`fmi2`] | the C interface of FMI 2.0 for co-simulation |
 //!
 //! All quantities are in SI units.
 
+pub mod assembly;
 pub mod contact;
 pub mod error;
 pub mod fmi2;
 pub mod integrator;
 pub mod model;
 pub mod scene;
+pub mod selection;
 pub mod simulation;
 pub mod stability;
 

@@ -4,23 +4,21 @@
 //! tests no option.
 
 mod contact_problem;
-mod cost;
 mod dynamics;
 mod event_driven;
 mod forward_increment;
 mod ledger;
-mod select;
+mod method;
 
-pub use cost::Cost;
 pub use event_driven::EventDriven;
+pub(crate) use event_driven::full_places;
 pub use forward_increment::{RingForwardIncrement, dense, sparse};
 pub use ledger::{Energy, Ledger};
-pub use select::{Selected, select};
+pub use method::Method;
 
 use crate::Error;
 use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Damping, LumpedModel};
-use crate::scene::Method;
 use serde::{Deserialize, Serialize};
 
 /// Position, velocity and contact states at one instant, with what has been counted on the way.

@@ -3,7 +3,6 @@
 use super::banded::{self, Singular};
 use super::{Entry, LumpedModel, ring};
 use crate::Error;
-use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// A static equilibrium with every contact closed.
@@ -17,44 +16,31 @@ pub struct Equilibrium {
     pub friction_force: Vec<f64>,
 }
 
-/// The equilibrium of a scene in uniform sliding; `model` is the scene's.
-///
-/// Equal modules move as one, so one is solved for all: they then are in equal states to the last
-/// bit, which a solution of the whole, with its rounding, would not give.
-///
-/// # Errors
-/// The contact, by its name in the scene, that opens under the load; or the friction coefficient from which on the structure
-/// jams; or a motion that no spring holds.
-pub fn equilibrium(scene: &Scene, model: &LumpedModel) -> Result<Equilibrium, Error> {
-    let name = |contact| scene.contact_name(contact);
-    let Some(one) = ring::one_of_equal_modules(model) else {
-        return model.sliding_equilibrium_named(&name);
-    };
-    let count = model.contacts.len();
-    let alone = one.sliding_equilibrium_named(&name)?;
-    Ok(Equilibrium {
-        displacement: alone.displacement.repeat(count),
-        normal_force: alone.normal_force.repeat(count),
-        friction_force: alone.friction_force.repeat(count),
-    })
-}
-
 impl LumpedModel {
     /// The equilibrium in uniform sliding, K X = F + Σ (G_N + s µ G_T)ᵀ N, G_N X = 0, where s is
     /// the sign of the velocity of the contact's surface: with v > 0 it is in Sl, with v < 0 in R-Sl. With
     /// v = 0 it does not slide; it starts stuck, without friction force (s = 0).
     ///
+    /// Equal modules of a ring move as one, so one is solved for all: they then are in equal states to the last bit,
+    /// which a solution of the whole, with its rounding, would not give.
+    ///
     /// # Errors
-    /// The contact, by its number from 1, that opens under the load; or the friction coefficient from which on the
-    /// structure jams; or a motion that no spring holds.
-    pub fn sliding_equilibrium(&self) -> Result<Equilibrium, Error> {
-        self.sliding_equilibrium_named(&|contact| format!("contact[{}]", contact + 1))
+    /// The contact, as `name` calls it, that opens under the load; or the friction coefficient from which on the structure
+    /// jams; or a motion that no spring holds.
+    pub fn equilibrium(&self, name: &dyn Fn(usize) -> String) -> Result<Equilibrium, Error> {
+        let Some(one) = ring::one_of_equal_modules(self) else {
+            return self.sliding_equilibrium(name);
+        };
+        let count = self.contacts.len();
+        let alone = one.sliding_equilibrium(name)?;
+        Ok(Equilibrium {
+            displacement: alone.displacement.repeat(count),
+            normal_force: alone.normal_force.repeat(count),
+            friction_force: alone.friction_force.repeat(count),
+        })
     }
 
-    fn sliding_equilibrium_named(
-        &self,
-        name: &dyn Fn(usize) -> String,
-    ) -> Result<Equilibrium, Error> {
+    fn sliding_equilibrium(&self, name: &dyn Fn(usize) -> String) -> Result<Equilibrium, Error> {
         let slopes: Vec<f64> = self.sliding_ratios().collect();
         match self.solve(&slopes, &self.load) {
             // Friction that can stick follows |N|, which this linear solution has not asked.
@@ -199,12 +185,16 @@ mod tests {
     use crate::model::{Contact, Direction, SparseMatrix};
     use crate::scene::{Scene, builtin};
 
+    fn number(contact: usize) -> String {
+        format!("contact[{}]", contact + 1)
+    }
+
     fn set1() -> Scene {
         builtin("set1").unwrap().scene()
     }
 
     fn equilibrium(scene: &Scene) -> Result<Equilibrium, Error> {
-        super::equilibrium(scene, &LumpedModel::from(scene))
+        crate::assembly::equilibrium(scene, &LumpedModel::from(scene))
     }
 
     #[test]
@@ -233,7 +223,7 @@ mod tests {
     #[test]
     fn one_module_solved_for_all_is_the_equilibrium_of_the_whole() {
         let scene = set1();
-        let whole = LumpedModel::from(&scene).sliding_equilibrium().unwrap();
+        let whole = LumpedModel::from(&scene).sliding_equilibrium(&number).unwrap();
         let one = equilibrium(&scene).unwrap();
         for (a, b) in whole.normal_force.iter().zip(&one.normal_force) {
             assert!((a - b).abs() < 1e-12 * b.abs());
@@ -274,17 +264,17 @@ mod tests {
     #[test]
     fn normal_force_follows_the_closed_form_up_to_jamming() {
         for mu in [0.0, 1.0, 3.9] {
-            let normal = wedge(mu, 1.0).sliding_equilibrium().unwrap().normal_force[0];
+            let normal = wedge(mu, 1.0).sliding_equilibrium(&number).unwrap().normal_force[0];
             assert!((normal - 3.0 * 4.0 / (4.0 - mu)).abs() < 1e-12 * normal);
         }
     }
 
     #[test]
     fn jamming_is_told_with_the_coefficient_from_which_on_it_happens() {
-        let message = wedge(5.0, 1.0).sliding_equilibrium().unwrap_err().to_string();
+        let message = wedge(5.0, 1.0).sliding_equilibrium(&number).unwrap_err().to_string();
         assert!(message.contains("contact[1] jams from 4.000000 on"), "{message}");
         // Pulled the other way the same wedge opens itself: it never jams.
-        assert!(wedge(5.0, -1.0).sliding_equilibrium().is_ok());
+        assert!(wedge(5.0, -1.0).sliding_equilibrium(&number).is_ok());
     }
 
     #[test]

@@ -2,24 +2,19 @@
 //!
 //! M ẍ + C ẋ + K x = F + Σ (G_Nᵀ N + G_Tᵀ T) over the contacts (paper, eq. 1), C = α M + β K + D.
 
-mod assembly;
 mod banded;
 mod equilibrium;
 mod linear;
-pub mod network;
 mod reduced;
 pub mod ring;
 mod sparse;
 
-pub use equilibrium::{Equilibrium, equilibrium};
+pub use equilibrium::Equilibrium;
 pub use linear::{LinearModel, SlidingFriction};
-pub use network::Numbering;
 pub use reduced::ReducedMatrices;
 pub use sparse::{Entry, SparseMatrix};
 
 use crate::contact::{ContactLaw, Friction};
-pub use crate::scene::Damping;
-use crate::scene::{Scene, Structure};
 
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,6 +33,15 @@ pub struct LumpedModel {
     pub contacts: Vec<Contact>,
     /// The law that they obey.
     pub law: ContactLaw,
+}
+
+/// Rayleigh damping, C = α M + β K.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Damping {
+    /// Mass-proportional part α, 1/s.
+    pub alpha: f64,
+    /// Stiffness-proportional part β, s.
+    pub beta: f64,
 }
 
 /// A frictional contact: the two rows that it adds to G (paper, eq. 7), its friction, and the surface that it
@@ -102,53 +106,7 @@ impl Direction {
     }
 }
 
-impl From<&Scene> for LumpedModel {
-    fn from(scene: &Scene) -> Self {
-        match &scene.structure {
-            Structure::Ring(modules) => ring::model(scene, modules),
-            Structure::Network(network) => network::model(scene, network),
-        }
-    }
-}
-
-/// Writes the loads of the scene as it is now, N, into `load`, one value a degree of freedom;
-/// `numbering` is the scene's.
-pub fn load(scene: &Scene, numbering: &Numbering, load: &mut [f64]) {
-    match &scene.structure {
-        Structure::Ring(modules) => ring::load(modules, load),
-        Structure::Network(network) => network::load(network, numbering, load),
-    }
-}
-
-/// Adds the forces, N, of a preload (m) to `load`, one value a degree of freedom. `index` is the place of
-/// the module or spring that has it, `numbering` the scene's.
-pub fn add_preload(
-    scene: &Scene,
-    numbering: &Numbering,
-    index: usize,
-    preload: f64,
-    load: &mut [f64],
-) {
-    match &scene.structure {
-        Structure::Ring(modules) => {
-            load[ring::MODULE_DOFS * index + ring::PRELOADED] +=
-                ring::preload_force(&modules[index], preload);
-        }
-        Structure::Network(network) => {
-            network::add_preload(network, numbering, &network.springs[index], preload, load);
-        }
-    }
-}
-
 impl LumpedModel {
-    /// Takes over the friction and the surface velocities of the contacts as they are in the scene now.
-    pub fn update_contacts(&mut self, scene: &Scene) {
-        for (i, contact) in self.contacts.iter_mut().enumerate() {
-            contact.friction = scene.friction_of(i);
-            contact.surface_velocity = scene.surface_velocity(i);
-        }
-    }
-
     /// This structure with this friction at every contact.
     #[must_use]
     pub fn with_friction(mut self, friction: impl Into<Friction>) -> Self {

@@ -64,10 +64,12 @@ pub use signal::{Between, Constant, Pulse, Ramp, Shape, Signal, Sine, Table};
 pub use source::{Folder, Source};
 pub use time_table::TimeTable;
 
+pub use crate::integrator::Method;
+pub use crate::model::Damping;
+
 use crate::Error;
 use crate::contact::{ContactLaw, Friction, Law};
-use serde::{Deserialize, Serialize};
-use std::fmt;
+use serde::Deserialize;
 use std::sync::Arc;
 
 /// A structure in frictional contact, what drives it, and how it is run.
@@ -109,38 +111,6 @@ pub struct Scene {
     pub experiment: Experiment,
 }
 
-/// How time goes on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
-#[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-#[serde(rename_all = "kebab-case")]
-pub enum Method {
-    /// The paper's scheme: forward increment Lagrange multipliers, of first order.
-    #[default]
-    ForwardIncrement,
-    /// Exact motion from one change of contact state to the next.
-    EventDriven,
-}
-
-impl Method {
-    /// Both of them.
-    pub const ALL: [Self; 2] = [Self::ForwardIncrement, Self::EventDriven];
-
-    /// Its name in a scene file and on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::ForwardIncrement => "forward-increment",
-            Self::EventDriven => "event-driven",
-        }
-    }
-}
-
-impl fmt::Display for Method {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.write_str(self.name())
-    }
-}
-
 /// Masses, springs and contacts.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Structure {
@@ -159,15 +129,6 @@ pub struct Slider {
     pub velocity: f64,
     /// Inclination θ against the horizontal, rad; under a ring from −π/2 to π/2.
     pub angle: f64,
-}
-
-/// Rayleigh damping, C = α M + β K.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Damping {
-    /// Mass-proportional part α, 1/s.
-    pub alpha: f64,
-    /// Stiffness-proportional part β, s.
-    pub beta: f64,
 }
 
 /// What a run does unless told otherwise; FMI's DefaultExperiment.

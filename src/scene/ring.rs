@@ -11,7 +11,7 @@ pub const MAX_MODULES: usize = 100_000;
 pub struct Module {
     /// m1 and m2, kg.
     pub mass: [f64; 2],
-    /// k1 … k6, N/m; what each joins stands with the model, in `model::ring`.
+    /// k1 … k6, N/m; what each joins stands in `assembly::ring`.
     pub stiffness: [f64; 6],
     /// Preload δ: how far the ground end of k3 is moved down, m.
     pub preload: f64,

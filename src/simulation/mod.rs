@@ -26,12 +26,14 @@ pub(crate) use snapshot::{from_bytes, to_bytes};
 pub use values::{check_value, read_scene, rule, write_scene};
 
 use crate::Error;
+use crate::assembly::{self, Numbering};
 use crate::contact::{ContactForce, ContactState, Friction};
 use crate::error::Short;
-use crate::integrator::{self, Drive, Energy, Integrator, Ledger, Motion, Selected, Statistics};
+use crate::integrator::{self, Drive, Energy, Integrator, Ledger, Motion, Statistics};
 use crate::model::ring::MODULE_DOFS;
-use crate::model::{self, Equilibrium, LumpedModel, Numbering};
+use crate::model::{Equilibrium, LumpedModel};
 use crate::scene::{Method, Scene, Structure};
+use crate::selection::{Selected, select};
 use crate::stability::StepGuard;
 use catalogue::Quantity;
 use clock::{Clock, Leg};
@@ -105,7 +107,7 @@ impl Simulation {
     pub fn new(mut scene: Scene, start_time: f64) -> Result<Self, Error> {
         scene.check()?;
         let tolerance = scene.selection.tolerance();
-        let selected = tolerance.map(|tolerance| integrator::select(&scene, tolerance));
+        let selected = tolerance.map(|tolerance| select(&scene, tolerance));
         if let Some(Selected { method, step, .. }) = selected {
             (scene.method, scene.step) = (method, step);
         }
@@ -116,7 +118,7 @@ impl Simulation {
         }
         let acting = signals::acting(driven.as_ref(), &scene);
         let model = LumpedModel::from(acting);
-        let equilibrium = model::equilibrium(acting, &model)?;
+        let equilibrium = assembly::equilibrium(acting, &model)?;
         let reference = Reference { equilibrium, load: model.load.clone() };
         let mut motion = initial_motion(acting, &model);
         check_closed(acting, &model, &motion)?;
@@ -413,7 +415,7 @@ impl Simulation {
             return brought;
         }
         let acting = signals::acting(self.driven.as_ref(), &self.scene);
-        model::load(acting, &self.numbering, &mut self.model.load);
+        assembly::load(acting, &self.numbering, &mut self.model.load);
         let loads = self.model.load.iter().zip(&self.reference.load);
         let force = self.drive.force.iter_mut().zip(acting.external_forces());
         for ((force, external), (now, then)) in force.zip(loads) {
@@ -425,7 +427,7 @@ impl Simulation {
             contact.normal.add_to(&mut self.drive.force, -normal);
             contact.tangent.add_to(&mut self.drive.force, -friction);
         }
-        self.model.update_contacts(acting);
+        assembly::update_contacts(&mut self.model, acting);
         for (i, contact) in self.model.contacts.iter().enumerate() {
             self.drive.slider_velocity[i] = contact.surface_velocity;
             self.drive.friction[i] = contact.friction;
@@ -451,7 +453,7 @@ impl Simulation {
         for (variable, rate) in driven.load_rates(span[0]) {
             let force_rate = &mut self.drive.force_rate;
             if variable.template.quantity == Quantity::Preload {
-                model::add_preload(scene, numbering, variable.index, rate, force_rate);
+                assembly::add_preload(scene, numbering, variable.index, rate, force_rate);
             } else {
                 force_rate[dof(scene, numbering, variable)] += rate;
             }
@@ -462,7 +464,7 @@ impl Simulation {
     fn check_limit(&mut self, time: f64) -> Result<(), Error> {
         if self.stale.limit {
             let acting = signals::acting(self.driven.as_ref(), &self.scene);
-            self.model.update_contacts(acting);
+            assembly::update_contacts(&mut self.model, acting);
             check_friction(&self.model, acting, time)?;
             if let Some(guard) = &mut self.guard {
                 guard.check(&self.model).map_err(|error| limit_left(acting, time, &error))?;
@@ -522,7 +524,7 @@ fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &V
         }
         Quantity::Preload => {
             let mut force = vec![0.0; model.dofs()];
-            model::add_preload(scene, numbering, index, 1.0, &mut force);
+            assembly::add_preload(scene, numbering, index, 1.0, &mut force);
             let pushes = force.into_iter().enumerate().filter(|(_, force)| *force != 0.0);
             Reach { pushes: pushes.collect(), ..Reach::default() }
         }

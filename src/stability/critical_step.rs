@@ -21,8 +21,7 @@ use super::frequency_bound::{FrequencyBound, Sizes};
 use super::{damped_step, step_search};
 use crate::Error;
 use crate::contact::{ContactState, Joined, all_states};
-use crate::model::{LinearModel, LumpedModel};
-use crate::scene::Damping;
+use crate::model::{Damping, LinearModel, LumpedModel};
 use nalgebra::Complex;
 
 /// Up to this many contacts all contact states are looked at; beyond, a bound stands in.

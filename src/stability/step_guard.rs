@@ -7,8 +7,7 @@ use super::frequency_bound::{FrequencyBound, Sizes};
 use super::step_search::largest;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::{LinearModel, LumpedModel, SlidingFriction};
-use crate::scene::Damping;
+use crate::model::{Damping, LinearModel, LumpedModel, SlidingFriction};
 
 /// Refuses steps above the critical one, again and again as µ and the damping change. A question that was
 /// answered last time costs nothing. A bound is asked first. It costs one pass over the degrees of freedom where

@@ -19,10 +19,11 @@ pub use exact::Change;
 pub use let_off::LetOff;
 
 use amontons::Error;
+use amontons::assembly::Numbering;
 use amontons::contact::residual::{Instant, Scales, Violation};
 use amontons::contact::{ContactForce, ContactState, Friction};
 use amontons::integrator::Statistics;
-use amontons::model::{self, LumpedModel, Numbering};
+use amontons::model::{self, LumpedModel};
 use amontons::scene::{Method, Scene, Shape, Signal, Sine, parse};
 use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{Simulation, Snapshot, Variable, read_scene, variables, write_scene};
@@ -361,7 +362,7 @@ impl Run {
     /// Load, preloads and external forces that act, N.
     fn outer_force(&self) -> DVector<f64> {
         let mut force = vec![0.0; self.model.dofs()];
-        model::load(&self.acting, &self.numbering, &mut force);
+        assembly::load(&self.acting, &self.numbering, &mut force);
         let external = self.acting.external_forces();
         DVector::from_iterator(force.len(), force.iter().zip(external).map(|(a, b)| a + b))
     }
@@ -422,7 +423,7 @@ impl Run {
             let sum = given + added(signal, input.name.ends_with("velocity"));
             write_scene(&mut self.acting, input, sum).unwrap();
         }
-        self.model.update_contacts(&self.acting);
+        assembly::update_contacts(&mut self.model, &self.acting);
     }
 
     /// Displacements from the unloaded position.

@@ -144,7 +144,7 @@ fn set_damping(random: &mut Random, scene: &mut Scene) {
 /// Is there an equilibrium, of a scene whose values are possible?
 fn has_equilibrium(scene: &Scene) -> bool {
     let acting = drive::at_start(scene);
-    acting.check().is_ok() && model::equilibrium(&acting, &LumpedModel::from(&acting)).is_ok()
+    acting.check().is_ok() && assembly::equilibrium(&acting, &LumpedModel::from(&acting)).is_ok()
 }
 
 /// A frequency that no mode without friction exceeds, 1/s: Gershgorin's circles of M⁻¹ K.

@@ -91,7 +91,7 @@ pub struct Problem {
 impl From<&Scene> for Problem {
     fn from(scene: &Scene) -> Self {
         let model = LumpedModel::from(scene);
-        let equilibrium = model::equilibrium(scene, &model).expect("it has an equilibrium");
+        let equilibrium = assembly::equilibrium(scene, &model).expect("it has an equilibrium");
         let mut force = [0.0; DOFS];
         for (i, contact) in model.contacts.iter().enumerate() {
             contact.normal.add_to(&mut force, -equilibrium.normal_force[i]);

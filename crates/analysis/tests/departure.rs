@@ -26,7 +26,7 @@ fn states_met(case: Case, part: f64) -> (Departure, Vec<ContactState>) {
     (scene.friction_coefficient, scene.slider.velocity) = (mu, velocity);
     scene.damping.beta *= f64::from(u8::from(damped));
     let model = LumpedModel::from(&scene);
-    let equilibrium = model::equilibrium(&scene, &model).unwrap();
+    let equilibrium = assembly::equilibrium(&scene, &model).unwrap();
     let sliding = uniform_sliding(&model).unwrap();
     let linear = model.linear().unwrap();
     let mode = &modes(linear, &sliding).unwrap().oscillating[mode];
@@ -68,7 +68,7 @@ fn a_mode_that_does_not_reach_a_contact_makes_it_leave_nothing() {
                 [integrator]\nstep = 1e-6\n[experiment]\nstop_time = 1.0\n";
     let scene = parse("alone", text).unwrap();
     let model = LumpedModel::from(&scene);
-    let equilibrium = model::equilibrium(&scene, &model).unwrap();
+    let equilibrium = assembly::equilibrium(&scene, &model).unwrap();
     let sliding = uniform_sliding(&model).unwrap();
     let linear = model.linear().unwrap();
     let found = modes(linear, &sliding).unwrap().oscillating;

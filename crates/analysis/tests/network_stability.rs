@@ -50,8 +50,9 @@ fn each_contact_slides_by_the_sign_of_its_own_velocity() {
     };
     assert_eq!(sliding(0.1).unwrap(), [Slide, ReverseSlide]);
     assert_eq!(sliding(-0.1).unwrap(), [ReverseSlide; 2]);
+    // The second contact slides all the same.
     let error = sliding(0.0).unwrap_err().to_string();
-    assert!(error.contains("the slider stands still"), "{error}");
+    assert!(error.contains("contact 1 rubs on stands still"), "{error}");
 }
 
 #[test]

@@ -451,7 +451,7 @@ fn where_sliding_jams_a_way_ends_with_the_reason() {
     let model = LumpedModel::from(&scene);
     let jams = |mu: f64| {
         let scene = Scene { friction_coefficient: mu, ..scene.clone() };
-        amontons::model::equilibrium(&scene, &model).is_err()
+        amontons::assembly::equilibrium(&scene, &model).is_err()
     };
     assert!(!jams(1.0) && jams(4.0));
     let found = whole(&(scene, look), &[1.0, 4.0], 1e-3);

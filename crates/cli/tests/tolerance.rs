@@ -4,8 +4,8 @@
 #[path = "../../../tests/program/mod.rs"]
 mod program;
 
-use amontons::integrator::{Selected, select};
 use amontons::scene::{BUILTIN, Method, Preset, Scene, Selection, builtin, parse};
+use amontons::selection::{Selected, select};
 use amontons::simulation::Simulation;
 use amontons_analysis::warning::warnings;
 use program::{assert_refused, folder, run, text};

@@ -258,7 +258,7 @@ impl Ring {
     fn new(scene: &Scene) -> Self {
         let model = LumpedModel::from(scene);
         // Measured from the equilibrium, the contact forces that balance the load are left of it.
-        let equilibrium = model::equilibrium(scene, &model).expect("it has an equilibrium");
+        let equilibrium = assembly::equilibrium(scene, &model).expect("it has an equilibrium");
         let mut force = vec![0.0; model.dofs()];
         for (i, contact) in model.contacts.iter().enumerate() {
             contact.normal.add_to(&mut force, -equilibrium.normal_force[i]);

@@ -189,7 +189,7 @@ pub struct EventDriven<W = ()> {
 }
 
 /// The places of the full matrices that a structure gets; `None` for a large one, which gets none.
-pub(super) fn full_places(contacts: &[Contact], dofs: usize) -> Option<usize> {
+pub(crate) fn full_places(contacts: &[Contact], dofs: usize) -> Option<usize> {
     let (_, width) = law::places(contacts, dofs);
     (width <= MOST_PLACES).then(|| width.next_multiple_of(4).max(4))
 }

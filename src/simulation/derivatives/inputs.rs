@@ -3,7 +3,7 @@
 use super::Change;
 use super::slope::Slope;
 use crate::Error;
-use crate::model;
+use crate::assembly;
 use crate::scene::RubbingPlace;
 use crate::simulation::catalogue::{Causality, Quantity};
 use crate::simulation::{Simulation, Variable, dof};
@@ -61,7 +61,7 @@ impl Simulation {
                 change.force[dof(&self.scene, &self.numbering, input)] += by;
             }
             (Causality::Input, Quantity::Preload) => {
-                model::add_preload(&self.scene, &self.numbering, i, by, &mut change.load);
+                assembly::add_preload(&self.scene, &self.numbering, i, by, &mut change.load);
             }
             _ => {
                 return Err(Error::variable(format!(

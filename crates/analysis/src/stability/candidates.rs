@@ -72,8 +72,8 @@ pub fn uniform_sliding(model: &LumpedModel) -> Result<Vec<ContactState>, Error> 
     let Some(stuck) = states.iter().position(|state| *state == ContactState::Stick) else {
         return Ok(states);
     };
-    let same = model.contacts.iter().all(|contact| contact.surface_velocity == 0.0);
-    let problem = if same {
+    let all_stand = model.contacts.iter().all(|contact| contact.surface_velocity == 0.0);
+    let problem = if all_stand {
         "the slider stands still, so nothing slides: give slider.velocity another value".into()
     } else {
         format!(
@@ -305,7 +305,7 @@ mod tests {
         assert!(from == 0.0 && to < 6.0);
         let exists = |mu: f64| {
             let scene = Scene { friction_coefficient: mu, ..scene.clone() };
-            amontons::model::equilibrium(&scene, &LumpedModel::from(&scene)).is_ok()
+            amontons::assembly::equilibrium(&scene, &LumpedModel::from(&scene)).is_ok()
         };
         assert!(exists(to) && !exists(to + 1e-9));
         for range in found.stable.iter().chain(found.candidates.iter().map(|c| &c.range)) {

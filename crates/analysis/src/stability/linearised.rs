@@ -2,8 +2,9 @@
 
 use super::candidates::{resting_state, uniform_sliding};
 use amontons::Error;
+use amontons::assembly::equilibrium;
 use amontons::contact::ContactState;
-use amontons::model::{Equilibrium, LinearModel, LumpedModel, equilibrium};
+use amontons::model::{Equilibrium, LinearModel, LumpedModel};
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 use std::sync::OnceLock;
@@ -85,7 +86,7 @@ impl Linearised {
     pub fn equilibrium(&self) -> Result<&Equilibrium, Error> {
         let found = self.equilibrium.get_or_init(|| match &self.scene {
             Some(scene) => equilibrium(scene, &self.model),
-            None => self.model.sliding_equilibrium(),
+            None => self.model.equilibrium(&|contact| format!("contact[{}]", contact + 1)),
         });
         found.as_ref().map_err(Error::clone)
     }

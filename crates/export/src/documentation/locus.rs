@@ -1,8 +1,9 @@
 //! The modes of uniform sliding over friction: where they begin to grow, and their picture.
 
 use super::{NAMED, can_squeal};
+use amontons::assembly::equilibrium;
 use amontons::contact::{ContactState, Joined};
-use amontons::model::{LumpedModel, equilibrium};
+use amontons::model::LumpedModel;
 use amontons::scene::{Scene, Structure};
 use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::candidates::equilibrium_ranges;

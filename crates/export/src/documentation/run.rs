@@ -2,9 +2,9 @@
 
 use super::can_squeal;
 use amontons::Error;
-use amontons::integrator::Cost;
 use amontons::model::LumpedModel;
 use amontons::scene::{Experiment, Scene};
+use amontons::selection::Cost;
 use amontons::simulation::catalogue::{Causality, Quantity};
 use amontons::simulation::{Simulation, Variable, variables};
 use amontons_analysis::accuracy::Watch;

@@ -3,8 +3,8 @@
 use crate::arguments::Simulate;
 use crate::interrupt::{self, Interrupted};
 use crate::simulate::is_broken_pipe;
-use amontons::integrator::select;
 use amontons::scene::{Experiment, Scene, Selection};
+use amontons::selection::select;
 use amontons_analysis::output::Pending;
 use amontons_analysis::sweep::observed::output;
 use amontons_analysis::sweep::{Doubt, ENERGIES, Possible, Summary, View, sweep};

@@ -12,8 +12,8 @@ pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
 use amontons::error::Rounded;
-use amontons::integrator::select;
 use amontons::scene::{Method, Scene, Selection, Source};
+use amontons::selection::select;
 use amontons_analysis::assign::assign;
 use amontons_analysis::doubts::doubts_of;
 use amontons_analysis::study::{Look, Watch, pace};

@@ -8,8 +8,8 @@
 //! A damper adds likewise to D. A contact with tangent t and outward normal n has the rows
 //! G_N = n·(u_mass − u_on) and G_T = t·(u_mass − u_on).
 
-use super::assembly::{Elongation, difference, spring};
-use super::{Contact, Direction, LumpedModel, SparseMatrix};
+use super::elements::{Elongation, difference, spring};
+use crate::model::{Contact, Direction, LumpedModel, SparseMatrix};
 use crate::scene::{Mass, Network, Scene, Spring, direction};
 
 /// Where the degrees of freedom of each mass stand; `None` for a locked one.

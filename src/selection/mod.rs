@@ -11,11 +11,14 @@
 //! fewest operations ([`Cost`]) is taken. The numbers come from measured tables (DESIGN.md). It knows nothing of
 //! motions that forget their start, for which no rule can.
 
+mod cost;
 mod signals;
 
-use super::Cost;
+pub use cost::Cost;
+
+use crate::integrator::{EventDriven, Method};
 use crate::model::LumpedModel;
-use crate::scene::{Method, Scene};
+use crate::scene::Scene;
 use crate::stability::{StepGuard, highest_frequency};
 use std::f64::consts::TAU;
 use std::fmt;
@@ -145,7 +148,7 @@ impl<'a> Rule<'a> {
             scene,
             cost: Cost::of(model).driven(&scene.signals),
             frequency,
-            takes_event_driven: super::EventDriven::new(model).is_ok(),
+            takes_event_driven: EventDriven::new(model).is_ok(),
             events: EVENTS_A_PERIOD * model.contacts.len() as f64 * periods,
         }
     }

@@ -4,8 +4,7 @@
 //! Between the two methods the ratio of the times of whole runs is that of the counts within a factor of 2.5, on
 //! the scenes that are built in and on rings of 3 to 256 modules.
 
-use super::event_driven;
-use super::forward_increment::RingForwardIncrement;
+use crate::integrator::{RingForwardIncrement, full_places};
 use crate::model::{Contact, LumpedModel};
 use crate::scene::{Method, Shape, Signal};
 use crate::stability::highest_frequency;
@@ -69,7 +68,7 @@ impl Cost {
                     + SHARING_CONTACT * sharing.count() as f64
             }
         };
-        let power = match event_driven::full_places(&model.contacts, dofs) {
+        let power = match full_places(&model.contacts, dofs) {
             Some(places) => FULL_ENTRY * (places * places) as f64,
             None => LAW_ENTRY * entries,
         };

@@ -1,6 +1,6 @@
 //! Entries of K and D from springs and dampers.
 
-use super::Entry;
+use crate::model::Entry;
 
 /// The elongation of a spring or damper as a combination of degrees of freedom.
 pub(super) type Elongation = Vec<(usize, f64)>;
