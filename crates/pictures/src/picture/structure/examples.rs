@@ -234,6 +234,85 @@ pub(super) fn grid() -> Structure {
     structure
 }
 
+/// A mass with springs along six ways: two to other masses, and four to ground.
+pub(super) fn six_springs() -> Structure {
+    let name = |number: usize| format!("k{number}");
+    let ends = [Some(1), Some(2), None, None, None, None];
+    let springs = (1..=6).zip(ends).map(|(number, end)| {
+        let direction = [0.0, PI, FRAC_PI_2, -FRAC_PI_2, 0.25 * PI, 0.75 * PI][number - 1];
+        spring(&name(number), "20 kN/m", [Some(0), end], direction)
+    });
+    Structure {
+        title: "Six springs at one mass".into(),
+        masses: vec![mass("m", "0.5 kg"), mass("right", "1 kg"), mass("left", "1 kg")],
+        links: springs.collect(),
+        ..Structure::default()
+    }
+}
+
+/// Rows of masses, each joined to its neighbours by a spring and a damper, the lowest ones on sliders.
+pub(super) fn small_grid(rows: usize, columns: usize) -> Structure {
+    let mut structure =
+        Structure { title: format!("A grid of {rows} × {columns}"), ..Structure::default() };
+    for at in 0..rows * columns {
+        structure.masses.push(mass(&format!("m{at}"), "1 kg"));
+        let mut join = |other: usize, name: &str, direction: f64| {
+            let ends = [Some(other), Some(at)];
+            structure.links.push(spring(&format!("k{name}{at}"), "1 kN/m", ends, direction));
+            structure.links.push(damper(&format!("d{name}{at}"), "5 N s/m", ends, direction));
+        };
+        if at % columns > 0 {
+            join(at - 1, "h", 0.0);
+        }
+        if at >= columns {
+            join(at - columns, "v", -FRAC_PI_2);
+        }
+        if at / columns + 1 == rows {
+            structure.sliders.push(slider(&format!("c{at}"), at, None, 0.0, 0.1));
+        }
+    }
+    structure
+}
+
+/// Masses on surfaces and on each other, as chance has it: a spring to ground presses each on what it rubs on, and
+/// others join it to ground or to another mass.
+pub(super) fn random(seed: u64, count: usize) -> Structure {
+    let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
+    // Of xorshift, from 0 to below the limit.
+    let mut below = move |limit: usize| {
+        state ^= state << 13;
+        state ^= state >> 7;
+        state ^= state << 17;
+        usize::try_from(state >> 33).unwrap() % limit
+    };
+    let angle = |step: usize| PI / 12.0 * f64::from(u8::try_from(step).unwrap());
+    let mut structure =
+        Structure { title: format!("Random network {seed}"), ..Structure::default() };
+    for at in 0..count {
+        let leaning = [0.0, angle(below(6)) - 0.6][below(2)];
+        let locked = [below(8) == 0, false];
+        structure.masses.push(MassMark {
+            angle: leaning,
+            locked,
+            ..mass(&format!("m{at}"), "2.5 kg")
+        });
+        let on = if at > 0 && below(3) == 0 { Some(below(at)) } else { None };
+        structure.sliders.push(slider(&format!("c{at}"), at, on, leaning, 0.5));
+        let up = leaning + FRAC_PI_2;
+        structure.links.push(spring(&format!("n{at}"), "40 kN/m", [Some(at), None], up));
+        for number in 0..1 + below(2) {
+            let end = if at > 0 && below(4) > 0 { Some(below(at)) } else { None };
+            let name = format!("h{at}_{number}");
+            structure.links.push(spring(&name, "12 kN/m", [Some(at), end], angle(below(24))));
+            if below(3) == 0 {
+                let name = format!("d{at}_{number}");
+                structure.links.push(damper(&name, "3 N s/m", [Some(at), end], angle(below(24))));
+            }
+        }
+    }
+    structure
+}
+
 /// All, with short names.
 pub(super) fn all() -> Vec<(&'static str, Structure)> {
     vec![
@@ -252,5 +331,7 @@ pub(super) fn all() -> Vec<(&'static str, Structure)> {
         ("crowd", crowd()),
         ("spider", spider()),
         ("grid", grid()),
+        ("six_springs", six_springs()),
+        ("grid2x4", small_grid(2, 4)),
     ]
 }

@@ -1,12 +1,8 @@
 //! Structures: masses, the springs and dashpots between them, and what they rub on.
 
-mod bundle;
-mod course;
-mod force;
-mod icon;
 mod labels;
+mod layout;
 mod legend;
-mod place;
 mod plane;
 mod plot;
 mod scene;
@@ -16,8 +12,7 @@ mod text;
 
 use super::canvas::{self, Failure};
 use amontons::Error;
-use icon::Icon;
-use sheet::Sheet;
+use sheet::{Icon, Sheet};
 use std::path::Path;
 
 /// Masses and what joins them. Masses have no places of their own: they are found from the

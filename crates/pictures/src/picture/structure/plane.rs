@@ -1,4 +1,4 @@
-//! Points, segments and boxes of the plane.
+//! Points, segments and boxes of the plane, and what room is left between them.
 
 use crate::picture::canvas::Point;
 
@@ -42,8 +42,19 @@ pub(super) fn across(a: Point) -> Point {
     [-a[1], a[0]]
 }
 
+/// A way turned from the first axis to the second by an angle, rad.
+pub(super) fn turned(a: Point, angle: f64) -> Point {
+    let [cos, sin] = way(angle);
+    add(scaled(a, cos), scaled(across(a), sin))
+}
+
+/// The segment through a point along a way, as far to both sides.
+pub(super) fn centred(middle: Point, way: Point, half: f64) -> [Point; 2] {
+    [along(middle, way, -half), along(middle, way, half)]
+}
+
 /// From a point to the nearest of a segment.
-pub(super) fn distance(point: Point, [from, to]: [Point; 2]) -> f64 {
+fn distance(point: Point, [from, to]: [Point; 2]) -> f64 {
     let whole = sub(to, from);
     let square = dot(whole, whole);
     let part = if square > 0.0 { dot(sub(point, from), whole) / square } else { 0.0 };
@@ -58,6 +69,17 @@ pub(super) fn apart(a: [Point; 2], b: [Point; 2]) -> f64 {
     }
     let ends = [distance(a[0], b), distance(a[1], b), distance(b[0], a), distance(b[1], a)];
     ends.into_iter().fold(f64::INFINITY, f64::min)
+}
+
+/// How far points reach along x and y, each with how far its ink reaches: least and most.
+pub(super) fn reach(points: impl Iterator<Item = (Point, Point)>) -> [[f64; 2]; 2] {
+    let nothing = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
+    points.fold(nothing, |reach, (point, half)| {
+        [0, 1].map(|axis| {
+            let [from, to] = reach[axis];
+            [from.min(point[axis] - half[axis]), to.max(point[axis] + half[axis])]
+        })
+    })
 }
 
 /// A box with sides along the axes: its middle and half of its width and height.
@@ -94,9 +116,24 @@ impl Box {
         }
         start < end
     }
+}
 
-    /// How far it reaches from its middle along a way.
-    pub(super) fn reach(half: Point, way: Point) -> f64 {
-        half[0] * way[0].abs() + half[1] * way[1].abs()
+/// Lines that stand already, each with how far it reaches to its sides.
+#[derive(Clone, Default)]
+pub(super) struct Room(Vec<([Point; 2], f64)>);
+
+impl Room {
+    pub(super) fn take(&mut self, line: [Point; 2], reach: f64) {
+        self.0.push((line, reach));
+    }
+
+    /// Does a line keep farther than the gap off all that stands?
+    pub(super) fn has(&self, line: [Point; 2], gap: f64) -> bool {
+        self.0.iter().all(|&(other, reach)| apart(line, other) > reach + gap)
+    }
+
+    /// Does a box keep farther than the gap off all that stands?
+    pub(super) fn has_box(&self, area: &Box, gap: f64) -> bool {
+        !self.0.iter().any(|&(line, reach)| area.met_by(line, reach + gap))
     }
 }

@@ -1,9 +1,8 @@
 //! Labels, links and masses of structures of many kinds keep apart and show directions.
 
-use super::course::{Course, bundles};
 use super::examples::{all, chain, corner, disc, mass, oblique, ring, slider, spring};
-use super::place::places;
-use super::plane::{apart, length, sub};
+use super::layout::{End, Run, places, runs};
+use super::plane::{apart, length, sub, unit};
 use super::sheet::Sheet;
 use super::symbols::{Shape, force_colour, slider_colour, spring_colour};
 use super::text::values;
@@ -46,8 +45,8 @@ fn no_line_leads_through_a_label_and_labels_stand_at_what_they_name() {
         for label in &sheet.labels {
             assert_eq!(label.leader, None, "{name}: {:?}", label.lines);
             for shape in &sheet.shapes {
-                let Shape::Line(points, ..) = shape else { continue };
-                for line in points.windows(2) {
+                let line = if shape.width.is_some() { &shape.points[..] } else { &[] };
+                for line in line.windows(2) {
                     let through = label.area.met_by([line[0], line[1]], 0.0);
                     assert!(!through, "{name}: {:?}", label.lines);
                 }
@@ -63,10 +62,8 @@ fn no_two_springs_touch() {
         let springs: Vec<&Vec<Point>> = sheet
             .shapes
             .iter()
-            .filter_map(|shape| match shape {
-                Shape::Line(points, colour, _) if *colour == spring_colour() => Some(points),
-                _ => None,
-            })
+            .filter(|shape| shape.width.is_some() && shape.colour == spring_colour())
+            .map(|shape| &shape.points)
             .collect();
         assert!(springs.len() >= structure.links.len() / 2, "{name}");
         for (place, spring) in springs.iter().enumerate() {
@@ -82,13 +79,21 @@ fn no_two_springs_touch() {
 
 #[test]
 fn masses_stand_along_the_directions_of_their_springs() {
-    for direction in [0.0, FRAC_PI_2, FRAC_PI_4, PI, -2.5] {
+    let eighths = [0.0, 1.0, 2.0, 4.0, -3.0].map(|turn| turn * FRAC_PI_4);
+    // The nearest of the eight ways of the grid; an arrow tells what is turned by more than a little.
+    for (direction, shown) in
+        eighths.map(|turn| (turn, turn)).into_iter().chain([(-2.5, -0.75 * PI)])
+    {
         let structure = Structure {
             masses: vec![mass("a", ""), mass("b", "")],
             links: vec![spring("k", "", [Some(0), Some(1)], direction)],
             ..Structure::default()
         };
-        assert!(close(between(&structure, 0, 1), [direction.cos(), direction.sin()]));
+        let way = unit(between(&structure, 0, 1));
+        assert!(close(way, [shown.cos(), shown.sin()]), "{direction}: {way:?}");
+        let labels = Sheet::of(&structure).labels;
+        let link = labels.iter().find(|label| label.lines == ["k"]).unwrap();
+        assert_eq!(link.acts.is_some(), direction != shown, "{direction}");
     }
     let chain = chain(12);
     for (place, [x, y]) in (0..).zip(places(&chain)) {
@@ -118,12 +123,18 @@ fn pads_stand_on_the_sides_of_a_disc_that_they_rub_on() {
 fn a_ring_is_closed_by_links_that_name_their_other_end() {
     for (modules, closing) in [(2, 0), (3, 1), (12, 1)] {
         let ring = ring(modules);
-        let bundles = bundles(&ring, &places(&ring));
-        let mut links: Vec<usize> = bundles.iter().flat_map(|b| b.links.clone()).collect();
+        let runs = runs(&ring, &places(&ring));
+        let (named, straight): (Vec<&Run>, Vec<&Run>) =
+            runs.iter().partition(|run| matches!(run.end, End::Name(_)));
+        assert_eq!(
+            named.len(),
+            2 * closing,
+            "{modules} modules: one run from each of the two masses"
+        );
+        let mut links: Vec<usize> = straight.iter().flat_map(|run| run.links.clone()).collect();
+        named.iter().step_by(2).for_each(|run| links.extend(&run.links));
         links.sort_unstable();
         assert!(links.into_iter().eq(0..ring.links.len()), "each link once");
-        let named = bundles.iter().filter(|b| matches!(b.course, Course::Named(..)));
-        assert_eq!(named.count(), closing, "{modules} modules");
     }
     let ring = ring(3);
     let texts: Vec<String> = Sheet::of(&ring).labels.iter().map(|l| l.lines.join(" ")).collect();
@@ -133,12 +144,8 @@ fn a_ring_is_closed_by_links_that_name_their_other_end() {
 #[test]
 fn ground_lies_in_a_links_direction_unless_that_is_taken() {
     let ways = |structure: &Structure| -> Vec<Point> {
-        let bundles = bundles(structure, &places(structure));
-        let ground = bundles.iter().filter_map(|bundle| match bundle.course {
-            Course::Ground(_, way) => Some(way),
-            _ => None,
-        });
-        ground.collect()
+        let runs = runs(structure, &places(structure));
+        runs.iter().filter(|run| run.end == End::Ground).map(|run| run.way).collect()
     };
     let (sin, cos) = (PI / 6.0).sin_cos();
     let found = ways(&oblique());
@@ -171,12 +178,9 @@ fn the_arrow_of_a_slider_shows_the_way_that_it_moves() {
             sliders: vec![slider("c", 0, None, angle, velocity)],
             ..Structure::default()
         };
-        Sheet::of(&structure).shapes.iter().find_map(|shape| match shape {
-            Shape::Area(corners, colour) if *colour == slider_colour() => {
-                Some(sub(corners[0], corners[1]))
-            }
-            _ => None,
-        })
+        let shapes = Sheet::of(&structure).shapes;
+        let is_head = |shape: &&Shape| shape.width.is_none() && shape.colour == slider_colour();
+        shapes.iter().find(is_head).map(|head| sub(head.points[0], head.points[1]))
     };
     assert_eq!(head(0.0, 0.0), None);
     assert!(head(0.0, 0.1).unwrap()[0] > 5.0 && head(0.0, -0.1).unwrap()[0] < -5.0);
@@ -294,12 +298,10 @@ fn forces_and_preloads_are_arrows_that_point_as_they_push() {
     // Tip against foot of each head in the colour of forces, px with y downwards.
     let heads = |structure: &Structure| -> Vec<Point> {
         let shapes = Sheet::of(structure).shapes;
-        let heads = shapes.iter().filter_map(|shape| match shape {
-            Shape::Area(corners, colour) if *colour == force_colour() => {
-                let foot = [0, 1].map(|axis| 0.5 * (corners[1][axis] + corners[2][axis]));
-                Some(sub(corners[0], foot))
-            }
-            _ => None,
+        let is_head = |shape: &&Shape| shape.width.is_none() && shape.colour == force_colour();
+        let heads = shapes.iter().filter(is_head).map(|head| {
+            let foot = [0, 1].map(|axis| 0.5 * (head.points[1][axis] + head.points[2][axis]));
+            sub(head.points[0], foot)
         });
         heads.collect()
     };

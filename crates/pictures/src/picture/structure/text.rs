@@ -65,7 +65,9 @@ fn ranges(names: &[&str]) -> String {
     let mut parts: Vec<String> = Vec::new();
     let mut start = 0;
     while start < names.len() {
-        let counts_up = |pair: &[&str]| counted(pair[1]) == counted(pair[0]).map(following);
+        let counts_up = |pair: &[&str]| {
+            counted(pair[0]).is_some_and(|first| counted(pair[1]) == Some(following(first)))
+        };
         let more = names[start..].windows(2).take_while(|pair| counts_up(pair)).count();
         if more > 1 {
             parts.push(format!("{} … {}", names[start], names[start + more]));
