@@ -41,59 +41,43 @@ pub(super) struct Used {
 impl Legend {
     pub(super) fn of(structure: &Structure, used: Used) -> Self {
         let Structure { masses, links, sliders, forces, signals, .. } = structure;
-        let mut legend = Self::default();
         let is_there = |kind| links.iter().any(|link| link.kind == kind);
-        if is_there(LinkKind::Spring) {
-            legend.add("spring", |shapes| symbols::spring(LINE, 6.0, shapes));
-        }
-        if is_there(LinkKind::Damper) {
-            legend.add("damper", |shapes| symbols::dashpot(LINE, 6.0, shapes));
-        }
-        if links.iter().any(|link| link.ends.contains(&None)) {
-            legend.add("fixed", |shapes| symbols::ground(above(4.0), DOWN, 13.0, shapes));
-        }
         let moves = sliders.iter().any(|slider| slider.velocity != 0.0);
-        if sliders.iter().any(|slider| slider.on.is_none()) {
-            let words = if moves { "slider and its motion" } else { "slider" };
-            let (up, arrow) = if moves { (11.0, Some([1.0, 0.0])) } else { (4.0, None) };
-            legend.add(words, |shapes| {
-                symbols::slider(above(up), DOWN, 15.0, true, arrow, shapes);
-            });
-        }
-        if sliders.iter().any(|slider| slider.on.is_some()) {
-            legend.add("surface of another mass", |shapes| {
-                symbols::slider(above(2.0), DOWN, 15.0, false, None, shapes);
-            });
-        }
-        if masses.iter().any(|mass| mass.locked != [false; 2]) {
-            legend.add("guide: no motion towards it", |shapes| {
-                symbols::guide(above(9.0), DOWN, 14.0, shapes);
-            });
-        }
-        if !forces.is_empty() {
-            legend.add("force", |shapes| symbols::arrow(LINE, symbols::force_colour(), shapes));
-        }
-        if links.iter().any(|link| link.preload != 0.0) {
-            legend.add("preload, as its end pushes or pulls", |shapes| {
-                shapes.push(symbols::line(&LINE, symbols::spring_colour(), 1.6));
-                symbols::preload([MIDDLE, LINE[1]], true, shapes);
-            });
-        }
-        if *signals {
-            legend.add("~ with a signal added over time", |_| {});
-        }
-        if used.acts {
-            legend.add("acts in this direction, wherever it is drawn", |shapes| {
-                symbols::acts(MIDDLE, [1.0, 0.0], 9.0, shapes);
-            });
-        }
-        if used.named {
-            legend.add("goes on at the mass named", |shapes| symbols::arrow(LINE, INK, shapes));
-        }
+        let (up, arrow) = if moves { (11.0, Some([1.0, 0.0])) } else { (4.0, None) };
+        let slider = if moves { "slider and its motion" } else { "slider" };
+        let mut legend = Self::default();
+        let mut add = |there: bool, words, draw: &dyn Fn(&mut Vec<Shape>)| {
+            if there {
+                legend.add(words, draw);
+            }
+        };
+        add(is_there(LinkKind::Spring), "spring", &|s| symbols::spring(LINE, 6.0, s));
+        add(is_there(LinkKind::Damper), "damper", &|s| symbols::dashpot(LINE, 6.0, s));
+        let grounded = links.iter().any(|link| link.ends.contains(&None));
+        add(grounded, "fixed", &|s| symbols::ground(above(4.0), DOWN, 13.0, s));
+        let rigid = sliders.iter().any(|slider| slider.on.is_none());
+        add(rigid, slider, &|s| symbols::slider(above(up), DOWN, 15.0, true, arrow, s));
+        let on = sliders.iter().any(|slider| slider.on.is_some());
+        let surface = |s: &mut Vec<Shape>| symbols::slider(above(2.0), DOWN, 15.0, false, None, s);
+        add(on, "surface of another mass", &surface);
+        let locked = masses.iter().any(|mass| mass.locked != [false; 2]);
+        let guide = |s: &mut Vec<Shape>| symbols::guide(above(9.0), DOWN, 14.0, s);
+        add(locked, "guide: no motion towards it", &guide);
+        let force = |s: &mut Vec<Shape>| symbols::arrow(LINE, symbols::force_colour(), s);
+        add(!forces.is_empty(), "force", &force);
+        let preloaded = links.iter().any(|link| link.preload != 0.0);
+        add(preloaded, "preload, as its end pushes or pulls", &|s| {
+            s.push(symbols::line(&LINE, symbols::spring_colour(), 1.6));
+            symbols::preload([MIDDLE, LINE[1]], true, s);
+        });
+        add(*signals, "~ with a signal added over time", &|_| {});
+        let acts = |s: &mut Vec<Shape>| symbols::acts(MIDDLE, [1.0, 0.0], 9.0, s);
+        add(used.acts, "acts in this direction, wherever it is drawn", &acts);
+        add(used.named, "goes on at the mass named", &|s| symbols::arrow(LINE, INK, s));
         legend
     }
 
-    fn add(&mut self, words: &'static str, draw: impl Fn(&mut Vec<Shape>)) {
+    fn add(&mut self, words: &'static str, draw: &dyn Fn(&mut Vec<Shape>)) {
         // The reader's own font may be a little wider.
         let width = SAMPLE + 28.0 + 1.05 * text_width(words, SMALL);
         if self.words.is_empty() || self.x + width - 20.0 > WIDTH - MARGIN {

@@ -3,6 +3,7 @@
 mod labels;
 mod layout;
 mod legend;
+mod links;
 mod plane;
 mod plot;
 mod scene;
@@ -138,30 +139,22 @@ impl Structure {
     pub const MOST_MASSES: usize = 40;
 
     fn check(&self) -> Result<(), Failure> {
-        let count = self.masses.len();
-        if count == 0 {
-            return Err(Failure("a structure has at least one mass".into()));
-        }
-        let most = Self::MOST_MASSES;
-        if count > most {
-            return Err(Failure(format!(
-                "there are {count} masses, but such a picture is for up to {most} masses"
-            )));
-        }
+        let (count, most) = (self.masses.len(), Self::MOST_MASSES);
+        let holds = |holds: bool, reason: &dyn Fn() -> String| {
+            if holds { Ok(()) } else { Err(Failure(reason())) }
+        };
+        holds(count > 0, &|| "a structure has at least one mass".into())?;
+        holds(count <= most, &|| {
+            format!("there are {count} masses, but such a picture is for up to {most} masses")
+        })?;
         let there = |what: &str, mass: usize| {
-            if mass < count {
-                return Ok(());
-            }
-            Err(Failure(format!(
-                "{what} is at mass {mass}, but the masses are numbered from 0 to {}",
-                count - 1
-            )))
+            holds(mass < count, &|| {
+                let last = count - 1;
+                format!("{what} is at mass {mass}, but the masses are numbered from 0 to {last}")
+            })
         };
         let finite = |what: &str, of: &str, value: f64| {
-            if value.is_finite() {
-                return Ok(());
-            }
-            Err(Failure(format!("{of} of {what} is {value}, but must be finite")))
+            holds(value.is_finite(), &|| format!("{of} of {what} is {value}, but must be finite"))
         };
         for (place, mass) in self.masses.iter().enumerate() {
             finite(&named("mass", &mass.name, place), "the angle", mass.angle)?;
@@ -171,9 +164,8 @@ impl Structure {
             finite(&what, "the direction", link.direction)?;
             finite(&what, "the preload", link.preload)?;
             link.ends.into_iter().flatten().try_for_each(|mass| there(&what, mass))?;
-            if link.ends[0] == link.ends[1] {
-                return Err(Failure(format!("{what} must have two different ends")));
-            }
+            let differ = link.ends[0] != link.ends[1];
+            holds(differ, &|| format!("{what} must have two different ends"))?;
         }
         for (place, force) in self.forces.iter().enumerate() {
             let what = named("force", &force.name, place);
@@ -185,14 +177,10 @@ impl Structure {
             finite(&what, "the angle", slider.angle)?;
             finite(&what, "the velocity", slider.velocity)?;
             there(&what, slider.mass)?;
-            if let Some(on) = slider.on {
-                there(&what, on)?;
-                if on == slider.mass {
-                    return Err(Failure(format!(
-                        "{what} must be another mass than what rubs on it"
-                    )));
-                }
-            }
+            slider.on.map_or(Ok(()), |on| there(&what, on))?;
+            holds(slider.on != Some(slider.mass), &|| {
+                format!("{what} must be another mass than what rubs on it")
+            })?;
         }
         Ok(())
     }

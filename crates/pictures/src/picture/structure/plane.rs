@@ -1,4 +1,4 @@
-//! Points, segments and boxes of the plane, and what room is left between them.
+//! Points and segments of the plane, and what room is left between them.
 
 use crate::picture::canvas::Point;
 
@@ -82,42 +82,6 @@ pub(super) fn reach(points: impl Iterator<Item = (Point, Point)>) -> [[f64; 2]; 
     })
 }
 
-/// A box with sides along the axes: its middle and half of its width and height.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Box {
-    pub(super) middle: Point,
-    pub(super) half: Point,
-}
-
-impl Box {
-    pub(super) fn meets(&self, other: &Self, gap: f64) -> bool {
-        [0, 1].iter().all(|&axis| {
-            let between = (self.middle[axis] - other.middle[axis]).abs();
-            between < self.half[axis] + other.half[axis] + gap
-        })
-    }
-
-    /// Does a segment come closer than the gap?
-    pub(super) fn met_by(&self, [from, to]: [Point; 2], gap: f64) -> bool {
-        // The part of the segment that is within both strips, if any.
-        let (mut start, mut end) = (0.0_f64, 1.0_f64);
-        for axis in [0, 1] {
-            let (at, step) = (from[axis] - self.middle[axis], to[axis] - from[axis]);
-            let reach = self.half[axis] + gap;
-            if step.abs() < 1e-9 {
-                if at.abs() >= reach {
-                    return false;
-                }
-                continue;
-            }
-            let [a, b] = [(-reach - at) / step, (reach - at) / step];
-            start = start.max(a.min(b));
-            end = end.min(a.max(b));
-        }
-        start < end
-    }
-}
-
 /// Lines that stand already, each with how far it reaches to its sides.
 #[derive(Clone, Default)]
 pub(super) struct Room(Vec<([Point; 2], f64)>);
@@ -129,11 +93,13 @@ impl Room {
 
     /// Does a line keep farther than the gap off all that stands?
     pub(super) fn has(&self, line: [Point; 2], gap: f64) -> bool {
-        self.0.iter().all(|&(other, reach)| apart(line, other) > reach + gap)
-    }
-
-    /// Does a box keep farther than the gap off all that stands?
-    pub(super) fn has_box(&self, area: &Box, gap: f64) -> bool {
-        !self.0.iter().any(|&(line, reach)| area.met_by(line, reach + gap))
+        self.0.iter().all(|&(other, reach)| {
+            // Most are far off, as one look at each axis tells.
+            let ends = |axis: usize| {
+                [line, other].map(|[a, b]| [a[axis].min(b[axis]), a[axis].max(b[axis])])
+            };
+            let off = |[[a, b], [c, d]]: [[f64; 2]; 2]| (c - b).max(a - d) > reach + gap;
+            off(ends(0)) || off(ends(1)) || apart(line, other) > reach + gap
+        })
     }
 }

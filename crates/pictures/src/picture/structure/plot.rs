@@ -2,12 +2,11 @@
 
 use super::labels::{Labels, Request, half_size};
 use super::layout::{End, Run, STUB, directions};
-use super::plane::{across, along, centred, dot, reach, scaled, sub, unit, way};
+use super::plane::{across, along, centred, dot, reach, scaled, unit, way};
 use super::symbols::{self, HATCH, Shape, room};
 use super::text::written;
-use super::{ForceMark, LinkKind, MassMark, SliderMark, Structure};
+use super::{ForceMark, MassMark, SliderMark, Structure};
 use crate::picture::canvas::{Point, WIDTH};
-use crate::picture::palette::INK;
 
 /// How much is written into the picture.
 #[derive(Clone, Copy)]
@@ -26,15 +25,15 @@ pub(super) struct Style {
 
 /// Structure, middles and sizes, while the symbols are drawn.
 pub(super) struct Plot<'a> {
-    structure: &'a Structure,
+    pub(super) structure: &'a Structure,
     pub(super) style: Style,
     /// px for a step of the grid along x and y.
-    scale: Point,
+    pub(super) scale: Point,
     /// Of the masses' squares, px.
-    half: f64,
-    middles: Vec<Point>,
+    pub(super) half: f64,
+    pub(super) middles: Vec<Point>,
     pub(super) shapes: Vec<Shape>,
-    requests: Vec<Request>,
+    pub(super) requests: Vec<Request>,
 }
 
 impl<'a> Plot<'a> {
@@ -98,22 +97,28 @@ impl<'a> Plot<'a> {
     }
 
     /// Of a mass, px.
-    fn axes(&self, mass: usize) -> [Point; 2] {
+    pub(super) fn axes(&self, mass: usize) -> [Point; 2] {
         let [x, y] = way(self.structure.masses[mass].angle);
         [[x, -y], [-y, -x]]
     }
 
     /// How far a mass reaches along a way.
-    fn support(&self, mass: usize, way: Point) -> f64 {
+    pub(super) fn support(&self, mass: usize, way: Point) -> f64 {
         self.axes(mass).iter().map(|axis| self.half * dot(*axis, way).abs()).sum()
     }
 
-    fn request(&mut self, texts: Vec<Vec<String>>, line: [Point; 2], reach: f64, outs: &[Point]) {
+    pub(super) fn request(
+        &mut self,
+        texts: Vec<Vec<String>>,
+        line: [Point; 2],
+        reach: f64,
+        outs: &[Point],
+    ) {
         self.requests.push(Request { texts, line, reach, outs: outs.to_vec(), acts: None });
     }
 
     /// How something may be written, by its name and value.
-    fn written(&self, name: &str, label: &str) -> Vec<Vec<String>> {
+    pub(super) fn written(&self, name: &str, label: &str) -> Vec<Vec<String>> {
         written(name, label, self.style.values)
     }
 
@@ -140,116 +145,10 @@ impl<'a> Plot<'a> {
         self.request(texts, base, 2.0, &[out, tangent, scaled(tangent, -1.0)]);
     }
 
-    /// Links side by side, from bar to bar.
-    fn run(&mut self, run: &Run) {
-        let (way, stub) = match run.end {
-            End::Mass(other) => (unit(sub(self.middles[other], self.middles[run.mass])), 0.0),
-            _ => {
-                let [x, y] = run.way.map(f64::abs);
-                let step = (x * self.scale[0] + y * self.scale[1]) / (x + y);
-                ([run.way[0], -run.way[1]], STUB * step)
-            }
-        };
-        let start = self.leave(run.mass, way, run);
-        let tip = along(self.middles[run.mass], way, stub);
-        let half = 0.5 * self.spread(run, way);
-        let end = match run.end {
-            End::Mass(other) => self.leave(other, scaled(way, -1.0), run),
-            End::Ground => {
-                symbols::ground(tip, way, half + 16.0, &mut self.shapes);
-                tip
-            }
-            End::Name(other) => {
-                let end = along(tip, way, -14.0);
-                symbols::bar(end, way, half, &mut self.shapes);
-                symbols::arrow([end, tip], INK, &mut self.shapes);
-                let name = &self.structure.masses[other].name;
-                let texts = vec![vec![format!("to {name}")], vec!["to".into(), name.clone()]];
-                let side = across(way);
-                self.request(texts, [end, tip], 5.0, &[way, side, scaled(side, -1.0)]);
-                end
-            }
-        };
-        self.links(run, [start, end]);
-    }
-
-    /// Where links begin that leave a mass along a way: at its edge, or at a bar before it.
-    fn leave(&mut self, mass: usize, way: Point, run: &Run) -> Point {
-        let middle = self.middles[mass];
-        let [a, b] = self.axes(mass).map(|axis| dot(axis, way).abs());
-        let edge = along(middle, way, self.half / a.max(b));
-        // A face that is wide enough needs no bar.
-        let outermost = 0.5 * self.spread(run, way);
-        if run.links.len() == 1 || (a.max(b) > 0.9999 && outermost < 0.85 * self.half) {
-            return edge;
-        }
-        let short = 6.0_f64.min(0.1 * self.scale[0]);
-        let end = along(middle, way, self.support(mass, way) + short);
-        symbols::bar(end, way, outermost, &mut self.shapes);
-        self.shapes.push(symbols::line(&[edge, end], INK, 1.6));
-        end
-    }
-
-    /// Between the first and the last link of a run. The label of an inner one stands between it and the next.
-    #[allow(clippy::cast_precision_loss)]
-    fn spread(&self, run: &Run, way: Point) -> f64 {
-        let Style { amplitude, size, .. } = self.style;
-        let widths = run.links.iter().filter_map(|&place| {
-            let link = &self.structure.links[place];
-            Some(2.0 * half_size(self.written(&link.name, &link.label).first()?, true, size)[0])
-        });
-        let step = match run.links.len() {
-            ..3 => 3.6 * amplitude,
-            _ if way[0].abs() > 0.5 => 2.0 * amplitude + size + 10.0,
-            _ => 2.0 * amplitude + 10.0 + widths.fold(24.0, f64::max),
-        };
-        step * (run.links.len() - 1) as f64
-    }
-
-    /// Side by side; the first is the upper or left one.
-    #[allow(clippy::cast_precision_loss)]
-    fn links(&mut self, run: &Run, ends: [Point; 2]) {
-        let forth = unit(sub(ends[1], ends[0]));
-        let side = across(forth);
-        // Downwards, or to the right.
-        let down = if side[1].abs() > 0.3 { side[1] > 0.0 } else { side[0] > 0.0 };
-        let side = if down { side } else { scaled(side, -1.0) };
-        let (amplitude, spread) = (self.style.amplitude, self.spread(run, forth));
-        let steps = (run.links.len() - 1).max(1) as f64;
-        for (at, &place) in run.links.iter().enumerate() {
-            let offset = spread * (at as f64 / steps - 0.5);
-            let line = ends.map(|end| along(end, side, offset));
-            let link = &self.structure.links[place];
-            match link.kind {
-                LinkKind::Spring => symbols::spring(line, amplitude, &mut self.shapes),
-                LinkKind::Damper => symbols::dashpot(line, amplitude, &mut self.shapes),
-            }
-            let acts = way(-link.direction);
-            if link.preload != 0.0 {
-                // The first end feels it along the direction, the second one against it.
-                let first = link.ends[0] == Some(run.mass);
-                let along_link = dot(acts, forth) >= -1e-9;
-                let pulls = (link.preload > 0.0) == (first == along_link);
-                symbols::preload(line, pulls, &mut self.shapes);
-            }
-            let turned = dot(acts, across(forth)).abs() > 0.05;
-            // Above or to the right; but two links have theirs at their outer sides.
-            let upright = side[1].abs() <= 0.3;
-            let outer = if run.links.len() == 2 { offset > 0.0 } else { upright };
-            let outwards = if outer { side } else { scaled(side, -1.0) };
-            self.requests.push(Request {
-                texts: self.written(&link.name, &link.label),
-                line,
-                reach: amplitude,
-                outs: vec![outwards, scaled(outwards, -1.0)],
-                acts: turned.then_some(acts),
-            });
-        }
-    }
-
     /// Guides stand at a side of a mass where nothing else is.
     fn guides(&mut self, mass: usize) {
-        for (locked, axis) in self.structure.masses[mass].locked.into_iter().zip(self.axes(mass)) {
+        let locked = self.structure.masses[mass].locked.into_iter().zip(self.axes(mass));
+        for (_, axis) in locked.filter(|(locked, _)| *locked) {
             let back = scaled(axis, -1.0);
             let face = |out| along(self.middles[mass], out, self.half);
             let room = room(&self.shapes);
@@ -258,9 +157,7 @@ impl<'a> Plot<'a> {
                 room.has(line, 8.0)
             };
             let out = [back, axis].into_iter().find(free).unwrap_or(back);
-            if locked {
-                symbols::guide(face(out), out, self.half, &mut self.shapes);
-            }
+            symbols::guide(face(out), out, self.half, &mut self.shapes);
         }
     }
 
@@ -270,19 +167,15 @@ impl<'a> Plot<'a> {
         let (middle, side) = (self.middles[force.mass], across(push));
         let reach = self.support(force.mass, push) + gap;
         let sideways = [0.0, 0.5, -0.5, 0.8, -0.8, 1.3, -1.3];
-        let arrows = sideways.into_iter().flat_map(|sideways| {
-            let foot = along(middle, side, sideways * self.half);
-            [-reach - size, reach].map(|at| [along(foot, push, at), along(foot, push, at + size)])
+        let mut arrows = sideways.into_iter().flat_map(|part| {
+            let foot = along(middle, side, part * self.half);
+            [-1.0, 1.0].map(|sign| along(foot, push, sign * (reach + 0.5 * size)))
         });
         let room = room(&self.shapes);
-        let arrows: Vec<[Point; 2]> = arrows.collect();
-        // The mass itself is near.
-        let far = |&line: &[Point; 2]| {
-            line.map(|end| {
-                along(end, push, if dot(sub(line[0], middle), push) < 0.0 { -5.0 } else { 5.0 })
-            })
-        };
-        let line = *arrows.iter().find(|line| room.has(far(line), 6.0)).unwrap_or(&arrows[0]);
+        // Only the end at the mass itself may be near.
+        let half = 0.5 * size - 5.0;
+        let free = arrows.clone().find(|&middle| room.has(centred(middle, push, half), 6.0));
+        let line = centred(free.or(arrows.next()).unwrap_or(middle), push, 0.5 * size);
         symbols::arrow(line, symbols::force_colour(), &mut self.shapes);
         let texts = self.written(&force.name, &force.label);
         self.request(texts, line, 5.0, &[scaled(side, -1.0), side, scaled(push, -1.0), push]);

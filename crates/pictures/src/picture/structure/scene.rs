@@ -65,17 +65,12 @@ fn ring(scene: &Scene, modules: &[Module]) -> Structure {
         }
         structure.sliders.push(SliderMark {
             name: format!("c[{number}]"),
-            label: rubbing([
-                marked(
-                    format!("µ = {}", scene.friction_coefficient),
-                    scene,
-                    "friction.coefficient",
-                ),
-                scene.static_friction.map_or_else(String::new, |value| {
-                    marked(format!("µs = {value}"), scene, "friction.static")
-                }),
-                marked(format!("v = {} m/s", slider.velocity), scene, "slider.velocity"),
-            ]),
+            label: rubbing(
+                scene,
+                (scene.friction_coefficient, "friction.coefficient"),
+                scene.static_friction.map(|value| (value, "friction.static")),
+                (slider.velocity, "slider.velocity"),
+            ),
             mass: 2 * i + 1,
             on: None,
             angle: slider.angle,
@@ -115,33 +110,23 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
         link(LinkKind::Damper, &part.name, part.between, part.direction, (0.0, label))
     });
     let sliders = parts.contacts.iter().map(|place| {
-        let velocity = place.velocity.unwrap_or(scene.slider.velocity);
-        let friction = place.friction.unwrap_or(scene.friction_coefficient);
-        let common = scene.static_friction.filter(|_| place.friction.is_none());
-        // Its own value, or the common one.
-        let driver = |own: Option<f64>, key: &str, common: &str| match own {
-            Some(_) => format!("contact.{}.{key}", place.name),
-            None => common.to_owned(),
+        // Its own value, or the common one, each with the name of what drives it.
+        let own = |key: &str| format!("contact.{}.{key}", place.name);
+        let (friction, driver) = match place.friction {
+            Some(value) => (value, own("friction")),
+            None => (scene.friction_coefficient, "friction.coefficient".into()),
         };
+        let (velocity, motion) = match place.velocity {
+            Some(value) => (value, own("velocity")),
+            None => (scene.slider.velocity, "slider.velocity".into()),
+        };
+        let common = scene.static_friction.filter(|_| place.friction.is_none());
+        let sticking = place.static_friction.map(|value| (value, own("static_friction")));
+        let sticking = sticking.or(common.map(|value| (value, "friction.static".into())));
+        let sticking = sticking.as_ref().map(|(value, driver)| (*value, &**driver));
         SliderMark {
             name: place.name.clone(),
-            label: rubbing([
-                marked(
-                    format!("µ = {friction}"),
-                    scene,
-                    &driver(place.friction, "friction", "friction.coefficient"),
-                ),
-                place.static_friction.or(common).map_or_else(String::new, |value| {
-                    let driver =
-                        driver(place.static_friction, "static_friction", "friction.static");
-                    marked(format!("µs = {value}"), scene, &driver)
-                }),
-                marked(
-                    format!("v = {velocity} m/s"),
-                    scene,
-                    &driver(place.velocity, "velocity", "slider.velocity"),
-                ),
-            ]),
+            label: rubbing(scene, (friction, &driver), sticking, (velocity, &motion)),
             mass: place.mass,
             on: place.on,
             angle: place.angle.unwrap_or(scene.slider.angle),
@@ -161,12 +146,18 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
     Structure { masses, links, sliders, forces, ..Structure::default() }
 }
 
-/// What is known of a contact: µ, µ_s if there is one, and v.
-fn rubbing([friction, static_friction, velocity]: [String; 3]) -> String {
-    let sticking = match &*static_friction {
-        "" => String::new(),
-        value => format!(" ({value})"),
-    };
+/// What is known of a contact: µ, µ_s if there is one, and v, each with the name of the input that drives it.
+fn rubbing(
+    scene: &Scene,
+    friction: (f64, &str),
+    static_friction: Option<(f64, &str)>,
+    velocity: (f64, &str),
+) -> String {
+    let friction = marked(format!("µ = {}", friction.0), scene, friction.1);
+    let sticking = static_friction.map_or_else(String::new, |(value, input)| {
+        format!(" ({})", marked(format!("µs = {value}"), scene, input))
+    });
+    let velocity = marked(format!("v = {} m/s", velocity.0), scene, velocity.1);
     format!("{friction}{sticking}, {velocity}").replace('-', "−")
 }
 

@@ -70,7 +70,7 @@ impl<'a> Sheet<'a> {
             list.iter().flat_map(|row| rows(&words(row), " ", SMALL, across)).collect();
         let legend = Legend::of(structure, used);
         // What is drawn is in the middle of the picture, which is as wide as all texts need.
-        let areas = labels.iter().map(|label| (label.area.middle, label.area.half));
+        let areas = labels.iter().map(|label| (label.middle, label.half));
         let [[left, right], [top, bottom]] = reach(inked(&shapes).chain(areas));
         let end = |row: &String, size| MARGIN + text_width(row, size);
         let texts = title.iter().map(|row| end(row, LARGE));

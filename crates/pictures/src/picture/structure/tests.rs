@@ -1,6 +1,7 @@
 //! Labels, links and masses of structures of many kinds keep apart and show directions.
 
-use super::examples::{all, chain, corner, disc, mass, oblique, ring, slider, spring};
+use super::examples::{all, chain, corner, disc, mass, oblique, random, ring, slider, spring};
+use super::labels::Label;
 use super::layout::{End, Run, places, runs};
 use super::plane::{apart, length, sub, unit};
 use super::sheet::Sheet;
@@ -9,6 +10,26 @@ use super::text::values;
 use super::*;
 use crate::picture::canvas::{Drawing, Point, WIDTH};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
+
+/// Does a segment pass through the box of a label?
+fn passes(label: &Label, [from, to]: [Point; 2]) -> bool {
+    // The part of the segment that is within both strips, if any.
+    let (mut start, mut end) = (0.0_f64, 1.0_f64);
+    for axis in [0, 1] {
+        let (at, step) = (from[axis] - label.middle[axis], to[axis] - from[axis]);
+        let half = label.half[axis];
+        if step.abs() < 1e-9 {
+            if at.abs() >= half {
+                return false;
+            }
+            continue;
+        }
+        let [a, b] = [(-half - at) / step, (half - at) / step];
+        start = start.max(a.min(b));
+        end = end.min(a.max(b));
+    }
+    start < end
+}
 
 /// The way from one mass to another, of any length.
 fn between(structure: &Structure, from: usize, to: usize) -> Point {
@@ -20,20 +41,72 @@ fn close(a: Point, b: Point) -> bool {
     length(sub(a, b)) < 1e-9
 }
 
+fn assert_labels_keep_apart(name: &str, labels: &[Label]) {
+    for (place, label) in labels.iter().enumerate() {
+        for other in &labels[..place] {
+            let apart = |axis: usize| {
+                let between = (label.middle[axis] - other.middle[axis]).abs();
+                // Their corners are round: letters do not fill them.
+                between >= label.half[axis] + other.half[axis] - 3.0
+            };
+            assert!(apart(0) || apart(1), "{name}: {:?} and {:?}", label.lines, other.lines);
+        }
+    }
+}
+
 #[test]
 fn no_label_is_over_another_nor_beyond_the_picture() {
     for (name, structure) in all() {
         let sheet = Sheet::of(&structure);
-        for (place, label) in sheet.labels.iter().enumerate() {
-            let [x, y] = label.area.middle;
-            let [wide, high] = label.area.half;
+        assert_labels_keep_apart(name, &sheet.labels);
+        for label in &sheet.labels {
+            let [x, wide] = [label.middle[0], label.half[0]];
             assert!(x - wide > 0.0 && x + wide < WIDTH, "{name}: {:?}", label.lines);
-            for other in &sheet.labels[..place] {
-                let [u, v] = other.area.middle;
-                let beside = (x - u).abs() >= wide + other.area.half[0];
-                let above = (y - v).abs() >= high + other.area.half[1];
-                assert!(beside || above, "{name}: {:?} and {:?}", label.lines, other.lines);
-            }
+        }
+    }
+}
+
+#[test]
+fn all_of_a_random_network_is_drawn_and_named() {
+    for seed in 1..=16 {
+        let structure = random(seed, 2 + usize::try_from(seed % 9).unwrap());
+        let name = &*structure.title;
+        let places = places(&structure);
+        for (mass, place) in places.iter().enumerate() {
+            let taken = places[..mass].iter().any(|other| length(sub(*place, *other)) < 0.99);
+            assert!(!taken, "{name}: m{mass} at {place:?}");
+        }
+        let runs = runs(&structure, &places);
+        for place in 0..structure.links.len() {
+            let of = runs.iter().filter(|run| run.links.contains(&place));
+            let ends: Vec<End> = of.map(|run| run.end).collect();
+            let named = matches!(ends[..], [End::Name(_), End::Name(_)]);
+            assert!(ends.len() == 1 || named, "{name}: link {place} at {ends:?}");
+        }
+        let sheet = Sheet::of(&structure);
+        assert_labels_keep_apart(name, &sheet.labels);
+        let named = |name: &str| {
+            sheet.labels.iter().any(|label| label.lines[0].split(' ').next() == Some(name))
+        };
+        let masses = structure.masses.iter().map(|mass| &*mass.name);
+        let links = structure.links.iter().map(|link| &*link.name);
+        let sliders = structure.sliders.iter().map(|slider| &*slider.name);
+        masses.chain(links).chain(sliders).for_each(|own| assert!(named(own), "{name}: {own}"));
+    }
+}
+
+#[test]
+fn straight_links_keep_off_masses_that_they_do_not_join() {
+    let random = (1..=16).map(|seed| random(seed, 8));
+    for structure in all().into_iter().map(|(_, structure)| structure).chain(random) {
+        let places = places(&structure);
+        for run in runs(&structure, &places) {
+            let End::Mass(end) = run.end else { continue };
+            let line = [places[run.mass], places[end]];
+            let met = (0..places.len()).find(|&mass| {
+                mass != run.mass && mass != end && apart(line, [places[mass]; 2]) < 0.35
+            });
+            assert_eq!(met, None, "{}: {run:?}", structure.title);
         }
     }
 }
@@ -47,7 +120,7 @@ fn no_line_leads_through_a_label_and_labels_stand_at_what_they_name() {
             for shape in &sheet.shapes {
                 let line = if shape.width.is_some() { &shape.points[..] } else { &[] };
                 for line in line.windows(2) {
-                    let through = label.area.met_by([line[0], line[1]], 0.0);
+                    let through = passes(label, [line[0], line[1]]);
                     assert!(!through, "{name}: {:?}", label.lines);
                 }
             }
@@ -200,6 +273,11 @@ fn values_that_have_no_room_are_listed_with_all_their_names() {
     );
     chain.masses[2].label = "0.5 kg".into();
     assert_eq!(values(&chain)[0], "m1 … m5: 0.5 kg");
+    // Names without numbers are no range.
+    for (mass, name) in chain.masses.iter_mut().zip(["a", "b", "c"]) {
+        mass.name = name.into();
+    }
+    assert_eq!(values(&chain)[0], "a, b, c, m4, m5: 0.5 kg");
 }
 
 #[test]
