@@ -93,7 +93,8 @@ impl Room {
 
     /// Does a line keep farther than the gap off all that stands?
     pub(super) fn has(&self, line: [Point; 2], gap: f64) -> bool {
-        self.0.iter().all(|&(other, reach)| {
+        // What came last is the likeliest to be met.
+        self.0.iter().rev().all(|&(other, reach)| {
             // Most are far off, as one look at each axis tells.
             let ends = |axis: usize| {
                 [line, other].map(|[a, b]| [a[axis].min(b[axis]), a[axis].max(b[axis])])
