@@ -1,4 +1,7 @@
 //! Structures: masses, the springs and dashpots between them, and what they rub on.
+//!
+//! `layout` says where masses stand and how links run; `plot` and `links` draw symbols of that, and `labels` finds places
+//! for names and values. In all of them each thing takes the first place of a list that keeps off what stands already.
 
 mod labels;
 mod layout;
@@ -63,7 +66,7 @@ pub struct MassMark {
 /// A spring or a dashpot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
-    /// Short, as "k1". In a crowded picture links of one name and value are named once.
+    /// Short, as "k1".
     pub name: String,
     /// Its value, as "55 kN/m"; may be empty. A crowded picture lists values below.
     pub label: String,
