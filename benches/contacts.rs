@@ -5,7 +5,7 @@
 //! paper's scheme and that of an event of exact motion, against those of one pad; the growth is the exponent from the
 //! row before, where 1 is in proportion to the number of contacts.
 
-#[path = "../tests/disc/mod.rs"]
+#[path = "../tests/support/disc.rs"]
 mod disc;
 
 use amontons::scene::{Method, Scene};

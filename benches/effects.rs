@@ -10,9 +10,9 @@
 //! and has the least of them where they neither open nor rub. A new effect is a new row: a name and the parts of a
 //! scene file that it is made of.
 
-#[path = "../tests/callgrind/mod.rs"]
+#[path = "../tests/support/callgrind.rs"]
 mod callgrind;
-#[path = "../tests/oscillator/mod.rs"]
+#[path = "../tests/support/oscillator.rs"]
 mod oscillator;
 
 use amontons::scene::parse;
@@ -157,7 +157,7 @@ const TABLES: [Table; 4] = [
     },
 ];
 
-/// The plain loop of `tests/oscillator`, which the network without effects is compared with.
+/// The plain loop of `tests/support/oscillator.rs`, which the network without effects is compared with.
 const BY_HAND: &str = "by hand";
 
 fn main() {

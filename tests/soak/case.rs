@@ -1,8 +1,8 @@
 //! A case: a random scene, and how long it is run with which step.
 
-use crate::soak::drive;
-use crate::soak::random::Random;
-use crate::soak::{network, ring};
+use crate::drive;
+use crate::random::Random;
+use crate::{network, ring};
 use amontons::contact::Law;
 use amontons::model::{self, LumpedModel};
 use amontons::scene::{Damping, Effects, Method, Scene, builtin};

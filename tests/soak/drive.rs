@@ -1,7 +1,7 @@
 //! Random signals.
 
 use crate::judge::assign;
-use crate::soak::random::Random;
+use crate::random::Random;
 use amontons::scene::{
     Between, Constant, Pulse, Ramp, Role, RubbingPlace, Scene, Shape, Signal, Sine, Structure,
     Table,
@@ -31,7 +31,7 @@ fn given(scene: &Scene, input: &str) -> f64 {
 
 /// Surfaces that are at rest first, and have their velocities later.
 pub fn hold_surfaces(random: &mut Random, scene: &mut Scene) {
-    let fastest = crate::soak::case::fastest(scene);
+    let fastest = crate::case::fastest(scene);
     let common = scene.slider.velocity;
     let own = scene.network().map_or(&[][..], |network| &network.contacts);
     let own = own

@@ -1,7 +1,7 @@
 //! Makes a case that fails smaller, as long as it fails in the same way.
 
-use crate::soak::case::{Case, Plan};
-use crate::soak::outcome::{Outcome, run};
+use crate::case::{Case, Plan};
+use crate::outcome::{Outcome, run};
 use amontons::contact::Law;
 use amontons::scene::{Effects, Scene, Structure};
 use std::time::{Duration, Instant};

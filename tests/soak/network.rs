@@ -1,8 +1,8 @@
 //! Random networks: masses on surfaces and on each other, locked and inclined.
 
-use crate::soak::apart;
-use crate::soak::random::Random;
-use crate::soak::ring::{Initial, Sizes};
+use crate::apart;
+use crate::random::Random;
+use crate::ring::{Initial, Sizes};
 use amontons::contact::Law;
 use amontons::scene::{Damper, Mass, Network, RubbingPlace, Scene, Spring, Structure, direction};
 use std::f64::consts::FRAC_PI_2;

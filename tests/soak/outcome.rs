@@ -1,8 +1,8 @@
 //! One run of a scene under the eyes of the judge, and what it came to.
 
+use crate::case::{Case, Plan};
+use crate::file;
 use crate::judge::{LetOff, Run};
-use crate::soak::case::{Case, Plan};
-use crate::soak::file;
 use amontons::Error;
 use amontons::scene::{Method, Scene, parse};
 use amontons::simulation::Simulation;

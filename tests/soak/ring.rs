@@ -1,6 +1,6 @@
 //! Random rings of modules.
 
-use crate::soak::random::Random;
+use crate::random::Random;
 use amontons::scene::{Module, Scene, Structure};
 
 /// Values between which masses and stiffnesses of one scene lie: a ratio of up to this size.

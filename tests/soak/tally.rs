@@ -1,7 +1,7 @@
 //! The counts of a soak.
 
 use crate::judge::LetOff;
-use crate::soak::outcome::{Outcome, Report};
+use crate::outcome::{Outcome, Report};
 use amontons::scene::Method;
 use std::collections::BTreeMap;
 use std::fmt;

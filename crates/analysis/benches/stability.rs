@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
 use std::time::Instant;
 
-#[path = "../../../tests/python/mod.rs"]
+#[path = "../../../tests/support/python/mod.rs"]
 mod python;
 
 /// The paper's µ of its Set 1.

@@ -1,6 +1,6 @@
 //! What accuracy costs: the table's numbers against independent ones, and the command as its user meets it.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::contact::ContactState;

@@ -7,7 +7,7 @@ mod cases;
 mod oracle;
 // Refusals are read here, not expected.
 #[allow(dead_code)]
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::scene::{Scene, read};

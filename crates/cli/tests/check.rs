@@ -2,7 +2,7 @@
 //! the package `fmu-check`.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons_export::package::Library;

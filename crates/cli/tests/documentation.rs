@@ -1,6 +1,6 @@
 //! What every FMU says of itself: its page, its icon, and the reference run beside it.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::scene::{BUILTIN, Scene, builtin, parse};

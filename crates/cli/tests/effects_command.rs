@@ -1,6 +1,6 @@
 //! `amontons effects` as its user meets it.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::scene::{BUILTIN, builtin};

@@ -6,7 +6,7 @@
 //! writes its number into FMUs, so it has other checksums.
 #![allow(unsafe_code)] // The FMU's functions are C's.
 
-#[path = "../../../tests/c/mod.rs"]
+#[path = "../../../tests/support/c.rs"]
 mod c;
 #[path = "golden/cases.rs"]
 mod cases;
@@ -22,7 +22,7 @@ mod motion;
 mod page;
 // Its refusals are for other tests.
 #[allow(dead_code)]
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::simulation::Simulation;

@@ -6,9 +6,9 @@
 mod coupled;
 #[path = "../../../examples/importers/fmi_rs.rs"]
 mod fmi_rs_example;
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
-#[path = "../../../tests/python/mod.rs"]
+#[path = "../../../tests/support/python/mod.rs"]
 mod python;
 
 use clap::Parser;

@@ -2,7 +2,7 @@
 
 #[allow(dead_code)]
 mod browser;
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use browser::Browser;

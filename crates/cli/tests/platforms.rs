@@ -1,9 +1,9 @@
 //! On which platforms an FMU runs, and that a release's libraries run where it says, those for
 //! Windows through wine.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
-#[path = "../../../tests/python/mod.rs"]
+#[path = "../../../tests/support/python/mod.rs"]
 mod python;
 
 use amontons_export::package::Library;

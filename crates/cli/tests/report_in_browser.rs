@@ -2,7 +2,7 @@
 
 mod browser;
 mod documentation_pages;
-#[path = "../../pictures/tests/sample_report/mod.rs"]
+#[path = "../../../tests/support/sample_report.rs"]
 mod sample_report;
 
 use browser::Browser;

@@ -2,7 +2,7 @@
 
 // Its refusals are for other tests.
 #[allow(dead_code)]
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};

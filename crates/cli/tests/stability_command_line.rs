@@ -1,6 +1,6 @@
 //! The stability analyser as its user meets it.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use program::{assert_refused, folder, run, text};

@@ -1,6 +1,6 @@
 //! Basins: what is decided early is what settling says, and the plane has the symmetry of the scene.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use Coverage::{EveryPoint, EveryPointSettled, Traced};

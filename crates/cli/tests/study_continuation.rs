@@ -1,8 +1,8 @@
 //! What scenes end in over µ, followed both ways: the paper's Figs. 6 and 7.
 
-#[path = "../../analysis/tests/driven_block/mod.rs"]
+#[path = "../../../tests/support/driven_block.rs"]
 mod driven_block;
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::model::LumpedModel;

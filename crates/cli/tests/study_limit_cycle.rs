@@ -1,6 +1,6 @@
 //! Limit cycles over a parameter: the paper's Fig. 3, a closed form, and the command as its user meets it.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::contact::ContactState::{self, Detached, Slide, Stick};

@@ -1,8 +1,8 @@
 //! What perturbations end in, and the thresholds between: those of closed forms, and the paper's (Fig. 5).
 
-#[path = "../../analysis/tests/driven_block/mod.rs"]
+#[path = "../../../tests/support/driven_block.rs"]
 mod driven_block;
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::scene::{Method, Scene, builtin, parse};

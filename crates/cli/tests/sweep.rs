@@ -1,6 +1,6 @@
 //! Sweeps: a sweep says of each value what the run of that value says.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::scene::{Method, Scene, builtin, parse};

@@ -1,7 +1,7 @@
 //! A tolerance in place of method and step: presets keep what they promise on scenes that the rule was not made
 //! on.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::scene::{BUILTIN, Method, Preset, Scene, Selection, builtin, parse};

@@ -1,6 +1,6 @@
 //! Growth and decay in a run against eigenvalues, and the command as its user meets it.
 
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
 
 use amontons::contact::ContactState::{ReverseSlide, Slide};

@@ -4,7 +4,7 @@
 //! asked for: `cargo test --release --test host -- --ignored --nocapture`.
 
 mod importer;
-#[path = "../../../tests/python/mod.rs"]
+#[path = "../../../tests/support/python/mod.rs"]
 mod python;
 
 use importer::{Importer, fail, sanitized, succeed};

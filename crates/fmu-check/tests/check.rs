@@ -13,9 +13,9 @@ mod formats;
 mod libraries;
 #[path = "check/processes.rs"]
 mod processes;
-#[path = "../../../tests/program/mod.rs"]
+#[path = "../../../tests/support/program.rs"]
 mod program;
-#[path = "../../../tests/python/mod.rs"]
+#[path = "../../../tests/support/python/mod.rs"]
 mod python;
 
 use fmu::{KEEP, PROGRAM, check, sound};

@@ -1,0 +1,24 @@
+//! What scenes do is what physics says: closed forms, the law of contact after every step, balances of energy.
+
+#[path = "../support/disc.rs"]
+mod disc;
+mod effects_scenes;
+mod energy_ledger;
+mod full_mass_matrix;
+mod hard_contact;
+mod hard_energy;
+mod hard_friction;
+mod hard_random;
+mod hard_scenes;
+mod input_rates;
+#[path = "../support/judge/mod.rs"]
+mod judge;
+mod long_runs;
+mod network;
+#[path = "../support/quadratic.rs"]
+mod quadratic;
+mod signals;
+mod static_friction;
+mod tables;
+#[path = "../support/trajectory.rs"]
+mod trajectory;
