@@ -1,26 +1,9 @@
-//! Sound FMUs pass, and each rule finds what breaks it, and nothing else.
-#![cfg(all(target_os = "linux", target_arch = "x86_64"))]
+//! The list of rules, their examinations, and what the README says of both.
 
-#[path = "check/archive.rs"]
-mod archive;
-#[path = "check/description.rs"]
-mod description;
-#[path = "check/fmu.rs"]
-mod fmu;
-#[path = "check/formats.rs"]
-mod formats;
-#[path = "check/libraries.rs"]
-mod libraries;
-#[path = "check/processes.rs"]
-mod processes;
-#[path = "../../../tests/support/program.rs"]
-mod program;
-#[path = "../../../tests/support/python/mod.rs"]
-mod python;
-
-use fmu::{KEEP, PROGRAM, check, sound};
+use crate::fmu::{KEEP, PROGRAM, check, sound};
+use crate::program::{assert_refused, folder, run, text};
+use crate::python;
 use fmu_check::Rule;
-use program::{assert_refused, folder, run, text};
 use std::fs;
 use std::process::Command;
 
@@ -44,11 +27,8 @@ fn all_rules_are_listed() {
 
 #[test]
 fn every_rule_has_an_fmu_that_breaks_it() {
-    let tests = [
-        include_str!("check/archive.rs"),
-        include_str!("check/description.rs"),
-        include_str!("check/libraries.rs"),
-    ];
+    let tests =
+        [include_str!("archive.rs"), include_str!("description.rs"), include_str!("libraries.rs")];
     for rule in Rule::ALL {
         let name = format!("\"{}\"", rule.id());
         assert!(tests.iter().any(|test| test.contains(&name)), "no test breaks {name}");
@@ -89,6 +69,6 @@ print(sum(map(is_named, pathlib.Path(sys.argv[1]).glob('*.fmu'))))
     let named: usize = text(&output.stdout).trim().parse().unwrap();
     let sentence = format!("names a problem in {named} of the {all} broken FMUs");
     println!("FMPy {sentence}");
-    let readme = include_str!("../README.md").split_whitespace().collect::<Vec<_>>().join(" ");
+    let readme = include_str!("../../README.md").split_whitespace().collect::<Vec<_>>().join(" ");
     assert!(readme.contains(&sentence), "README.md does not say: {sentence}");
 }

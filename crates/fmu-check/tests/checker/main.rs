@@ -1,0 +1,14 @@
+//! Sound FMUs pass, and each rule finds what breaks it, and nothing else.
+#![cfg(all(target_os = "linux", target_arch = "x86_64"))]
+
+mod archive;
+mod description;
+mod fmu;
+mod formats;
+mod libraries;
+mod processes;
+#[path = "../../../../tests/support/program.rs"]
+mod program;
+#[path = "../../../../tests/support/python/mod.rs"]
+mod python;
+mod rules;
