@@ -6,7 +6,7 @@
 #include "functions.h" /* FUNCTIONS(F): F(name) for each function of fmi2Functions.h that is co-simulation's */
 #include <stddef.h>
 
-/* What is to be known about an FMU before it is loaded; tests/host.rs writes it down (about.h). */
+/* What is to be known about an FMU before it is loaded; tests/export/importer/ writes it down (about.h). */
 struct about {
     const char *name;
     const char *library;   /* the file */

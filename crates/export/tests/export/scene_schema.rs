@@ -6,7 +6,7 @@ use amontons_export::scene::schema;
 #[test]
 fn the_shipped_schema_is_the_one_of_the_types() {
     assert!(
-        include_str!("../../../scenes/scene.schema.json") == schema(),
+        include_str!("../../../../scenes/scene.schema.json") == schema(),
         "the types of the scene file have changed; write their schema anew with\n  \
          cargo run -- scenes schema > scenes/scene.schema.json"
     );

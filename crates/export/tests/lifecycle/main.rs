@@ -4,19 +4,15 @@
 //! oracle of the standard (`standard`): each status, what the logger is told, whether there is an instance, what was
 //! set is read back. Each call is made on two instances, which must agree to the bit. What cannot be tried is a
 //! handle that is none, or an array that is shorter than said: C gives no means to see that.
+//!
+//! It is a program of its own: its allocator counts what the whole process holds.
 #![allow(unsafe_code)] // The FMU's functions are C's.
 
-#[path = "lifecycle/draw.rs"]
 mod draw;
-#[path = "lifecycle/library.rs"]
 mod library;
-#[path = "lifecycle/memory.rs"]
 mod memory;
-#[path = "lifecycle/scenes.rs"]
 mod scenes;
-#[path = "lifecycle/standard.rs"]
 mod standard;
-#[path = "lifecycle/world/mod.rs"]
 mod world;
 
 use draw::{CALLS, Op, any_op, every_cell, pairs};

@@ -1,13 +1,9 @@
 //! An importer in C (`tests/host/`), compiled against FMI's own headers, loads FMUs and takes nothing on trust.
 //!
-//! `cargo test --release --test host -- --nocapture` shows what it has done. What takes longer runs where it is
-//! asked for: `cargo test --release --test host -- --ignored --nocapture`.
+//! `cargo test --release --test export host:: -- --nocapture` shows what it has done. What takes longer runs where it is
+//! asked for: `cargo test --release --test export host:: -- --ignored --nocapture`.
 
-mod importer;
-#[path = "../../../tests/support/python/mod.rs"]
-mod python;
-
-use importer::{Importer, fail, sanitized, succeed};
+use crate::importer::{Importer, fail, sanitized, succeed};
 use std::process::Command;
 
 #[test]

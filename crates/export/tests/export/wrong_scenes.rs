@@ -1,14 +1,11 @@
 //! The reader's messages on wrong scene files. Each page `tests/wrong_scenes/*.md` has scenes, each above the whole
-//! message that its user gets; `AMONTONS_WRITE=1 cargo test --release --locked --test wrong_scenes` writes the messages
-//! anew.
+//! message that its user gets; `AMONTONS_WRITE=1 cargo test --release --locked --test export wrong_scenes` writes the
+//! messages anew.
 
-#[path = "wrong_scenes/page.rs"]
-mod page;
-
+use crate::page::{cases, pages};
 use amontons::scene::BUILTIN;
 use amontons::simulation::Simulation;
 use amontons_export::scene::{parse, read};
-use page::{cases, pages};
 use proptest::prelude::*;
 use std::fs;
 use std::path::Path;
@@ -88,7 +85,7 @@ fn a_byte_order_mark_before_a_mistake_counts_as_a_column() {
 
 #[test]
 fn a_contact_that_starts_open_where_none_can_open_is_refused_by_its_name() {
-    let text = include_str!("../../../scenes/effects/detachment.toml");
+    let text = include_str!("../../../../scenes/effects/detachment.toml");
     for key in ["y = 1e-3", "vy = 0.1", "vy = -0.1"] {
         let open = format!("{text}[[initial]]\nmass = \"foot\"\n{key}\n");
         let error = Simulation::new(parse("open", &open).unwrap(), 0.0).err().expect("it is open");
@@ -125,7 +122,7 @@ fn a_folder_is_not_a_scene() {
 
 /// The scenes that the program carries and those that the README writes out, a network among them.
 fn right_scenes() -> Vec<&'static str> {
-    let blocks = include_str!("../../../README.md").split("```toml\n").skip(1);
+    let blocks = include_str!("../../../../README.md").split("```toml\n").skip(1);
     let written = blocks.map(|block| block.split("```").next().unwrap_or(block));
     BUILTIN.iter().map(|builtin| builtin.text).chain(written).collect()
 }

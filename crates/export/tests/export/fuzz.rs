@@ -1,11 +1,6 @@
 //! The fuzz targets in `fuzz/`, each over what it has met and then for a while beyond.
 
-// The messages are for another test.
-#[allow(dead_code)]
-#[path = "wrong_scenes/page.rs"]
-mod page;
-
-use page::{cases, pages};
+use crate::page::{cases, pages};
 use std::path::Path;
 use std::process::Command;
 
