@@ -24,7 +24,7 @@ def check():
         # Neither a browser nor .NET is wanted: wine would offer to install them.
         wine |= {"WINEDLLOVERRIDES": "mscoree=;mshtml=", "SOURCE_DATE_EPOCH": None}
         tools.run(["wine64", "wineboot", "--init"], **wine)
-        # What wine 8 lacks (crates/cli/tests/platforms.rs).
+        # What wine 8 lacks (crates/cli/tests/importers/platforms.rs).
         stub = folder / "wine/drive_c/windows/system32/bcryptprimitives.dll"
         source = tools.ROOT / "crates/cli/tests/platforms/bcryptprimitives.c"
         tools.run([f"{tools.MINGW}gcc", "-shared", "-O1", "-o", stub, source])

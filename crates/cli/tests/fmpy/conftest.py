@@ -1,7 +1,7 @@
 """What the tests share: the FMUs, runs of the program without an importer, and instances through
 FMPy's low-level calls.
 
-`cargo test --test fmpy` runs these tests. To run one by hand, set AMONTONS to the program,
+`cargo test --test importers` runs these tests. To run one by hand, set AMONTONS to the program,
 AMONTONS_INTEGRATOR to one that it has, AMONTONS_FMUS to a folder with the FMUs of all built-in scenes and
 of those in scenes/effects/ exported with that integrator, and call pytest.
 """
@@ -33,7 +33,7 @@ from fmpy.logging import addLoggerProxy
 
 def environment(name):
     if name not in os.environ:
-        pytest.exit(f"{name} is not set; run `cargo test --test fmpy`, or see conftest.py", 2)
+        pytest.exit(f"{name} is not set; run `cargo test --test importers`, or see conftest.py", 2)
     return os.environ[name]
 
 

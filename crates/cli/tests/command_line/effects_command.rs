@@ -1,10 +1,7 @@
 //! `amontons effects` as its user meets it.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use amontons::scene::{BUILTIN, builtin};
-use program::{assert_refused, folder, run, text};
 use std::process::Output;
 
 fn effects(scene: &str) -> Output {

@@ -1,8 +1,6 @@
 //! Limit cycles over a parameter: the paper's Fig. 3, a closed form, and the command as its user meets it.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use amontons::contact::ContactState::{self, Detached, Slide, Stick};
 use amontons::scene::{Method, Scene, builtin};
 use amontons::simulation::Simulation;
@@ -10,7 +8,6 @@ use amontons_analysis::assign::assign;
 use amontons_analysis::study::{
     Change, Ending, Journal, Kind, LimitCycles, Look, Question, Watch, Wish, limit_cycles,
 };
-use program::{assert_refused, folder, run, text};
 use std::f64::consts::PI;
 use std::fs;
 use std::path::Path;

@@ -2,15 +2,10 @@
 //! coupled to the drive, and get the doubles that a run without an importer has. What runs are the examples in
 //! `examples/importers/`; each says itself whether its run is equal, and must deny it of wrong ones.
 
-#[path = "../../../examples/coupled.rs"]
-mod coupled;
-#[path = "../../../examples/importers/fmi_rs.rs"]
-mod fmi_rs_example;
-#[path = "../../../tests/support/program.rs"]
-mod program;
-#[path = "../../../tests/support/python/mod.rs"]
-mod python;
-
+use crate::coupled;
+use crate::fmi_rs_example;
+use crate::program;
+use crate::python;
 use clap::Parser;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};

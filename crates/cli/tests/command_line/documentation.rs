@@ -1,13 +1,10 @@
 //! What every FMU says of itself: its page, its icon, and the reference run beside it.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use amontons::scene::{BUILTIN, Scene, builtin, parse};
 use amontons::simulation::catalogue::fmu_variables;
 use amontons_export::documentation::{cross_check, reference_run};
 use amontons_pictures::picture::Structure;
-use program::{assert_refused, folder, run, text};
 use std::fs;
 use std::io::{Cursor, Read};
 use std::ops::ControlFlow::{Break, Continue};

@@ -1,17 +1,12 @@
 //! What perturbations end in, and the thresholds between: those of closed forms, and the paper's (Fig. 5).
 
-#[path = "../../../tests/support/driven_block.rs"]
-mod driven_block;
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::driven_block::driven_block;
+use crate::program::{assert_refused, folder, run, text};
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::perturbation::{Direction, Perturbations, perturbation};
 use amontons_analysis::study::{Journal, Kind, Look, Watch, Wish, history, pace};
-use driven_block::driven_block;
-use program::{assert_refused, folder, run, text};
 use std::process::Output;
 
 fn amontons(folder: &std::path::Path, arguments: &[&str]) -> Output {

@@ -1,14 +1,11 @@
 //! A tolerance in place of method and step: presets keep what they promise on scenes that the rule was not made
 //! on.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use amontons::scene::{BUILTIN, Method, Preset, Scene, Selection, builtin, parse};
 use amontons::selection::{Selected, select};
 use amontons::simulation::Simulation;
 use amontons_analysis::warning::warnings;
-use program::{assert_refused, folder, run, text};
 use std::io::{Cursor, Read};
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -1,11 +1,9 @@
 //! Reports as their readers use them: in a browser, with mouse and keyboard, wide and on a phone.
 
-mod browser;
 mod documentation_pages;
-#[path = "../../../tests/support/sample_report.rs"]
-mod sample_report;
 
-use browser::Browser;
+use crate::browser::Browser;
+use crate::sample_report;
 use std::path::PathBuf;
 use tempfile::TempDir;
 

@@ -1,9 +1,7 @@
 //! FMPy as an importer: exports the built-in scenes and those of single effects with each integrator and runs the Python tests in
 //! `tests/fmpy/` on them, one test here for each file there.
 
-#[path = "../../../tests/support/python/mod.rs"]
-mod python;
-
+use crate::python;
 use amontons::scene::{BUILTIN, parse};
 use std::ffi::{OsStr, OsString};
 use std::path::{Path, PathBuf};

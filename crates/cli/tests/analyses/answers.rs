@@ -1,20 +1,15 @@
 //! Every analysis with every kind of scene. Each answer is compared with a computation of the tests' own, or it is
 //! refused with a reason, or it says what it leaves out. `docs/answers.md` is the table; a cell that becomes another one
-//! fails here, and `AMONTONS_WRITE=1 cargo test --release --test answers -- --ignored` writes it anew.
+//! fails here, and `AMONTONS_WRITE=1 cargo test --release --test analyses answers:: -- --ignored` writes it anew.
 
-#[path = "answers/cases.rs"]
 mod cases;
 mod oracle;
-// Refusals are read here, not expected.
-#[allow(dead_code)]
-#[path = "../../../tests/support/program.rs"]
-mod program;
 
+use crate::program::{folder, run, text};
 use amontons::scene::{Scene, read};
 use amontons_analysis::assign::assign;
 use cases::{Case, cases, of_laws};
 use oracle::{Motion, Oracle, State};
-use program::{folder, run, text};
 use serde_json::Value;
 use std::fmt::Write as _;
 use std::path::Path;

@@ -1,15 +1,12 @@
 //! Growth and decay in a run against eigenvalues, and the command as its user meets it.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use amontons::contact::ContactState::{ReverseSlide, Slide};
 use amontons::model::LumpedModel;
 use amontons::scene::{Experiment, Method, Scene, builtin, parse};
 use amontons::stability::Spectrum;
 use amontons_analysis::study::Watch;
 use amontons_analysis::study::transient::{Finding, Open, Transient, interval, transient};
-use program::{assert_refused, folder, run, text};
 use serde_json::Value;
 use std::f64::consts::TAU;
 use std::fs;
@@ -358,7 +355,7 @@ fn a_growth_is_the_same_from_each_output() {
 
 /// The disc brake with a caliper that yields: seven degrees of freedom.
 fn seven() -> Scene {
-    let text = include_str!("../../../scenes/disc_brake.toml");
+    let text = include_str!("../../../../scenes/disc_brake.toml");
     let mut text = text.replace("stiffness = 40.0e6      # N/m", "stiffness = 30.0e6");
     for pad in ["upper", "lower"] {
         let back = format!("name = \"{pad}_back\"\nbetween = [\"{pad}\", ");
@@ -471,10 +468,10 @@ fn eigenvalues_say_what_of_the_scene_they_leave_out() {
         let experiment = Experiment { stop_time: 0.5, ..scene.experiment };
         transient(&scene, experiment, None, Watch::IDLE).unwrap().left_out
     };
-    let driven = said(include_str!("../../../scenes/den_hartog.toml"));
+    let driven = said(include_str!("../../../../scenes/den_hartog.toml"));
     assert!(driven.len() == 2 && driven[0].contains("signals"), "{driven:?}");
     assert!(driven[1].contains("steps of"), "{driven:?}");
-    let falling = said(include_str!("../../../scenes/effects/stribeck.toml"));
+    let falling = said(include_str!("../../../../scenes/effects/stribeck.toml"));
     assert!(falling.len() == 2 && falling[0].contains("steps of"), "{falling:?}");
     assert!(falling[1].contains("slip velocity"), "{falling:?}");
 }

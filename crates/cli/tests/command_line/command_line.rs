@@ -1,10 +1,7 @@
 //! The program as its user meets it.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{self, folder, run, text};
 use amontons::scene::BUILTIN;
-use program::{folder, run, text};
 use std::fs;
 use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};

@@ -1,12 +1,7 @@
 //! The report of the paper's experiments, as its reader gets it.
 
-#[allow(dead_code)]
-mod browser;
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
-use browser::Browser;
-use program::{assert_refused, folder, run, text};
+use crate::browser::Browser;
+use crate::program::{assert_refused, folder, run, text};
 use std::fs;
 
 /// What the paper says and does not come out; each has its reason on the page, or says that it is not known.

@@ -1,14 +1,10 @@
 //! Two scenes that exchange values at communication points, as `examples/coupled.rs` does it, against one scene that has
 //! the masses of both.
 
-#[allow(dead_code, reason = "the example writes a file, too")]
-#[path = "../../../examples/coupled.rs"]
-mod coupled;
-
+use crate::coupled::{self, Coupled};
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::{Simulation, variables};
 use amontons_analysis::assign::assign;
-use coupled::Coupled;
 use std::fmt::Write;
 
 const STOP_TIME: f64 = 0.02;

@@ -1,13 +1,10 @@
 //! What accuracy costs: the table's numbers against independent ones, and the command as its user meets it.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use amontons::contact::ContactState;
 use amontons::scene::{Method, Preset, Scene, Selection, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons_analysis::accuracy::{Row, Rung, Study, dof_named};
-use program::{assert_refused, folder, run, text};
 use serde_json::Value;
 use std::ops::ControlFlow;
 use std::path::Path;

@@ -1,10 +1,6 @@
 //! The built-in scenes: each of them runs, and does what its closed form says.
 
-// Its refusals are for other tests.
-#[allow(dead_code)]
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{folder, run, text};
 use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick};
 use amontons::model::LumpedModel;
 use amontons::scene::{BUILTIN, Method, Scene, builtin};
@@ -14,7 +10,6 @@ use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::locus::{Locus, locus};
 use amontons_analysis::warning::step_warning;
 use amontons_export::package::{self, Library};
-use program::{folder, run, text};
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::Path;
 

@@ -1,13 +1,9 @@
 //! On which platforms an FMU runs, and that a release's libraries run where it says, those for
 //! Windows through wine.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-#[path = "../../../tests/support/python/mod.rs"]
-mod python;
-
+use crate::program::{assert_refused, folder, run, text};
+use crate::python;
 use amontons_export::package::Library;
-use program::{assert_refused, folder, run, text};
 use std::ffi::OsStr;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

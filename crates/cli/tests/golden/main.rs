@@ -6,23 +6,17 @@
 //! writes its number into FMUs, so it has other checksums.
 #![allow(unsafe_code)] // The FMU's functions are C's.
 
-#[path = "../../../tests/support/c.rs"]
+#[path = "../../../../tests/support/c.rs"]
 mod c;
-#[path = "golden/cases.rs"]
 mod cases;
-#[path = "golden/commands.rs"]
 mod commands;
-#[path = "golden/description.rs"]
 mod description;
-#[path = "golden/instance.rs"]
 mod instance;
-#[path = "golden/motion.rs"]
 mod motion;
-#[path = "golden/page.rs"]
 mod page;
 // Its refusals are for other tests.
 #[allow(dead_code)]
-#[path = "../../../tests/support/program.rs"]
+#[path = "../../../../tests/support/program.rs"]
 mod program;
 
 use amontons::simulation::Simulation;

@@ -1,10 +1,7 @@
 //! What scenes end in over µ, followed both ways: the paper's Figs. 6 and 7.
 
-#[path = "../../../tests/support/driven_block.rs"]
-mod driven_block;
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::driven_block::driven_block;
+use crate::program;
 use amontons::model::LumpedModel;
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons_analysis::accuracy::Study;
@@ -14,7 +11,6 @@ use amontons_analysis::study::{
     Continuation, Journal, Jump, Kind, Look, Plan, Point, Push, Watch, Way, Wish, continuation,
     pace,
 };
-use driven_block::driven_block;
 use std::f64::consts::TAU;
 use std::ops::ControlFlow::{Break, Continue};
 use std::sync::atomic::{AtomicUsize, Ordering};

@@ -2,11 +2,8 @@
 //! the package `fmu-check`.
 #![cfg(all(target_os = "linux", target_arch = "x86_64"))]
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use amontons_export::package::Library;
-use program::{assert_refused, folder, run, text};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_amontons");
 

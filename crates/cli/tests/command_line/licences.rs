@@ -9,10 +9,12 @@ use std::process::Command;
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 const KEPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../licenses/THIRD-PARTY.txt");
 /// What licence files are called: how their names begin, one a line. A release goes by the same.
-const NAMES: &str = include_str!("../../../licenses/names.txt");
+const NAMES: &str = include_str!("../../../../licenses/names.txt");
 /// Notes by hand, on what is no crate.
-const NOTES: [&str; 2] =
-    [include_str!("../../../licenses/RUST.txt"), include_str!("../../../licenses/RUNTIMES.txt")];
+const NOTES: [&str; 2] = [
+    include_str!("../../../../licenses/RUST.txt"),
+    include_str!("../../../../licenses/RUNTIMES.txt"),
+];
 /// Cargo's names of the platforms that an FMU may be for.
 const TARGETS: [&str; 2] = ["x86_64-unknown-linux-gnu", "x86_64-pc-windows-gnu"];
 

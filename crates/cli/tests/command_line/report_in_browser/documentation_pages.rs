@@ -1,7 +1,7 @@
 //! The page in every FMU as its readers see it: wide and on a phone, in light and in dark.
 
+use super::{DESKTOP, PHONE};
 use crate::browser::Browser;
-use crate::{DESKTOP, PHONE};
 use std::fs;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};

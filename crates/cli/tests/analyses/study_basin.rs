@@ -1,15 +1,12 @@
 //! Basins: what is decided early is what settling says, and the plane has the symmetry of the scene.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use Coverage::{EveryPoint, EveryPointSettled, Traced};
 use amontons::scene::{Scene, builtin, parse};
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::basin::{Axis, Basin, Coverage, basin};
 use amontons_analysis::study::perturbation::{Direction, perturbation};
 use amontons_analysis::study::{Journal, Kind, Look, Watch, Wish};
-use program::{assert_refused, folder, run, text};
 use std::fs;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};

@@ -1,9 +1,6 @@
 //! The stability analyser as its user meets it.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
-use program::{assert_refused, folder, run, text};
+use crate::program::{assert_refused, folder, run, text};
 use std::collections::BTreeSet;
 use std::f64::consts::TAU;
 use std::fs;
@@ -31,8 +28,8 @@ fn number_after(printed: &str, before: &str) -> f64 {
 #[test]
 fn states_as_json_hold_the_printed_eigenvalues_of_both_tables() {
     for (scene, table) in [
-        ("set1", include_str!("../../../tests/data/table2.json")),
-        ("set2", include_str!("../../../tests/data/table3.json")),
+        ("set1", include_str!("../../../../tests/data/table2.json")),
+        ("set2", include_str!("../../../../tests/data/table3.json")),
     ] {
         let arguments = ["states", scene, "--friction", "1.96", "--format", "json"];
         let found: serde_json::Value = serde_json::from_str(&printed(&arguments)).unwrap();
@@ -99,7 +96,7 @@ fn the_locus_over_another_parameter_agrees_with_the_one_over_friction() {
 /// README's table of critical values is what the commands above it print.
 #[test]
 fn the_critical_values_in_the_readme_are_those_printed() {
-    let readme = include_str!("../../../README.md");
+    let readme = include_str!("../../../../README.md");
     for (scene, row) in [("set1", "| Set 1 |"), ("set2", "| Set 2 |")] {
         let printed = printed(&["locus", scene, "--friction", "0:3.5:0.005"]);
         let row = readme.lines().find(|line| line.starts_with(row)).unwrap();
@@ -119,7 +116,7 @@ fn the_critical_values_in_the_readme_are_those_printed() {
 /// README's sentence on the candidates of Set 2.
 #[test]
 fn the_candidates_in_the_readme_are_those_printed() {
-    let readme = include_str!("../../../README.md").replace('\n', " ");
+    let readme = include_str!("../../../../README.md").replace('\n', " ");
     let printed = printed(&["bistable", "set2", "--friction", "0:2.5"]);
     let rounded = |before: &str| format!("{:.4}", number_after(&printed, before));
     for number in [rounded("µ = "), rounded("Sl-St             2  ")] {
@@ -167,7 +164,7 @@ fn a_map_can_be_had_as_data() {
 #[test]
 fn double_modes_of_a_ring_are_waves_around_it() {
     let folder = folder();
-    let scene = include_str!("../../../scenes/set1.toml").replace("modules = 2", "modules = 3");
+    let scene = include_str!("../../../../scenes/set1.toml").replace("modules = 2", "modules = 3");
     fs::write(folder.path().join("ring.toml"), scene).unwrap();
     let output = stability(folder.path(), &["modes", "ring.toml", "--friction", "1"]);
     let printed = text(&output.stdout);
@@ -279,7 +276,7 @@ fn pictures_are_written_as_their_ending_asks() {
 #[test]
 fn one_module_different_modules_and_long_rings_work() {
     let folder = folder();
-    let scene = include_str!("../../../scenes/set1.toml");
+    let scene = include_str!("../../../../scenes/set1.toml");
     for (name, from, to, words) in [
         ("one.toml", "modules = 2", "modules = 1", "4 states, 4 solved"),
         ("unlike.toml", "m1 = 0.3 ", "m1 = [0.3, 0.4] ", "16 states, 16 solved"),
@@ -395,7 +392,7 @@ fn a_law_that_falls_loses_rest_where_friction_leaves_its_slope_too_steep() {
 #[test]
 fn static_friction_bounds_the_range_of_friction_and_changes_no_onset() {
     let folder = folder();
-    let with = include_str!("../../../scenes/set2.toml").replacen(
+    let with = include_str!("../../../../scenes/set2.toml").replacen(
         "[damping]",
         "static = 2.2\n\n[damping]",
         1,
@@ -415,7 +412,7 @@ fn each_command_says_what_it_leaves_out_of_signals_and_when_it_looks() {
     let folder = folder();
     let ramp = "\n[[signal]]\ninput = \"friction.coefficient\"\n\
                 ramp = { from = 0.0, to = 1.0, start = 0.0, end = 2.0 }\n";
-    let scene = format!("{}{ramp}", include_str!("../../../scenes/set2.toml"));
+    let scene = format!("{}{ramp}", include_str!("../../../../scenes/set2.toml"));
     fs::write(folder.path().join("ramp.toml"), scene).unwrap();
     let map = "map ramp.toml --x slider.angle=0.4:0.5/2 --y damping.beta=1e-5:2e-5/2 --plot m.svg";
     for command in [
@@ -478,7 +475,7 @@ fn candidates_are_confirmed_or_it_is_said_what_was_tried() {
 #[test]
 fn only_the_states_that_a_scene_leaves_its_contacts_are_looked_at() {
     let folder = folder();
-    let set1 = include_str!("../../../scenes/set1.toml");
+    let set1 = include_str!("../../../../scenes/set1.toml");
     let without = |effects: &str| format!("{set1}\n[effects]\n{effects}\n");
     let (slide, back, stick, open) = ("Sl", "R-Sl", "St", "Dt");
     for (scene, each) in [

@@ -1,14 +1,11 @@
 //! Sweeps: a sweep says of each value what the run of that value says.
 
-#[path = "../../../tests/support/program.rs"]
-mod program;
-
+use crate::program::{assert_refused, folder, run, text};
 use amontons::scene::{Method, Scene, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons_analysis::assign::assign;
 use amontons_analysis::sweep::observed::output;
 use amontons_analysis::sweep::{View, sweep};
-use program::{assert_refused, folder, run, text};
 use std::f64::consts::TAU;
 use std::fs;
 use std::ops::ControlFlow;
