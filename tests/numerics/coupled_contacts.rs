@@ -195,7 +195,7 @@ fn a_ring_moves_the_same_through_the_general_integrator() {
     let mut scene = builtin("set1").unwrap().scene();
     scene.modules_mut().extend_from_within(..1);
     let model = LumpedModel::from(&scene);
-    let equilibrium = model.sliding_equilibrium().unwrap();
+    let equilibrium = model.equilibrium(&|contact| contact.to_string()).unwrap();
     let mut drive = Drive::uniform(vec![0.0; model.dofs()], 3, 0.025, 1.96);
     for (i, contact) in model.contacts.iter().enumerate() {
         contact.normal.add_to(&mut drive.force, -equilibrium.normal_force[i]);

@@ -3,8 +3,9 @@
 use crate::drive;
 use crate::random::Random;
 use crate::{network, ring};
+use amontons::assembly;
 use amontons::contact::Law;
-use amontons::model::{self, LumpedModel};
+use amontons::model::LumpedModel;
 use amontons::scene::{Damping, Effects, Method, Scene, builtin};
 use amontons::stability::critical_step;
 

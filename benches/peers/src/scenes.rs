@@ -1,5 +1,6 @@
 //! The problems that all solve, taken from our own model.
 
+use amontons::assembly;
 use amontons::model::{self, LumpedModel};
 use amontons::scene::{Scene, builtin};
 use serde::Serialize;

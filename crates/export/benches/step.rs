@@ -16,9 +16,10 @@
 
 #![allow(unsafe_code)] // The C loop comes from a shared library, and allocations are counted.
 
+use amontons::assembly;
 use amontons::contact::ContactState;
 use amontons::integrator::{self, Drive, Integrator, Motion, Statistics};
-use amontons::model::{self, LumpedModel};
+use amontons::model::LumpedModel;
 use amontons::scene::{Builtin, Method, Scene, builtin};
 use amontons::simulation::Simulation;
 use amontons_export::package;

@@ -16,7 +16,7 @@ pub use exact::Change;
 pub use let_off::LetOff;
 
 use amontons::Error;
-use amontons::assembly::Numbering;
+use amontons::assembly::{self, Numbering};
 use amontons::contact::residual::{Instant, Scales, Violation};
 use amontons::contact::{ContactForce, ContactState, Friction};
 use amontons::integrator::Statistics;

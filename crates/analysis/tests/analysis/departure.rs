@@ -1,8 +1,9 @@
 //! The amplitude at which a mode makes a contact leave sliding, against the transient.
 
+use amontons::assembly;
 use amontons::contact::ContactState;
 use amontons::integrator::{Drive, Integrator, Motion, RingForwardIncrement};
-use amontons::model::{self, LumpedModel};
+use amontons::model::LumpedModel;
 use amontons::scene::{builtin, parse};
 use amontons_analysis::stability::candidates::uniform_sliding;
 use amontons_analysis::stability::{Departure, departure, modes};
