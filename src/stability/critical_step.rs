@@ -378,7 +378,7 @@ mod tests {
             tangent: Direction(vec![(2, 0.6), (6, 0.8)]),
             ..first.clone()
         };
-        model.contacts[0] = shared(3);
+        model.contacts[..1].clone_from_slice(&[3].map(shared));
         let found = critical_step(&model).unwrap();
         assert!(found.origin == Origin::Bound && found.step > 0.1 * free.step, "{found}");
         model.contacts = [3, 7, 11, 15, 19, 23, 27].map(shared).to_vec();
