@@ -8,7 +8,8 @@ use crate::Error;
 ///
 /// ```
 /// use amontons::contact::ContactState::Slide;
-/// use amontons::model::{LumpedModel, equilibrium};
+/// use amontons::assembly::equilibrium;
+/// use amontons::model::LumpedModel;
 /// use amontons::stability::Spectrum;
 ///
 /// let scene = amontons::scene::builtin("set1").expect("a built-in scene").scene();

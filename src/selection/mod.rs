@@ -7,7 +7,7 @@
 //! | forward increment | h ω (A + B ω T): an event is a step late, and frequencies are off by a part of h ω, which the phase gathers |
 //! | event-driven | R (1 + ω T): rounding |
 //!
-//! and with either what it makes of signals ([`signals`]). Of the steps that keep the tolerance that with the
+//! and with either what it makes of signals (`signals.rs`). Of the steps that keep the tolerance that with the
 //! fewest operations ([`Cost`]) is taken. The numbers come from measured tables (DESIGN.md). It knows nothing of
 //! motions that forget their start, for which no rule can.
 
