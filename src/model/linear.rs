@@ -123,3 +123,59 @@ impl<'a> LinearModel<'a> {
         !self.model.dampers.is_empty() || self.friction().any(|friction| friction.damping != 0.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::contact::{Friction, Law};
+    use crate::scene::builtin;
+    use crate::stability::critical_step;
+
+    fn set1() -> LumpedModel {
+        LumpedModel::from(&builtin("set1").unwrap().scene())
+    }
+
+    /// Exporter and page took µ at the velocity of the surface, and so named a longer step than a run accepts.
+    #[test]
+    fn friction_that_falls_has_the_critical_step_of_its_greatest_coefficient() {
+        let mut falling = set1();
+        falling.law.friction = Law::Stribeck;
+        let law = Friction { stribeck_velocity: 1e-3, ..Friction::with_static(0.4, 1.96) };
+        let falling = falling.with_friction(law);
+        assert!(falling.sliding_friction(0) < 0.41);
+        assert_eq!(critical_step(&falling), critical_step(&set1()));
+        assert_ne!(critical_step(&falling), critical_step(&set1().with_friction(0.4)));
+    }
+
+    /// Eigenvalues had friction there which motion has not.
+    #[test]
+    fn friction_of_a_fixed_direction_is_none_where_the_surface_stands_still() {
+        let mut model = set1();
+        model.law.sticking = false;
+        model.contacts[1].surface_velocity = 0.0;
+        let friction: Vec<f64> =
+            model.linear().unwrap().friction().map(|friction| friction.coefficient).collect();
+        assert_eq!(friction, [1.96, 0.0]);
+        model.law.sticking = true;
+        assert_eq!(model.linear().unwrap().friction_of(1).coefficient, 1.96);
+    }
+
+    #[test]
+    fn friction_that_falls_is_linear_only_about_an_equilibrium() {
+        let mut model = set1();
+        model.law.friction = Law::Stribeck;
+        assert!(model.linear().unwrap_err().is_equilibrium());
+        // µ(v) and N dµ/dv at v = v_s, with N = 3 N.
+        let law = Friction { stribeck_velocity: 0.025, ..Friction::with_static(0.2, 0.6) };
+        let model = model.with_friction(law);
+        let equilibrium = Equilibrium {
+            displacement: vec![0.0; 8],
+            normal_force: vec![3.0; 2],
+            friction_force: vec![0.0; 2],
+        };
+        let found = model.linear_about(&equilibrium).friction_of(0);
+        let part = 0.4 * f64::exp(-1.0);
+        assert!((found.coefficient - (0.2 + part)).abs() < 1e-15);
+        assert!((found.damping + 3.0 * part / 0.025).abs() < 1e-12);
+    }
+}
