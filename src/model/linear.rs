@@ -1,14 +1,14 @@
 //! A model that is linear in each of its contact states: what eigenvalues are taken of.
 
-use super::{Contact, Equilibrium, LumpedModel};
+use super::{Equilibrium, LumpedModel};
 use crate::Error;
 
 /// A lumped model whose friction is linear in uniform sliding. It borrows the model, so the model cannot change
 /// while its eigenvalues are sought.
 ///
 /// ```
-/// use amontons::contact::ContactState::Slide;
 /// use amontons::assembly::equilibrium;
+/// use amontons::contact::ContactState::Slide;
 /// use amontons::model::LumpedModel;
 /// use amontons::stability::Spectrum;
 ///
@@ -91,20 +91,19 @@ impl<'a> LinearModel<'a> {
     /// Friction of one contact, where it slides.
     #[must_use]
     pub fn friction_of(self, contact: usize) -> SlidingFriction {
-        let law = self.model.law;
-        let Contact { friction, surface_velocity, .. } = self.model.contacts[contact];
-        let normal_force = match self.friction {
-            Linearisation::Greatest => {
-                let coefficient = law.friction.greatest_in_slip(friction);
-                return SlidingFriction { coefficient, damping: 0.0 };
+        let Self { model, friction } = self;
+        let (law, here) = (model.law.friction, &model.contacts[contact]);
+        let damping = match friction {
+            Linearisation::About(normal_force) if model.rubs(here) => {
+                normal_force[contact] * law.slope_at(here.friction, here.surface_velocity)
             }
-            Linearisation::Constant => 0.0,
-            Linearisation::About(normal_force) => normal_force[contact],
+            _ => 0.0,
         };
-        SlidingFriction {
-            coefficient: self.model.sliding_friction(contact),
-            damping: normal_force * law.friction.slope_at(friction, surface_velocity),
-        }
+        let coefficient = match friction {
+            Linearisation::Greatest => law.greatest_in_slip(here.friction),
+            _ => model.sliding_friction(here),
+        };
+        SlidingFriction { coefficient, damping }
     }
 
     /// Other matrices with the friction of this model's contacts, of which the other model has all or the first ones.
@@ -135,6 +134,14 @@ mod tests {
         LumpedModel::from(&builtin("set1").unwrap().scene())
     }
 
+    fn equilibrium() -> Equilibrium {
+        Equilibrium {
+            displacement: vec![0.0; 8],
+            normal_force: vec![3.0; 2],
+            friction_force: vec![0.0; 2],
+        }
+    }
+
     /// Exporter and page took µ at the velocity of the surface, and so named a longer step than a run accepts.
     #[test]
     fn friction_that_falls_has_the_critical_step_of_its_greatest_coefficient() {
@@ -142,7 +149,7 @@ mod tests {
         falling.law.friction = Law::Stribeck;
         let law = Friction { stribeck_velocity: 1e-3, ..Friction::with_static(0.4, 1.96) };
         let falling = falling.with_friction(law);
-        assert!(falling.sliding_friction(0) < 0.41);
+        assert!(falling.sliding_friction(&falling.contacts[0]) < 0.41);
         assert_eq!(critical_step(&falling), critical_step(&set1()));
         assert_ne!(critical_step(&falling), critical_step(&set1().with_friction(0.4)));
     }
@@ -156,8 +163,13 @@ mod tests {
         let friction: Vec<f64> =
             model.linear().unwrap().friction().map(|friction| friction.coefficient).collect();
         assert_eq!(friction, [1.96, 0.0]);
+        let stands = |model: &LumpedModel| model.linear_about(&equilibrium()).friction_of(1);
+        model.law.friction = Law::Stribeck;
+        model = model
+            .with_friction(Friction { stribeck_velocity: 0.1, ..Friction::with_static(0.4, 1.96) });
+        assert_eq!(stands(&model), SlidingFriction { coefficient: 0.0, damping: 0.0 });
         model.law.sticking = true;
-        assert_eq!(model.linear().unwrap().friction_of(1).coefficient, 1.96);
+        assert!(stands(&model).coefficient == 1.96 && stands(&model).damping < 0.0);
     }
 
     #[test]
@@ -168,12 +180,7 @@ mod tests {
         // µ(v) and N dµ/dv at v = v_s, with N = 3 N.
         let law = Friction { stribeck_velocity: 0.025, ..Friction::with_static(0.2, 0.6) };
         let model = model.with_friction(law);
-        let equilibrium = Equilibrium {
-            displacement: vec![0.0; 8],
-            normal_force: vec![3.0; 2],
-            friction_force: vec![0.0; 2],
-        };
-        let found = model.linear_about(&equilibrium).friction_of(0);
+        let found = model.linear_about(&equilibrium()).friction_of(0);
         let part = 0.4 * f64::exp(-1.0);
         assert!((found.coefficient - (0.2 + part)).abs() < 1e-15);
         assert!((found.damping + 3.0 * part / 0.025).abs() < 1e-12);

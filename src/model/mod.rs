@@ -115,23 +115,28 @@ impl LumpedModel {
         self
     }
 
-    /// µ of a contact in uniform sliding: that of the law at the velocity of its surface. A surface that stands still
-    /// gives no direction to friction whose direction is fixed; there it is zero.
+    /// `false` where a contact has no friction, because its friction is to have the direction of a surface that stands
+    /// still.
     #[must_use]
-    pub fn sliding_friction(&self, contact: usize) -> f64 {
-        let Contact { friction, surface_velocity, .. } = self.contacts[contact];
-        if self.law.has_frozen_direction() && surface_velocity == 0.0 {
-            return 0.0;
+    pub fn rubs(&self, contact: &Contact) -> bool {
+        !self.law.has_frozen_direction() || contact.surface_velocity != 0.0
+    }
+
+    /// µ of a contact in uniform sliding: that of the law at the velocity of its surface, and zero where the contact
+    /// does not [rub](Self::rubs).
+    #[must_use]
+    pub fn sliding_friction(&self, contact: &Contact) -> f64 {
+        if self.rubs(contact) {
+            self.law.friction.at_slip(contact.friction, contact.surface_velocity)
+        } else {
+            0.0
         }
-        self.law.friction.at_slip(friction, surface_velocity)
     }
 
     /// T/N of each contact in uniform sliding: µ with the sign of the surface's velocity, 0 where the surface stands
     /// still.
     pub fn sliding_ratios(&self) -> impl Iterator<Item = f64> {
-        let ratio =
-            |(i, contact): (usize, &Contact)| contact.sliding_sign() * self.sliding_friction(i);
-        self.contacts.iter().enumerate().map(ratio)
+        self.contacts.iter().map(|contact| contact.sliding_sign() * self.sliding_friction(contact))
     }
 
     /// Number of degrees of freedom, n.

@@ -430,11 +430,8 @@ impl Simulation {
         assembly::update_contacts(&mut self.model, acting);
         for (i, contact) in self.model.contacts.iter().enumerate() {
             self.drive.slider_velocity[i] = contact.surface_velocity;
-            self.drive.friction[i] = contact.friction;
-            // A direction that is frozen is that of the surface; one that stands still has none.
-            if self.model.law.is_frozen() && self.drive.slider_velocity[i] == 0.0 {
-                self.drive.friction[i] = Friction::from(0.0);
-            }
+            let rubs = self.model.rubs(contact);
+            self.drive.friction[i] = if rubs { contact.friction } else { Friction::from(0.0) };
         }
         self.model.damping = acting.damping;
         self.integrator.set_damping(acting.damping);
