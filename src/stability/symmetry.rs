@@ -33,7 +33,10 @@ impl Symmetry {
                 && (contact.friction, contact.surface_velocity) == first
         });
         let is_ring = model.contacts.len() == count && dofs == MODULE_DOFS * count && in_place;
-        if !is_ring || model.mass.as_diagonal().is_none() || linear.has_single_damping() {
+        // Slopes of µ(v) act with the normal force of each contact, which loads make different.
+        let has_slopes = !model.law.friction.info().is_constant();
+        let is_damped = has_slopes || linear.has_single_damping();
+        if !is_ring || model.mass.as_diagonal().is_none() || is_damped {
             return Self::None;
         }
         let turned = |dof: usize| (dof + MODULE_DOFS) % dofs;
@@ -207,6 +210,13 @@ mod tests {
         let mut scene = builtin("set1").unwrap().scene();
         scene.modules_mut()[1].stiffness[4] += 1.0;
         assert_eq!(Symmetry::of(LumpedModel::from(&scene).linear().unwrap()), Symmetry::None);
+    }
+
+    #[test]
+    fn friction_that_falls_breaks_the_symmetry_even_before_its_slopes_are_known() {
+        let mut model = ring(4);
+        model.law.friction = crate::contact::Law::Stribeck;
+        assert_eq!(Symmetry::of(model.with_greatest_friction()), Symmetry::None);
     }
 
     #[test]

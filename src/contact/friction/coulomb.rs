@@ -1,6 +1,6 @@
 //! Coulomb's law with one coefficient: |T| ≤ µ N where the contact sticks, T = ±µ N where it slips.
 
-use super::{LawInfo, Friction, FrictionLaw, Frozen};
+use super::{Friction, FrictionLaw, Frozen, LawInfo};
 
 pub(super) const INFO: LawInfo = LawInfo {
     name: "coulomb",

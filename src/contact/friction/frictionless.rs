@@ -1,10 +1,15 @@
 //! No friction: T = 0.
 
-use super::{LawInfo, Friction, FrictionLaw};
+use super::{Friction, FrictionLaw, LawInfo};
 use crate::contact::ContactState;
 
-pub(super) const INFO: LawInfo =
-    LawInfo { name: "none", keys: &[], equation: "T = 0", velocity_dependence: None, sticks: false };
+pub(super) const INFO: LawInfo = LawInfo {
+    name: "none",
+    keys: &[],
+    equation: "T = 0",
+    velocity_dependence: None,
+    sticks: false,
+};
 
 /// Nothing holds a contact but its normal. Slip has no direction then: a closed contact is said to slide.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,7 +3,7 @@
 //! A contact that slips sticks where µ_k N brings its slip velocity to zero, and then holds with up to
 //! µ_s N against slipping the other way. A touch-down has slipped.
 
-use super::{LawInfo, Coulomb, Friction, FrictionLaw, FrictionRange, Frozen};
+use super::{Coulomb, Friction, FrictionLaw, FrictionRange, Frozen, LawInfo};
 use crate::contact::ContactState;
 
 pub(super) const INFO: LawInfo = LawInfo {

@@ -72,7 +72,9 @@ mod tests {
 
     #[test]
     fn friction_falls_by_a_factor_e_over_each_stribeck_velocity() {
-        for (slip, over_kinetic) in [(0.0, 0.3), (0.1, 0.3 / 1_f64.exp()), (-0.2, 0.3 / 2_f64.exp())] {
+        for (slip, over_kinetic) in
+            [(0.0, 0.3), (0.1, 0.3 / 1_f64.exp()), (-0.2, 0.3 / 2_f64.exp())]
+        {
             assert!((mu(slip) - (0.2 + over_kinetic)).abs() < 1e-15);
             let (h, slope) = (1e-6, (FALLS.slope)(FRICTION, slip.abs() + 1e-6));
             let difference = mu(slip.abs() + 2.0 * h) - mu(slip.abs());
