@@ -7,10 +7,10 @@ use std::path::Path;
 ///
 /// The kinds stay private so that they can grow; ask with the `is_*` methods.
 #[derive(Clone, PartialEq)]
-pub struct Error(Box<Kind>);
+pub struct Error(Box<ErrorKind>);
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-enum Kind {
+enum ErrorKind {
     #[error("{0}")]
     File(String),
     #[error("{0}")]
@@ -43,12 +43,12 @@ macro_rules! kinds {
             $(
                 #[doc = concat!("The error of which [`", stringify!($is), "`](Self::", stringify!($is), ") is true.")]
                 pub fn $make(message: impl Into<String>) -> Self {
-                    Self(Box::new(Kind::$kind(message.into())))
+                    Self(Box::new(ErrorKind::$kind(message.into())))
                 }
 
                 $(#[$doc])*
                 pub fn $is(&self) -> bool {
-                    matches!(*self.0, Kind::$kind(_))
+                    matches!(*self.0, ErrorKind::$kind(_))
                 }
             )*
 
@@ -56,7 +56,7 @@ macro_rules! kinds {
             #[must_use]
             pub fn in_words(&self, message: impl Into<String>) -> Self {
                 match *self.0 {
-                    $(Kind::$kind(_) => Self::$make(message),)*
+                    $(ErrorKind::$kind(_) => Self::$make(message),)*
                 }
             }
         }

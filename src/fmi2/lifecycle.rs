@@ -21,7 +21,7 @@ const PHASES: [Phase; 6] =
 
 /// What the table says of a call in a phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Entry {
+pub(super) enum Permission {
     /// FMI allows it.
     Allowed,
     /// FMI does not, and hosts do it: answered with a warning, or refused where the instance is strict.
@@ -30,9 +30,9 @@ pub(super) enum Entry {
     Refused,
 }
 
-const YES: Entry = Entry::Allowed;
-const HABIT: Entry = Entry::Tolerated;
-const NO: Entry = Entry::Refused;
+const YES: Permission = Permission::Allowed;
+const HABIT: Permission = Permission::Tolerated;
+const NO: Permission = Permission::Refused;
 
 macro_rules! table {
     ($($(#[$doc:meta])* $call:ident $name:literal $($entry:ident)*;)*) => {
@@ -48,7 +48,7 @@ macro_rules! table {
         const NAMES: &[&str] = &[$($name),*];
 
         /// Row: call; column: phase, in their order.
-        static TABLE: [[Entry; PHASES.len()]; CALLS.len()] = [$([$($entry),*]),*];
+        static TABLE: [[Permission; PHASES.len()]; CALLS.len()] = [$([$($entry),*]),*];
     };
 }
 
@@ -98,13 +98,13 @@ table! {
 
 impl Call {
     #[inline]
-    pub(super) fn in_phase(self, phase: Phase) -> Entry {
+    pub(super) fn in_phase(self, phase: Phase) -> Permission {
         TABLE[self as usize][phase as usize]
     }
 
     /// The phases in which FMI allows the call, for a message.
     pub(super) fn phases(self) -> String {
-        let allowed = PHASES.into_iter().filter(|&phase| self.in_phase(phase) == Entry::Allowed);
+        let allowed = PHASES.into_iter().filter(|&phase| self.in_phase(phase) == Permission::Allowed);
         let phases = allowed.map(|phase| format!("{phase:?}")).collect::<Vec<_>>().join(", ");
         if phases.is_empty() { "it is in none".to_owned() } else { format!("it is in {phases}") }
     }
@@ -149,30 +149,30 @@ impl Noted {
 mod tests {
     use super::*;
 
-    fn entries(phase: Phase, entry: Entry) -> Vec<Call> {
+    fn entries(phase: Phase, entry: Permission) -> Vec<Call> {
         CALLS.iter().copied().filter(|call| call.in_phase(phase) == entry).collect()
     }
 
     #[test]
     fn once_a_panic_was_caught_what_the_importer_holds_can_be_given_back() {
-        assert_eq!(entries(Poisoned, Entry::Allowed), [Call::FreeFmuState]);
-        assert_eq!(entries(Poisoned, Entry::Tolerated), []);
+        assert_eq!(entries(Poisoned, Permission::Allowed), [Call::FreeFmuState]);
+        assert_eq!(entries(Poisoned, Permission::Tolerated), []);
     }
 
     #[test]
     fn after_an_error_only_reading_saved_states_and_the_ways_out_are_left() {
         for call in [Call::Get, Call::Reset, Call::SetFmuState, Call::GetFmuState] {
-            assert_eq!(call.in_phase(Error), Entry::Allowed);
+            assert_eq!(call.in_phase(Error), Permission::Allowed);
         }
         for call in [Call::Set, Call::DoStep, Call::Terminate, Call::EnterInitializationMode] {
-            assert_eq!(call.in_phase(Error), Entry::Refused);
+            assert_eq!(call.in_phase(Error), Permission::Refused);
         }
     }
 
     #[test]
     fn every_habit_says_what_fmi_wants() {
         for phase in PHASES {
-            for call in entries(phase, Entry::Tolerated) {
+            for call in entries(phase, Permission::Tolerated) {
                 assert_ne!(call.wish(), "it elsewhere", "{call}");
             }
         }

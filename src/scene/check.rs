@@ -23,7 +23,7 @@ const MAX_WATCHED_ROWS: usize = 255;
 
 /// What a value belongs to, by its place from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Part {
+pub(super) enum Owner {
     Module(usize),
     InitialOfModule(usize),
     Mass(usize),
@@ -35,7 +35,7 @@ pub(super) enum Part {
 
 /// The path of a part's value for who reads it: the FMU's name, or the way through a file. Without a
 /// key it is the part's own.
-pub(super) type Naming<'a> = &'a dyn Fn(Part, &str) -> String;
+pub(super) type Naming<'a> = &'a dyn Fn(Owner, &str) -> String;
 
 /// The problems found so far.
 pub(super) struct Checks<'a> {
@@ -45,17 +45,17 @@ pub(super) struct Checks<'a> {
 
 impl Checks<'_> {
     /// The path of a part's value, or of the part itself where there is no key.
-    pub(super) fn path(&self, part: Part, key: &str) -> String {
+    pub(super) fn path(&self, part: Owner, key: &str) -> String {
         (self.naming)(part, key)
     }
 
     /// A problem at that path.
-    pub(super) fn problem(&self, part: Part, key: &str, message: impl Into<String>) -> Problem {
+    pub(super) fn problem(&self, part: Owner, key: &str, message: impl Into<String>) -> Problem {
         Problem::new(self.path(part, key), message)
     }
 
     /// Takes note of a value that breaks its rule.
-    pub(super) fn value(&mut self, part: Part, key: &str, value: f64, rule: Rule) {
+    pub(super) fn value(&mut self, part: Owner, key: &str, value: f64, rule: Rule) {
         if let Some(wish) = rule.broken_by(value) {
             self.problems.push(self.problem(part, key, wish).of(value));
         }
@@ -129,7 +129,7 @@ impl Scene {
         for (i, place) in network.contacts.iter().enumerate() {
             let Some(static_friction) = place.static_friction else { continue };
             let kinetic = place.friction.unwrap_or(self.friction_coefficient);
-            let path = || checks.path(Part::Contact(i), "static_friction");
+            let path = || checks.path(Owner::Contact(i), "static_friction");
             let problem = weak_static_friction(path, static_friction, kinetic);
             checks.problems.extend(problem);
         }
@@ -213,21 +213,21 @@ impl Scene {
     }
 
     /// The FMU's name of a part's value.
-    fn variable_name(&self, part: Part, key: &str) -> String {
+    fn variable_name(&self, part: Owner, key: &str) -> String {
         let network = self.network();
         let mass = |i: usize| network.map_or("", |network| &*network.masses[i].name);
         let part = match part {
-            Part::Module(i) => format!("module[{}]", i + 1),
-            Part::InitialOfModule(i) => format!("initial.module[{}]", i + 1),
-            Part::Mass(i) => format!("mass.{}", mass(i)),
-            Part::InitialOfMass(i) => format!("initial.mass.{}", mass(i)),
-            Part::Spring(i) => {
+            Owner::Module(i) => format!("module[{}]", i + 1),
+            Owner::InitialOfModule(i) => format!("initial.module[{}]", i + 1),
+            Owner::Mass(i) => format!("mass.{}", mass(i)),
+            Owner::InitialOfMass(i) => format!("initial.mass.{}", mass(i)),
+            Owner::Spring(i) => {
                 format!("spring.{}", network.map_or("", |network| &*network.springs[i].name))
             }
-            Part::Damper(i) => {
+            Owner::Damper(i) => {
                 format!("damper.{}", network.map_or("", |network| &*network.dampers[i].name))
             }
-            Part::Contact(i) => self.contact_name(i),
+            Owner::Contact(i) => self.contact_name(i),
         };
         with_key(part, key)
     }

@@ -1,6 +1,6 @@
 //! Effects that make no sense together.
 
-use super::check::{Checks, Part};
+use super::check::{Checks, Owner};
 use super::{Method, Problem, Scene, Selection, Structure};
 use crate::contact::Law;
 
@@ -52,7 +52,7 @@ fn report_own_friction(scene: &Scene, checks: &mut Checks<'_>) {
         let own = [("friction", place.friction), ("static_friction", place.static_friction)];
         for (key, value) in own.into_iter().filter_map(|(key, value)| Some((key, value?))) {
             let message = "the scene's law of friction is none";
-            let problem = checks.problem(Part::Contact(i), key, message).of(value);
+            let problem = checks.problem(Owner::Contact(i), key, message).of(value);
             checks.problems.push(problem.help("leave it out, or give [friction] another law"));
         }
     }
@@ -66,7 +66,7 @@ fn report_open_contacts(scene: &Scene, checks: &mut Checks<'_>) {
         for (key, value) in [("x4", module.displacement[3]), ("v4", module.velocity[3])] {
             if value != 0.0 {
                 let message = "contacts cannot open in this scene, and this one would start open";
-                let problem = checks.problem(Part::InitialOfModule(i), key, message).of(value);
+                let problem = checks.problem(Owner::InitialOfModule(i), key, message).of(value);
                 checks.problems.push(problem.help("leave it out, or let contacts open"));
             }
         }

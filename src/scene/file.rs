@@ -2,7 +2,7 @@
 
 #[cfg(feature = "schema")]
 use super::Rule;
-use super::check::{Part, with_key};
+use super::check::{Owner, with_key};
 use super::effects_file::EffectsTable;
 use super::friction_file::FrictionTable;
 use super::initial_file::{self, Initial};
@@ -320,16 +320,16 @@ impl SceneTables {
 }
 
 /// The key of the file that a value of a part stands under; `homes` are the places of initial values.
-fn key_of(part: Part, key: &str, homes: &HashMap<usize, usize>) -> String {
+fn key_of(part: Owner, key: &str, homes: &HashMap<usize, usize>) -> String {
     let part = match part {
-        Part::Module(i) => return format!("ring.{key}[{}]", i + 1),
-        Part::InitialOfModule(owner) | Part::InitialOfMass(owner) => {
+        Owner::Module(i) => return format!("ring.{key}[{}]", i + 1),
+        Owner::InitialOfModule(owner) | Owner::InitialOfMass(owner) => {
             format!("initial[{}]", homes.get(&owner).map_or(0, |home| home + 1))
         }
-        Part::Mass(i) => format!("mass[{}]", i + 1),
-        Part::Spring(i) => format!("spring[{}]", i + 1),
-        Part::Damper(i) => format!("damper[{}]", i + 1),
-        Part::Contact(i) => format!("contact[{}]", i + 1),
+        Owner::Mass(i) => format!("mass[{}]", i + 1),
+        Owner::Spring(i) => format!("spring[{}]", i + 1),
+        Owner::Damper(i) => format!("damper[{}]", i + 1),
+        Owner::Contact(i) => format!("contact[{}]", i + 1),
     };
     with_key(part, key)
 }

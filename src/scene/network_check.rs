@@ -1,6 +1,6 @@
 //! Which networks are possible.
 
-use super::check::{Checks, Part};
+use super::check::{Checks, Owner};
 use super::{GROUND, MAX_PARTS, Mass, Network, Problem, RubbingPlace, Rule, Slider, direction};
 use std::collections::HashMap;
 
@@ -28,31 +28,31 @@ pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) 
         checks.problems.push(Problem::new("mass", "a network has at least one mass"));
     } else if masses.iter().all(is_locked) {
         let message = "nothing can move: every mass is locked along both of its axes";
-        let problem = checks.problem(Part::Mass(0), "locked", message);
+        let problem = checks.problem(Owner::Mass(0), "locked", message);
         checks.problems.push(problem.help("leave an axis of a mass out of its `locked`"));
     }
-    check_names(Part::Mass, masses.iter().map(|mass| &*mass.name), checks);
-    check_names(Part::Spring, springs.iter().map(|spring| &*spring.name), checks);
-    check_names(Part::Damper, dampers.iter().map(|damper| &*damper.name), checks);
-    check_names(Part::Contact, contacts.iter().map(|contact| &*contact.name), checks);
+    check_names(Owner::Mass, masses.iter().map(|mass| &*mass.name), checks);
+    check_names(Owner::Spring, springs.iter().map(|spring| &*spring.name), checks);
+    check_names(Owner::Damper, dampers.iter().map(|damper| &*damper.name), checks);
+    check_names(Owner::Contact, contacts.iter().map(|contact| &*contact.name), checks);
     for (i, mass) in masses.iter().enumerate() {
         check_mass(i, mass, checks);
     }
     for (i, spring) in springs.iter().enumerate() {
-        let part = Part::Spring(i);
+        let part = Owner::Spring(i);
         check_ends(part, spring.between, masses, checks);
         checks.value(part, "direction", spring.direction, Rule::Finite);
         checks.value(part, "stiffness", spring.stiffness, Rule::STIFFNESS);
         checks.value(part, "preload", spring.preload.unwrap_or(0.0), Rule::Finite);
     }
     for (i, damper) in dampers.iter().enumerate() {
-        let part = Part::Damper(i);
+        let part = Owner::Damper(i);
         check_ends(part, damper.between, masses, checks);
         checks.value(part, "direction", damper.direction, Rule::Finite);
         checks.value(part, "damping", damper.damping, Rule::DAMPING);
     }
     for (i, contact) in contacts.iter().enumerate() {
-        check_contact(Part::Contact(i), contact, masses, slider, checks);
+        check_contact(Owner::Contact(i), contact, masses, slider, checks);
     }
     check_holds(network, checks);
 }
@@ -76,7 +76,7 @@ fn check_holds(network: &Network, checks: &mut Checks<'_>) {
     for (i, mass) in network.masses.iter().enumerate() {
         if !is_held[i] && !is_locked(mass) {
             let message = "hangs on nothing; no spring and no contact joins it";
-            let problem = checks.problem(Part::Mass(i), "name", message).of(quoted(&mass.name));
+            let problem = checks.problem(Owner::Mass(i), "name", message).of(quoted(&mass.name));
             let help = "name it in the `between` of a [[spring]] or in a [[contact]], or write \
                         `locked = [\"x\", \"y\"]`";
             checks.problems.push(problem.help(help));
@@ -85,11 +85,11 @@ fn check_holds(network: &Network, checks: &mut Checks<'_>) {
 }
 
 fn check_names<'a>(
-    part: fn(usize) -> Part,
+    part: fn(usize) -> Owner,
     names: impl Iterator<Item = &'a str>,
     checks: &mut Checks<'_>,
 ) {
-    let is_mass = matches!(part(0), Part::Mass(_));
+    let is_mass = matches!(part(0), Owner::Mass(_));
     let mut firsts = HashMap::new();
     for (i, name) in names.enumerate() {
         let is_legal = name.starts_with(|c: char| c.is_ascii_alphabetic())
@@ -111,7 +111,7 @@ fn check_names<'a>(
 }
 
 fn check_mass(i: usize, mass: &Mass, checks: &mut Checks<'_>) {
-    let (own, initial) = (Part::Mass(i), Part::InitialOfMass(i));
+    let (own, initial) = (Owner::Mass(i), Owner::InitialOfMass(i));
     checks.value(own, "mass", mass.mass, Rule::MASS);
     checks.value(own, "angle", mass.angle, Rule::Finite);
     for (j, axis) in ["x", "y"].into_iter().enumerate() {
@@ -130,7 +130,7 @@ fn check_mass(i: usize, mass: &Mass, checks: &mut Checks<'_>) {
     }
 }
 
-fn check_ends(part: Part, ends: [Option<usize>; 2], masses: &[Mass], checks: &mut Checks<'_>) {
+fn check_ends(part: Owner, ends: [Option<usize>; 2], masses: &[Mass], checks: &mut Checks<'_>) {
     for (j, _) in ends.iter().enumerate().filter(|(_, end)| end.is_some_and(|i| i >= masses.len()))
     {
         let problem = checks.problem(part, &format!("between[{}]", j + 1), NO_SUCH_MASS);
@@ -148,7 +148,7 @@ fn check_ends(part: Part, ends: [Option<usize>; 2], masses: &[Mass], checks: &mu
 pub(super) const NO_SUCH_MASS: &str = "there is no mass of this name";
 
 fn check_contact(
-    part: Part,
+    part: Owner,
     contact: &RubbingPlace,
     masses: &[Mass],
     slider: Slider,
@@ -214,7 +214,7 @@ fn check_contact(
             "starts inside the surface of contact {}, with a gap of {gap:e} m",
             contact.name
         );
-        let problem = checks.problem(Part::InitialOfMass(place), "", message);
+        let problem = checks.problem(Owner::InitialOfMass(place), "", message);
         checks.problems.push(problem.help("it must be ≥ 0 along the contact's normal"));
     }
 }

@@ -1,6 +1,6 @@
 //! The paper's ring of modules, as data.
 
-use super::check::{Checks, Part};
+use super::check::{Checks, Owner};
 use super::{Problem, Rule};
 
 /// The most modules a ring may have.
@@ -31,8 +31,8 @@ pub(super) fn not_a_ring(modules: usize) -> Problem {
 /// Looks for impossible values of a ring.
 pub(super) fn check(modules: &[Module], checks: &mut Checks<'_>) {
     for (i, module) in modules.iter().enumerate() {
-        let own = Part::Module(i);
-        let initial = Part::InitialOfModule(i);
+        let own = Owner::Module(i);
+        let initial = Owner::InitialOfModule(i);
         for (key, mass) in ["m1", "m2"].into_iter().zip(module.mass) {
             checks.value(own, key, mass, Rule::MASS);
         }

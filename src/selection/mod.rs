@@ -88,7 +88,7 @@ impl fmt::Display for Selected {
 #[must_use]
 pub fn select(scene: &Scene, tolerance: f64) -> Selected {
     let model = LumpedModel::from(scene);
-    let rule = Rule::new(scene, &model);
+    let rule = SelectionRule::new(scene, &model);
     let candidate = |(method, step)| rule.candidate(tolerance, method, step);
     let mut left: Vec<Selected> = rule.steps().map(candidate).collect();
     // Of equal ones the first: the event-driven one with the longest step.
@@ -127,7 +127,7 @@ fn is_below_critical(model: &LumpedModel, step: f64) -> bool {
 }
 
 /// What the rule knows of a scene.
-struct Rule<'a> {
+struct SelectionRule<'a> {
     scene: &'a Scene,
     cost: Cost,
     /// ω, rad/s; `None` where none is known.
@@ -137,7 +137,7 @@ struct Rule<'a> {
     events: f64,
 }
 
-impl<'a> Rule<'a> {
+impl<'a> SelectionRule<'a> {
     #[allow(clippy::cast_precision_loss)]
     fn new(scene: &'a Scene, model: &LumpedModel) -> Self {
         // What has no springs moves within the span all the same.

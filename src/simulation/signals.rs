@@ -32,13 +32,13 @@ struct Input {
     /// The places of its signals in the scene.
     signals: Vec<usize>,
     /// What an importer adds to it over a step.
-    ramp: Option<Ramp>,
+    ramp: Option<InputRamp>,
 }
 
 /// What is added to an input over one step of whoever gives it: nothing at `origin` (s), and from there `rate` per
 /// second more.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(super) struct Ramp {
+pub(super) struct InputRamp {
     pub(super) origin: f64,
     pub(super) rate: f64,
     /// Has its step been taken? Then it only says how fast the input changed up to now.
@@ -53,7 +53,7 @@ pub(super) struct Reach {
     pub(super) moves: Vec<usize>,
 }
 
-impl Ramp {
+impl InputRamp {
     fn at(self, t: f64) -> f64 {
         self.rate * (t - self.origin)
     }
@@ -87,7 +87,7 @@ impl Driven {
     }
 
     /// Gives an input this ramp, in place of the one that it has.
-    pub(super) fn set_ramp(&mut self, variable: &Variable, ramp: Ramp) {
+    pub(super) fn set_ramp(&mut self, variable: &Variable, ramp: InputRamp) {
         // Hosts give a rate of zero to what does not change: then each step is like the one before.
         let ramp = Some(ramp).filter(|ramp| ramp.rate != 0.0);
         match self.inputs.iter_mut().find(|input| input.is(variable)) {
@@ -120,7 +120,7 @@ impl Driven {
     }
 
     /// The inputs that have ramps.
-    pub(super) fn ramps(&self) -> impl Iterator<Item = (&Variable, Ramp)> {
+    pub(super) fn ramps(&self) -> impl Iterator<Item = (&Variable, InputRamp)> {
         self.inputs.iter().filter_map(|input| Some((&input.variable, input.ramp?)))
     }
 

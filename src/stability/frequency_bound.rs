@@ -4,7 +4,7 @@
 use super::complex::from_polar;
 #[cfg(test)]
 use super::complex::modulus;
-use super::oblique_projection::{Group, groups};
+use super::oblique_projection::{ContactGroup, groups};
 use crate::model::{LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::Complex;
 
@@ -81,7 +81,7 @@ pub(super) struct FrequencyBound {
     /// Have `rows` µ in them? Else ‖P‖ stretches them.
     has_friction: bool,
     /// Contacts that share masses.
-    groups: Vec<Group>,
+    groups: Vec<ContactGroup>,
 }
 
 impl FrequencyBound {

@@ -21,7 +21,7 @@ const MAX_ENUMERATED: usize = 4;
 
 /// Contacts that share masses.
 #[derive(Clone, Debug)]
-pub(super) struct Group {
+pub(super) struct ContactGroup {
     contacts: Vec<usize>,
     /// Their directions in the coordinates √m x of the masses that they touch, normal then tangent.
     directions: Vec<[DVector<f64>; 2]>,
@@ -85,7 +85,7 @@ impl Coupling {
 
 /// The contacts in groups that share no degree of freedom. A group whose states nothing bounds has an infinite ‖P‖
 /// wherever there is friction.
-pub(super) fn groups(contacts: &[Contact], mass: &[f64]) -> Vec<Group> {
+pub(super) fn groups(contacts: &[Contact], mass: &[f64]) -> Vec<ContactGroup> {
     let dofs_of = |contact: &Contact| -> Vec<usize> {
         contact.normal.0.iter().chain(&contact.tangent.0).map(|part| part.0).collect()
     };
@@ -122,7 +122,7 @@ pub(super) fn groups(contacts: &[Contact], mass: &[f64]) -> Vec<Group> {
             .map(|&contact| [scaled(&contacts[contact].normal), scaled(&contacts[contact].tangent)])
             .collect();
         let states = States::of(&directions);
-        Group { contacts: contacts_of_group, directions, states }
+        ContactGroup { contacts: contacts_of_group, directions, states }
     };
     members.into_iter().filter(|members| !members.is_empty()).map(group).collect()
 }
@@ -205,7 +205,7 @@ fn largest_eigenvalue(vectors: &[DVector<f64>]) -> f64 {
     if matrix.is_empty() { 0.0 } else { matrix.symmetric_eigenvalues().max() * (1.0 + 1e-12) }
 }
 
-impl Group {
+impl ContactGroup {
     /// The largest ‖P‖ over the group's contact states, with the friction of each contact; infinite where none is known.
     pub(super) fn stretch(&self, mu: &dyn Fn(usize) -> f64) -> f64 {
         let most = |of: &dyn Fn(usize) -> f64| (0..self.contacts.len()).map(of).fold(0.0, f64::max);

@@ -113,7 +113,7 @@ fn finite(matrix: &DMatrix<f64>) -> Result<(), Error> {
 }
 
 /// `Real`, or which of a conjugate pair an eigenvalue of a real problem is.
-pub enum Kind {
+pub enum EigenvalueKind {
     /// The one of a conjugate pair with Im λ > 0.
     Oscillating,
     /// The one of a conjugate pair with Im λ < 0.
@@ -122,7 +122,7 @@ pub enum Kind {
     Real,
 }
 
-impl Kind {
+impl EigenvalueKind {
     /// The kind of an eigenvalue λ.
     #[must_use]
     pub fn of(eigenvalue: Complex<f64>) -> Self {

@@ -1,7 +1,7 @@
 //! The eigenvalues of one contact state, without shapes.
 
 use super::damped_modes;
-use super::reduced_problem::{Kind, check_size, quadratic_roots};
+use super::reduced_problem::{EigenvalueKind, check_size, quadratic_roots};
 use super::symmetry::all_stiffness_eigenvalues;
 use crate::Error;
 use crate::contact::{ContactState, Joined};
@@ -44,10 +44,10 @@ impl Spectrum {
     fn from_all(eigenvalues: impl IntoIterator<Item = Complex<f64>>) -> Self {
         let mut found = Self::default();
         for eigenvalue in eigenvalues {
-            match Kind::of(eigenvalue) {
-                Kind::Real => found.real.push(eigenvalue.re),
-                Kind::Oscillating => found.oscillating.push(eigenvalue),
-                Kind::Conjugate => {}
+            match EigenvalueKind::of(eigenvalue) {
+                EigenvalueKind::Real => found.real.push(eigenvalue.re),
+                EigenvalueKind::Oscillating => found.oscillating.push(eigenvalue),
+                EigenvalueKind::Conjugate => {}
             }
         }
         found.oscillating.sort_by(|a, b| a.im.total_cmp(&b.im));

@@ -76,7 +76,7 @@ impl Symmetry {
 
 /// A part of the modes of a contact state that does not couple with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Part {
+pub enum SymmetrySector {
     /// All of them.
     Whole,
     /// The travelling waves exp(±2πi k j / n), j counting modules, of a ring of n equal modules in
@@ -90,7 +90,7 @@ pub enum Part {
     },
 }
 
-impl Part {
+impl SymmetrySector {
     /// The parts of a contact state, for models that differ in the value of a parameter.
     pub fn all<'a>(
         models: impl IntoIterator<Item = LinearModel<'a>>,
@@ -171,7 +171,7 @@ pub fn all_stiffness_eigenvalues(
     states: &[ContactState],
 ) -> Result<Vec<Complex<f64>>, Error> {
     let mut sigmas = Vec::with_capacity(model.model().dofs());
-    for part in Part::all([model], states) {
+    for part in SymmetrySector::all([model], states) {
         let found = part.stiffness_eigenvalues(model, states)?;
         for _ in 0..part.copies() {
             sigmas.extend_from_slice(&found);

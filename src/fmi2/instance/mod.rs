@@ -3,7 +3,7 @@
 mod derivatives;
 mod saved;
 
-use super::lifecycle::{Call, Entry, Noted, Phase};
+use super::lifecycle::{Call, Permission, Noted, Phase};
 use super::logger::{Category, Logger};
 use super::types::fmi2Status;
 use crate::Error;
@@ -134,9 +134,9 @@ impl Instance {
     #[inline]
     fn require_of(&mut self, call: Call, name: &str) -> Result<(), Error> {
         match call.in_phase(self.phase) {
-            Entry::Allowed => Ok(()),
-            Entry::Tolerated => self.tolerate(call, name),
-            Entry::Refused => Err(Error::call(format!(
+            Permission::Allowed => Ok(()),
+            Permission::Tolerated => self.tolerate(call, name),
+            Permission::Refused => Err(Error::call(format!(
                 "{call} is not allowed in phase {:?}; {}{}",
                 self.phase,
                 call.phases(),
@@ -312,7 +312,7 @@ impl Instance {
             (Causality::Parameter, Variability::Tunable) => Call::SetTunable,
             (Causality::Parameter, _) => Call::SetFixed,
         };
-        if what.in_phase(self.phase) != Entry::Refused {
+        if what.in_phase(self.phase) != Permission::Refused {
             return self.require(what);
         }
         Err(Error::variable(format!(

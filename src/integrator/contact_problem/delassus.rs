@@ -5,16 +5,16 @@ use crate::contact::LocalProblem;
 use crate::model::{Contact, Direction};
 
 /// The 2 × 2 block of W between two contacts, by rows, normal before tangent.
-type Block = [f64; 4];
+type ContactBlock = [f64; 4];
 
 /// W by rows of contacts.
 pub(in crate::integrator) struct Delassus {
     /// Each contact's own block.
-    own: Vec<Block>,
+    own: Vec<ContactBlock>,
     /// Where the blocks of each contact with others begin in `others`.
     offsets: Vec<usize>,
     /// The other contacts, ascending, with their blocks.
-    others: Vec<(usize, Block)>,
+    others: Vec<(usize, ContactBlock)>,
     /// The contacts that are coupled, directly or through others: each contact is in one group.
     groups: Vec<Vec<usize>>,
 }
@@ -36,7 +36,7 @@ impl Delassus {
             Self { own: Vec::new(), offsets: vec![0], others: Vec::new(), groups: Vec::new() };
         for (i, contact) in contacts.iter().enumerate() {
             let rows = [&contact.normal, &contact.tangent];
-            let block = |j: usize| -> Block {
+            let block = |j: usize| -> ContactBlock {
                 let [[nn, nt], [tn, tt]] =
                     rows.map(|row| [0, 1].map(|k| dot(row, &responses[j][k])));
                 [nn, nt, tn, tt]
@@ -98,7 +98,7 @@ impl Delassus {
     }
 
     /// A contact's own block.
-    pub(in crate::integrator) fn own(&self, contact: usize) -> Block {
+    pub(in crate::integrator) fn own(&self, contact: usize) -> ContactBlock {
         self.own[contact]
     }
 
@@ -132,7 +132,7 @@ impl Delassus {
     }
 
     /// The block between two contacts; zero where they share no mass.
-    pub(super) fn block(&self, contact: usize, other: usize) -> Block {
+    pub(super) fn block(&self, contact: usize, other: usize) -> ContactBlock {
         if contact == other {
             return self.own(contact);
         }
@@ -141,7 +141,7 @@ impl Delassus {
     }
 
     /// The contacts that share masses with one, ascending, with their blocks.
-    pub(super) fn others(&self, contact: usize) -> &[(usize, Block)] {
+    pub(super) fn others(&self, contact: usize) -> &[(usize, ContactBlock)] {
         &self.others[self.offsets[contact]..self.offsets[contact + 1]]
     }
 

@@ -38,7 +38,7 @@ enum Unknown {
 
 /// An equation of the program.
 #[derive(Clone, Copy, Debug)]
-enum Row {
+enum Equation {
     /// a_N, or a_N less its rest.
     Normal { contact: usize },
     /// ±a_T and its rest.
@@ -49,7 +49,7 @@ enum Row {
 
 /// The result of the first phase of the simplex method.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Phase {
+enum FirstPhase {
     /// A solution.
     Solved,
     /// There is none: the artificial unknowns sum up to at least this part of the right-hand sides.
@@ -70,9 +70,9 @@ pub(super) enum Search {
 }
 
 /// A linear program: that of contact states, or of what the law asks at least.
-pub(super) struct Enumeration {
+pub(super) struct LinearProgram {
     unknowns: Vec<Unknown>,
-    rows: Vec<Row>,
+    rows: Vec<Equation>,
     /// By rows, with the right-hand side at the end.
     table: Vec<f64>,
     costs: Vec<f64>,
@@ -83,7 +83,7 @@ pub(super) struct Enumeration {
     first: Vec<ContactState>,
 }
 
-impl Enumeration {
+impl LinearProgram {
     /// Takes the memory that groups of up to `contacts` contacts need.
     pub(super) fn with_room(contacts: usize) -> Self {
         let contacts = if contacts > 1 { contacts } else { 0 };
@@ -115,16 +115,16 @@ impl Enumeration {
             true => Unknown::Normal { contact, sign: -1.0, slope },
             false => Unknown::Rest { row: rows.len() },
         });
-        rows.push(Row::Normal { contact });
+        rows.push(Equation::Normal { contact });
         if let Some(width) = width {
             unknowns.push(Unknown::Tangential { contact });
             unknowns.push(Unknown::Rest { row: rows.len() });
-            rows.push(Row::Cone { contact, width });
+            rows.push(Equation::Cone { contact, width });
         }
     }
 
     /// The first phase of the simplex method with Bland's rule.
-    fn run(&mut self) -> Phase {
+    fn run(&mut self) -> FirstPhase {
         let Self { unknowns, table, costs, basis, pivot_row, .. } = self;
         let (count, width) = (unknowns.len(), unknowns.len() + 1);
         let size =
@@ -143,10 +143,10 @@ impl Enumeration {
         }
         for _ in 0..MOST_PIVOTS * (width + basis.len()) {
             if -costs[count] <= FEASIBLE * size {
-                return Phase::Solved;
+                return FirstPhase::Solved;
             }
             let Some(entering) = costs[..count].iter().position(|cost| *cost < -NOTHING) else {
-                return Phase::Impossible(-costs[count] / size);
+                return FirstPhase::Impossible(-costs[count] / size);
             };
             let falls = |row: &&[f64]| row[entering] > NOTHING;
             let least = table.chunks_exact(width).filter(falls);
@@ -157,7 +157,7 @@ impl Enumeration {
             };
             let Some(place) = (0..basis.len()).filter(leaves).min_by_key(|place| basis[*place])
             else {
-                return Phase::Open;
+                return FirstPhase::Open;
             };
             let own = &mut table[place * width..][..width];
             let pivot = own[entering];
@@ -172,7 +172,7 @@ impl Enumeration {
             subtract(costs, pivot_row, entering);
             basis[place] = entering;
         }
-        Phase::Open
+        FirstPhase::Open
     }
 }
 
@@ -279,11 +279,11 @@ impl ContactProblem {
     /// Forces of the states at hand, whose equations do not determine them; do any obey the law?
     pub(super) fn program(&mut self, group: usize, strictness: Strictness) -> bool {
         self.write_program(group, usize::MAX);
-        if self.enumeration.run() != Phase::Solved {
+        if self.enumeration.run() != FirstPhase::Solved {
             return false;
         }
         self.clear(group);
-        let Enumeration { unknowns, table, basis, .. } = &self.enumeration;
+        let LinearProgram { unknowns, table, basis, .. } = &self.enumeration;
         let width = unknowns.len() + 1;
         for (row, &unknown) in table.chunks_exact(width).zip(basis) {
             let value = row[width - 1];
@@ -306,7 +306,7 @@ impl ContactProblem {
     /// the others are?
     fn is_impossible(&mut self, group: usize, chosen: usize) -> bool {
         self.write_program(group, chosen);
-        matches!(self.enumeration.run(), Phase::Impossible(by) if by >= INFEASIBLE)
+        matches!(self.enumeration.run(), FirstPhase::Impossible(by) if by >= INFEASIBLE)
     }
 
     /// Writes what the states at hand of the first contacts ask of the forces, and what the law asks at least of the others.
@@ -319,22 +319,22 @@ impl ContactProblem {
                 enumeration.ask_least(contact, &freedom[contact]);
                 continue;
             }
-            let Enumeration { unknowns, rows, .. } = &mut *enumeration;
+            let LinearProgram { unknowns, rows, .. } = &mut *enumeration;
             let state = states[contact];
             let sign = freedom[contact].sign(pulls[contact]);
             match (&freedom[contact], state) {
                 (Freedom::Open, _) => {}
                 (_, ContactState::Detached) => {
                     unknowns.push(Unknown::Rest { row: rows.len() });
-                    rows.push(Row::Normal { contact });
+                    rows.push(Equation::Normal { contact });
                 }
                 (Freedom::Law(range) | Freedom::Held(range), ContactState::Stick) => {
                     unknowns.push(Unknown::Normal { contact, sign, slope: -range.backward });
                     unknowns.push(Unknown::Tangential { contact });
-                    rows.push(Row::Normal { contact });
-                    rows.push(Row::Tangential { contact, direction: 1.0 });
+                    rows.push(Equation::Normal { contact });
+                    rows.push(Equation::Tangential { contact, direction: 1.0 });
                     unknowns.push(Unknown::Rest { row: rows.len() });
-                    rows.push(Row::Cone { contact, width: range.forward + range.backward });
+                    rows.push(Equation::Cone { contact, width: range.forward + range.backward });
                 }
                 (freedom, _) => {
                     let direction = state.sliding_direction().unwrap_or(1.0);
@@ -347,10 +347,10 @@ impl ContactProblem {
                         _ => (0.0, false),
                     };
                     unknowns.push(Unknown::Normal { contact, sign, slope: direction * friction });
-                    rows.push(Row::Normal { contact });
+                    rows.push(Equation::Normal { contact });
                     if may_turn {
                         unknowns.push(Unknown::Rest { row: rows.len() });
-                        rows.push(Row::Tangential { contact, direction: -direction });
+                        rows.push(Equation::Tangential { contact, direction: -direction });
                     }
                 }
             }
@@ -361,7 +361,7 @@ impl ContactProblem {
     /// Writes the table of the unknowns and rows at hand.
     fn write_table(&mut self) {
         let Self { enumeration, delassus, free, .. } = self;
-        let Enumeration { unknowns, rows, table, .. } = enumeration;
+        let LinearProgram { unknowns, rows, table, .. } = enumeration;
         let scales = |contact: usize| delassus.scales(contact);
         table.clear();
         for (place, row) in rows.iter().enumerate() {
@@ -378,28 +378,28 @@ impl ContactProblem {
                     Unknown::Tangential { contact } => (contact, [0.0, scales(contact)[1]]),
                 };
                 table.push(match *row {
-                    Row::Normal { contact } => {
+                    Equation::Normal { contact } => {
                         let w = delassus.block(contact, other);
                         scales(contact)[0] * (w[0] * n + w[1] * t)
                     }
-                    Row::Tangential { contact, direction } => {
+                    Equation::Tangential { contact, direction } => {
                         let w = delassus.block(contact, other);
                         direction * scales(contact)[1] * (w[2] * n + w[3] * t)
                     }
                     // In the units of T.
-                    Row::Cone { contact, width } if contact == other => match unknown {
+                    Equation::Cone { contact, width } if contact == other => match unknown {
                         Unknown::Normal { .. } => width * n.abs() / scales(contact)[1],
                         _ => -t / scales(contact)[1],
                     },
-                    Row::Cone { .. } => 0.0,
+                    Equation::Cone { .. } => 0.0,
                 });
             }
             table.push(match *row {
-                Row::Normal { contact } => -scales(contact)[0] * free[contact][0],
-                Row::Tangential { contact, direction } => {
+                Equation::Normal { contact } => -scales(contact)[0] * free[contact][0],
+                Equation::Tangential { contact, direction } => {
                     -direction * scales(contact)[1] * free[contact][1]
                 }
-                Row::Cone { .. } => 0.0,
+                Equation::Cone { .. } => 0.0,
             });
         }
     }

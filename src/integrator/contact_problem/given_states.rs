@@ -37,7 +37,7 @@ impl Demand {
 
 /// An unknown multiplier.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Unknown {
+struct UnknownMultiplier {
     contact: usize,
     /// 0: the normal force, with the friction force that follows it; 1: a friction force of its own.
     row: usize,
@@ -49,14 +49,14 @@ struct Unknown {
 pub(in crate::integrator) struct GivenStates {
     /// The demand on each contact that the equations of its group were last made from.
     demands: Vec<Demand>,
-    groups: Vec<Group>,
+    groups: Vec<EquationGroup>,
 }
 
 /// The equations of a group.
-struct Group {
+struct EquationGroup {
     contacts: Vec<usize>,
     is_set: bool,
-    unknowns: Vec<Unknown>,
+    unknowns: Vec<UnknownMultiplier>,
     factors: Factors,
     /// Room for the right-hand side.
     right: Vec<f64>,
@@ -66,7 +66,7 @@ impl GivenStates {
     pub(in crate::integrator) fn new(delassus: &Delassus) -> Self {
         let group = |contacts: &Vec<usize>| {
             let most = 2 * contacts.len();
-            Group {
+            EquationGroup {
                 contacts: contacts.clone(),
                 is_set: false,
                 unknowns: Vec::with_capacity(most),
@@ -93,7 +93,7 @@ impl GivenStates {
         group: usize,
         demand: impl Fn(usize) -> Demand,
     ) {
-        let Group { contacts, is_set, unknowns, factors, .. } = &mut self.groups[group];
+        let EquationGroup { contacts, is_set, unknowns, factors, .. } = &mut self.groups[group];
         let mut is_known = *is_set;
         for &contact in &*contacts {
             let demand = demand(contact);
@@ -108,13 +108,13 @@ impl GivenStates {
         for &contact in &*contacts {
             match self.demands[contact] {
                 Demand::Nothing => {}
-                Demand::Normal { slope } => unknowns.push(Unknown { contact, row: 0, slope }),
+                Demand::Normal { slope } => unknowns.push(UnknownMultiplier { contact, row: 0, slope }),
                 Demand::Both => {
-                    unknowns.extend([0, 1].map(|row| Unknown { contact, row, slope: 0.0 }));
+                    unknowns.extend([0, 1].map(|row| UnknownMultiplier { contact, row, slope: 0.0 }));
                 }
             }
         }
-        let size = |unknown: &Unknown| delassus.own(unknown.contact)[3 * unknown.row];
+        let size = |unknown: &UnknownMultiplier| delassus.own(unknown.contact)[3 * unknown.row];
         factors.set(
             unknowns.len(),
             |row, column| {
@@ -172,7 +172,7 @@ impl GivenStates {
         free: impl Fn(usize, usize) -> f64,
         forces: &mut [[f64; 2]],
     ) {
-        let Group { contacts, unknowns, factors, right, .. } = &mut self.groups[group];
+        let EquationGroup { contacts, unknowns, factors, right, .. } = &mut self.groups[group];
         for &contact in &*contacts {
             forces[contact] = [0.0; 2];
         }

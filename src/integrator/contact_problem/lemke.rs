@@ -27,7 +27,7 @@ const MOST_PIVOTS: usize = 50;
 
 /// An unknown z of a contact, and the condition w that it complements.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Part {
+enum LemkeVariable {
     /// N and a_N.
     Normal,
     /// T⁺ and a_T + γ/f.
@@ -51,7 +51,7 @@ enum Name {
 
 /// The tableau: each row says what its basic variable is, as a constant and factors of the others.
 pub(super) struct Lemke {
-    parts: Vec<(usize, Part)>,
+    parts: Vec<(usize, LemkeVariable)>,
     rows: Vec<Name>,
     columns: Vec<Name>,
     /// By rows; the constant comes first.
@@ -168,7 +168,7 @@ impl Lemke {
     }
 
     /// The value of an unknown; `None` where it is none of the basic variables, and so zero.
-    fn value(&self, contact: usize, part: Part) -> Option<f64> {
+    fn value(&self, contact: usize, part: LemkeVariable) -> Option<f64> {
         let width = self.size() + 2;
         let place = self.parts.iter().position(|known| *known == (contact, part))?;
         let row = self.rows.iter().position(|name| *name == Name::Z(place))?;
@@ -203,10 +203,10 @@ impl ContactProblem {
         for &contact in &delassus.groups()[group] {
             match &freedom[contact] {
                 Freedom::Open => {}
-                Freedom::Slipping { .. } => lemke.parts.push((contact, Part::Normal)),
+                Freedom::Slipping { .. } => lemke.parts.push((contact, LemkeVariable::Normal)),
                 Freedom::Law(range) => {
-                    lemke.parts.push((contact, Part::Normal));
-                    let limits = [(Part::Forward, range.forward), (Part::Backward, range.backward)];
+                    lemke.parts.push((contact, LemkeVariable::Normal));
+                    let limits = [(LemkeVariable::Forward, range.forward), (LemkeVariable::Backward, range.backward)];
                     let mut has_friction = false;
                     for (part, limit) in limits {
                         if limit > 0.0 {
@@ -215,7 +215,7 @@ impl ContactProblem {
                         }
                     }
                     if has_friction {
-                        lemke.parts.push((contact, Part::Sliding));
+                        lemke.parts.push((contact, LemkeVariable::Sliding));
                     }
                 }
                 Freedom::Held(_)
@@ -233,37 +233,37 @@ impl ContactProblem {
         lemke.entries.clear();
         let scales = |contact: usize| delassus.scales(contact);
         // 1/f or 1/b, in these units.
-        let inverse_limit = |contact: usize, part: Part| match (&freedom[contact], part) {
-            (Freedom::Law(range), Part::Forward | Part::Backward) => {
+        let inverse_limit = |contact: usize, part: LemkeVariable| match (&freedom[contact], part) {
+            (Freedom::Law(range), LemkeVariable::Forward | LemkeVariable::Backward) => {
                 let [normal, tangential] = scales(contact);
-                let limit = if part == Part::Forward { range.forward } else { range.backward };
+                let limit = if part == LemkeVariable::Forward { range.forward } else { range.backward };
                 tangential / (normal * limit)
             }
             _ => 0.0,
         };
         // What a unit of an unknown is of (N, T); the same weighs accelerations.
-        let unit = |(contact, part): (usize, Part)| -> [f64; 2] {
+        let unit = |(contact, part): (usize, LemkeVariable)| -> [f64; 2] {
             let [normal, tangential] = scales(contact);
             match (part, &freedom[contact]) {
-                (Part::Normal, &Freedom::Slipping { direction, friction }) => {
+                (LemkeVariable::Normal, &Freedom::Slipping { direction, friction }) => {
                     [normal, direction * friction * normal]
                 }
-                (Part::Normal, _) => [normal, 0.0],
-                (Part::Forward, _) => [0.0, tangential],
-                (Part::Backward, _) => [0.0, -tangential],
-                (Part::Sliding, _) => [0.0; 2],
+                (LemkeVariable::Normal, _) => [normal, 0.0],
+                (LemkeVariable::Forward, _) => [0.0, tangential],
+                (LemkeVariable::Backward, _) => [0.0, -tangential],
+                (LemkeVariable::Sliding, _) => [0.0; 2],
             }
         };
         for row in 0..size {
             let (contact, part) = lemke.parts[row];
             let weights = match part {
-                Part::Normal => [scales(contact)[0], 0.0],
+                LemkeVariable::Normal => [scales(contact)[0], 0.0],
                 _ => unit((contact, part)),
             };
             #[allow(clippy::cast_precision_loss)]
             let constant = match part {
                 // No two rows alike.
-                Part::Sliding => wider * largest * (1.0 + row as f64 / size as f64),
+                LemkeVariable::Sliding => wider * largest * (1.0 + row as f64 / size as f64),
                 _ => weights[0] * free[contact][0] + weights[1] * free[contact][1],
             };
             lemke.entries.push(constant);
@@ -275,11 +275,11 @@ impl ContactProblem {
                     + weights[1] * (w[2] * by[0] + w[3] * by[1]);
                 if contact == other {
                     entry += match (part, kind) {
-                        (Part::Forward | Part::Backward, Part::Sliding) => {
+                        (LemkeVariable::Forward | LemkeVariable::Backward, LemkeVariable::Sliding) => {
                             inverse_limit(contact, part)
                         }
-                        (Part::Sliding, Part::Normal) => 1.0,
-                        (Part::Sliding, Part::Forward | Part::Backward) => {
+                        (LemkeVariable::Sliding, LemkeVariable::Normal) => 1.0,
+                        (LemkeVariable::Sliding, LemkeVariable::Forward | LemkeVariable::Backward) => {
                             -inverse_limit(contact, kind)
                         }
                         _ => 0.0,
@@ -295,14 +295,14 @@ impl ContactProblem {
     /// The state that the last pivots leave a contact in.
     fn pivoted_state(&self, contact: usize) -> ContactState {
         let Freedom::Law(range) = &self.freedom[contact] else {
-            let presses = self.lemke.value(contact, Part::Normal).is_some();
+            let presses = self.lemke.value(contact, LemkeVariable::Normal).is_some();
             return if presses { ContactState::Slide } else { ContactState::Detached };
         };
-        if self.lemke.value(contact, Part::Normal).is_none() {
+        if self.lemke.value(contact, LemkeVariable::Normal).is_none() {
             return ContactState::Detached;
         }
-        let slides = self.lemke.value(contact, Part::Sliding).is_some();
-        let [forward, backward] = [Part::Forward, Part::Backward]
+        let slides = self.lemke.value(contact, LemkeVariable::Sliding).is_some();
+        let [forward, backward] = [LemkeVariable::Forward, LemkeVariable::Backward]
             .map(|part| self.lemke.value(contact, part).is_some_and(|value| value > 0.0));
         match (slides, forward, backward) {
             (true, true, _) => ContactState::Slide,

@@ -32,7 +32,7 @@ mod tests;
 use crate::contact::{ContactState, LocalSolution};
 use crate::integrator::StepFailure;
 pub(super) use delassus::Delassus;
-use enumeration::{Enumeration, Search};
+use enumeration::{LinearProgram, Search};
 pub(super) use freedom::{Freedom, FreedomOf, freedom_of};
 pub(super) use given_states::{Demand, GivenStates};
 use lemke::Lemke;
@@ -75,7 +75,7 @@ pub(super) struct ContactProblem {
     swept: Vec<[f64; 2]>,
     unpressed: Vec<[f64; 2]>,
     lemke: Lemke,
-    enumeration: Enumeration,
+    enumeration: LinearProgram,
     others: Others,
 }
 
@@ -98,7 +98,7 @@ impl ContactProblem {
             given: GivenStates::new(&delassus),
             others: Others::with_room(contacts, delassus.groups().len()),
             lemke: Lemke::with_room(largest),
-            enumeration: Enumeration::with_room(largest),
+            enumeration: LinearProgram::with_room(largest),
             delassus,
             free: vec![[0.0; 2]; contacts],
             freedom: vec![Freedom::Open; contacts],

@@ -101,7 +101,7 @@ pub(super) use ledger::Writer;
 use ledger::{Passage, Witness};
 use reduced::MOST_PLACES;
 use rounding::{DIFFERENCE, NOISE, pulls, shortest};
-use series::{Instant, ORDER, Polynomial, Series};
+use series::{SeriesStart, ORDER, Polynomial, Series};
 use watch::Event;
 use waves::Waves;
 
@@ -278,7 +278,7 @@ impl<W: Witness> EventDriven<W> {
         while left > 0.0 {
             let Self { series, dynamics, force, surface_acceleration, .. } = self;
             let start = (&*motion.displacement, &*motion.velocity);
-            let now = Instant { outer: force, slider: surface_acceleration, passed: h - left };
+            let now = SeriesStart { outer: force, slider: surface_acceleration, passed: h - left };
             let most = Waves::reach(&drive.waves, left);
             series.expand(dynamics, &motion.contacts, drive, now, start, most);
             let reach = series.span();

@@ -96,7 +96,7 @@ pub(super) struct Series {
 /// What acts at the beginning of a series: outer forces, N, accelerations of the sliders, m/s², and how much of the
 /// step has passed, s.
 #[derive(Clone, Copy)]
-pub(super) struct Instant<'a> {
+pub(super) struct SeriesStart<'a> {
     pub(super) outer: &'a [f64],
     pub(super) slider: &'a [f64],
     pub(super) passed: f64,
@@ -172,7 +172,7 @@ impl Series {
         dynamics: &Dynamics,
         states: &[ContactState],
         drive: &Drive,
-        now: Instant<'_>,
+        now: SeriesStart<'_>,
         (x, v): (&[f64], &[f64]),
         most: f64,
     ) {
@@ -226,7 +226,7 @@ impl Series {
         &mut self,
         dynamics: &Dynamics,
         drive: &Drive,
-        now: Instant<'_>,
+        now: SeriesStart<'_>,
     ) {
         match self.places {
             4 => self.small::<4, 2, WAVES>(dynamics, drive, now),
@@ -241,14 +241,14 @@ impl Series {
         &mut self,
         dynamics: &Dynamics,
         drive: &Drive,
-        now: Instant<'_>,
+        now: SeriesStart<'_>,
     ) {
         self.order = 0;
         let mut rate = self.small_rate::<N>(dynamics, drive);
         let waves = if WAVES { self.waves.powers() } else { 0 };
         self.write_wave_rows(dynamics, drive);
         let Some(reduced) = &mut self.reduced else { return };
-        let Instant { outer, slider, .. } = now;
+        let SeriesStart { outer, slider, .. } = now;
         let matrices = reduced.of(dynamics, &mut self.law, &self.states, drive, (outer, slider));
         let Damping { alpha, beta } = dynamics.damping;
         let is_damped = alpha != 0.0 || !dynamics.dampers.is_empty();
@@ -347,7 +347,7 @@ impl Series {
     }
 
     /// The recursion with sparse matrices.
-    fn large(&mut self, dynamics: &Dynamics, drive: &Drive, now: Instant<'_>) {
+    fn large(&mut self, dynamics: &Dynamics, drive: &Drive, now: SeriesStart<'_>) {
         let Self { law, stretch, velocity, zeros, outer_rate, dofs, span, waves, swung, .. } = self;
         law.set(dynamics, &self.states, &drive.friction);
         let places = self.places;

@@ -45,7 +45,7 @@ struct Change {
 }
 
 /// What comes of it: d(N, T), N, and dv_r, m/s, of each contact.
-struct Outcome {
+struct ForceChange {
     forces: Vec<[f64; 2]>,
     slip: Vec<f64>,
 }
@@ -136,7 +136,7 @@ impl Simulation {
         &self,
         variable: &Variable,
         change: &Change,
-        outcome: &Outcome,
+        outcome: &ForceChange,
         present: &[ContactForce],
     ) -> Result<f64, Error> {
         let (i, name) = (variable.index, &variable.name);
@@ -167,7 +167,7 @@ impl Simulation {
     }
 
     /// What comes of a change.
-    fn outcome(&mut self, change: &Change, present: &[ContactForce]) -> Result<Outcome, Error> {
+    fn outcome(&mut self, change: &Change, present: &[ContactForce]) -> Result<ForceChange, Error> {
         let slopes = self.slopes(present);
         let sum = change.force.iter().zip(&change.load).map(|(force, load)| force + load);
         let mut push = self.held_back(sum.collect(), &change.displacement, &change.velocity);
@@ -189,7 +189,7 @@ impl Simulation {
         for (force, own) in forces.iter_mut().zip(&weakened) {
             force[1] += own;
         }
-        Ok(Outcome { forces, slip })
+        Ok(ForceChange { forces, slip })
     }
 
     fn slopes(&self, present: &[ContactForce]) -> Vec<Slope> {

@@ -20,7 +20,7 @@ mod table;
 pub use cycle::Cycle;
 pub(crate) use cycle::half_range;
 pub use grid::{Grid, Rung};
-pub use run::Change;
+pub use run::StateChange;
 pub use table::{COLUMNS, LEGEND, short};
 
 use amontons::Error;
@@ -29,7 +29,7 @@ use amontons::model::LumpedModel;
 use amontons::scene::{Method, Scene, nearest};
 use amontons::simulation::Simulation;
 use amontons::stability::{CriticalStep, critical_step};
-use run::Run;
+use run::AccuracyRun;
 use std::ops::ControlFlow;
 
 /// Two runs that agree this well, in parts of the amplitude, need no shorter step.
@@ -120,8 +120,8 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
 
 /// A run, and the one with twice its step.
 struct Converged {
-    coarser: Run,
-    reference: Run,
+    coarser: AccuracyRun,
+    reference: AccuracyRun,
     step: f64,
     /// Root mean square of the displacements about their means, m, if there is any motion.
     scale: Option<f64>,
@@ -142,7 +142,7 @@ fn converge(
         let rung = grid.rung(Method::EventDriven, 3 << halvings);
         let steps = (rung.steps * grid.intervals) as f64;
         let is_last = 2.0 * steps * scene.external_forces().count() as f64 > MOST_WORK;
-        match Run::of(scene, grid, rung, &mut *watch) {
+        match AccuracyRun::of(scene, grid, rung, &mut *watch) {
             Ok(None) => return Ok(None),
             Ok(Some(reference)) => {
                 if let Some(coarser) = before.take() {
@@ -176,7 +176,7 @@ pub struct Study {
     grid: Grid,
     critical: Result<CriticalStep, Error>,
     dof: usize,
-    reference: Run,
+    reference: AccuracyRun,
     reference_step: f64,
     cycle: Cycle,
     scale: Option<f64>,
@@ -226,10 +226,10 @@ impl Study {
     }
 
     /// The reference's own errors, from the run with twice its step.
-    fn floor_from(&self, coarser: &Run) -> Errors {
+    fn floor_from(&self, coarser: &AccuracyRun) -> Errors {
         let apart = self.errors_of(coarser);
         let Cycle { amplitude_error, frequency_error, .. } = self.cycle;
-        let resolution = Run::resolution(self.reference_step);
+        let resolution = AccuracyRun::resolution(self.reference_step);
         Errors {
             rms: apart.rms.map(|rms| rms.max(f64::EPSILON)),
             amplitude: apart.amplitude.map(|error| error.max(amplitude_error)),
@@ -279,7 +279,7 @@ impl Study {
 
     /// When which contact takes another state in the reference, in the order of time.
     #[must_use]
-    pub fn reference_changes(&self) -> &[Change] {
+    pub fn reference_changes(&self) -> &[StateChange] {
         self.reference.changes()
     }
 
@@ -321,13 +321,13 @@ impl Study {
     /// # Errors
     /// A run that fails: a step above the critical one, contact forces that do not converge.
     pub fn row(&self, rung: Rung, watch: Watch<'_>) -> Result<Option<Row>, Error> {
-        let Some(run) = Run::of(&self.scene, self.grid, rung, watch)? else { return Ok(None) };
+        let Some(run) = AccuracyRun::of(&self.scene, self.grid, rung, watch)? else { return Ok(None) };
         let raised = |error: Option<f64>, floor: Option<f64>| {
             error.zip(floor).map(|(error, floor)| error.max(floor))
         };
         let errors = self.errors_of(&run);
         let floor = self.floor;
-        let more = |run: &Run| i64::try_from(run.statistics.state_changes()).unwrap_or(i64::MAX);
+        let more = |run: &AccuracyRun| i64::try_from(run.statistics.state_changes()).unwrap_or(i64::MAX);
         let errors = Errors {
             rms: raised(errors.rms, floor.rms),
             amplitude: raised(errors.amplitude, floor.amplitude),
@@ -340,7 +340,7 @@ impl Study {
     }
 
     /// The differences between a run and the reference.
-    fn errors_of(&self, run: &Run) -> Errors {
+    fn errors_of(&self, run: &AccuracyRun) -> Errors {
         let cycle = Cycle::of(&run.history(self.dof), self.grid.interval);
         let relative = |value: Option<f64>, reference: Option<f64>| {
             value.zip(reference).map(|(value, reference)| (value / reference - 1.0).abs())

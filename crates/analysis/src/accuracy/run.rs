@@ -16,7 +16,7 @@ const PARTS: u64 = 1 << 18;
 
 /// A contact takes another state.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Change {
+pub struct StateChange {
     /// The contact, from 0.
     pub contact: usize,
     /// The state that it takes.
@@ -26,15 +26,15 @@ pub struct Change {
 }
 
 /// What is kept of a run.
-pub(super) struct Run {
+pub(super) struct AccuracyRun {
     pub(super) statistics: Statistics,
     dofs: usize,
     /// One row of displacements an interval, the start among them.
     displacements: Vec<f64>,
-    changes: Vec<Change>,
+    changes: Vec<StateChange>,
 }
 
-impl Run {
+impl AccuracyRun {
     /// Runs a scene; `None` if the watch ended it.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn of(
@@ -79,7 +79,7 @@ impl Run {
         step / PARTS as f64
     }
 
-    pub(super) fn changes(&self) -> &[Change] {
+    pub(super) fn changes(&self) -> &[StateChange] {
         &self.changes
     }
 
@@ -129,7 +129,7 @@ impl Run {
             changes
         };
         let (ours, theirs) = (sorted(self), sorted(other));
-        let same = |(a, b): (&Change, &Change)| (a.contact, a.state) == (b.contact, b.state);
+        let same = |(a, b): (&StateChange, &StateChange)| (a.contact, a.state) == (b.contact, b.state);
         if ours.len() != theirs.len() || ours.is_empty() || !ours.iter().zip(&theirs).all(same) {
             return None;
         }
@@ -160,7 +160,7 @@ impl Units {
     }
 
     /// Goes through all of them.
-    fn walk(&self, simulation: &mut Simulation, changes: &mut Vec<Change>) -> Result<(), Error> {
+    fn walk(&self, simulation: &mut Simulation, changes: &mut Vec<StateChange>) -> Result<(), Error> {
         let mut before = simulation.contact_states().to_vec();
         for unit in self.from..self.to {
             simulation.advance_to(self.time(unit + 1))?;
@@ -177,7 +177,7 @@ impl Units {
         simulation: &mut Simulation,
         start: &Snapshot,
         count: u64,
-        changes: &mut Vec<Change>,
+        changes: &mut Vec<StateChange>,
     ) -> Result<(), Error> {
         simulation.restore(start)?;
         if self.to - self.from == 1 {
@@ -210,11 +210,11 @@ fn note(
     simulation: &Simulation,
     before: &mut [ContactState],
     time: f64,
-    changes: &mut Vec<Change>,
+    changes: &mut Vec<StateChange>,
 ) {
     for (contact, (old, &state)) in before.iter_mut().zip(simulation.contact_states()).enumerate() {
         if std::mem::replace(old, state) != state {
-            changes.push(Change { contact, state, time });
+            changes.push(StateChange { contact, state, time });
         }
     }
 }

@@ -12,7 +12,7 @@ const SAME: f64 = 0.05;
 
 /// A range in which one mode grows.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Growth {
+pub(super) struct GrowthRange {
     /// From the first value at which it grows to the last.
     pub(super) range: [f64; 2],
     /// `true` if it does not grow below the range; `false` if the values begin inside it.
@@ -26,11 +26,11 @@ type Growing<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + 'a;
 
 /// The ranges in which modes grow, over ascending values; by their starts. One that lies between two neighbouring values
 /// is missed.
-pub(super) fn growth(growing: &Growing<'_>, values: &[f64]) -> Result<Vec<Growth>, Error> {
+pub(super) fn growth(growing: &Growing<'_>, values: &[f64]) -> Result<Vec<GrowthRange>, Error> {
     let Some(&first) = values.first() else { return Ok(Vec::new()) };
-    let open = |root: Root| Growth { range: [first; 2], begins: false, ends: [root; 2] };
+    let open = |root: Root| GrowthRange { range: [first; 2], begins: false, ends: [root; 2] };
     let now = growing(first)?.into_iter().map(open).collect();
-    let mut follower = Follower { growing, value: first, now, over: Vec::new() };
+    let mut follower = GrowthFollower { growing, value: first, now, over: Vec::new() };
     for &value in &values[1..] {
         let next = growing(value)?;
         follower.follow_to(value, &next)?;
@@ -41,16 +41,16 @@ pub(super) fn growth(growing: &Growing<'_>, values: &[f64]) -> Result<Vec<Growth
     Ok(found)
 }
 
-struct Follower<'a> {
+struct GrowthFollower<'a> {
     growing: &'a Growing<'a>,
     value: f64,
     /// Modes that grow at `value`.
-    now: Vec<Growth>,
+    now: Vec<GrowthRange>,
     /// Those that have ceased to.
-    over: Vec<Growth>,
+    over: Vec<GrowthRange>,
 }
 
-impl Follower<'_> {
+impl GrowthFollower<'_> {
     /// Moves on to a value with these growing modes, in halves as long as they are not those of before.
     fn follow_to(&mut self, value: f64, next: &[Root]) -> Result<(), Error> {
         let pairs = self.pairs(next);
@@ -60,18 +60,18 @@ impl Follower<'_> {
             self.follow_to(middle, &found)?;
             return self.follow_to(value, next);
         }
-        let mut before: Vec<Option<Growth>> =
+        let mut before: Vec<Option<GrowthRange>> =
             std::mem::take(&mut self.now).into_iter().map(Some).collect();
         for (place, root) in next.iter().enumerate() {
             let from = pairs.iter().find(|(_, to)| *to == place);
             let going = from.and_then(|(from, _)| before[*from].take());
             self.now.push(match going {
-                Some(growth) => Growth {
+                Some(growth) => GrowthRange {
                     range: [growth.range[0], value],
                     ends: [growth.ends[0], *root],
                     ..growth
                 },
-                None => Growth { range: [value; 2], begins: true, ends: [*root; 2] },
+                None => GrowthRange { range: [value; 2], begins: true, ends: [*root; 2] },
             });
         }
         self.over.extend(before.into_iter().flatten());
@@ -103,7 +103,7 @@ impl Follower<'_> {
     }
 }
 
-impl Growth {
+impl GrowthRange {
     /// The mode's frequency, Hz, at the start (0) or the end (1) of its range.
     pub(super) fn frequency_hz(&self, end: usize) -> f64 {
         // A mode that does not oscillate may have a negative zero.
@@ -121,7 +121,7 @@ mod tests {
         Root { sigma: -lambda * lambda, lambda }
     }
 
-    fn over(modes: &dyn Fn(f64) -> Vec<Root>, steps: u32) -> Vec<Growth> {
+    fn over(modes: &dyn Fn(f64) -> Vec<Root>, steps: u32) -> Vec<GrowthRange> {
         let values: Vec<f64> = (0..=steps).map(|i| f64::from(i) / f64::from(steps)).collect();
         let growing =
             |value: f64| Ok(modes(value).into_iter().filter(|root| root.lambda.re > 0.0).collect());

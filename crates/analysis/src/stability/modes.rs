@@ -5,9 +5,9 @@ use amontons::contact::ContactState;
 use amontons::model::{Damping, LinearModel, ReducedMatrices};
 use amontons::stability::damped_modes::QuadraticProblem;
 use amontons::stability::reduced_problem::{
-    Kind, check_size, cleaned, operator, quadratic_roots, rounding,
+    EigenvalueKind, check_size, cleaned, operator, quadratic_roots, rounding,
 };
-use amontons::stability::symmetry::{Part, module_of_wave, turn};
+use amontons::stability::symmetry::{SymmetrySector, module_of_wave, turn};
 use faer::Mat;
 use nalgebra::{Complex, DMatrix};
 use std::f64::consts::TAU;
@@ -67,9 +67,9 @@ impl Modes {
 
     fn add(&mut self, modes: Vec<Mode>) {
         for mode in modes {
-            match Kind::of(mode.eigenvalue) {
-                Kind::Real => self.real.push(mode),
-                Kind::Oscillating | Kind::Conjugate => self.oscillating.push(mode),
+            match EigenvalueKind::of(mode.eigenvalue) {
+                EigenvalueKind::Real => self.real.push(mode),
+                EigenvalueKind::Oscillating | EigenvalueKind::Conjugate => self.oscillating.push(mode),
             }
         }
     }
@@ -93,10 +93,10 @@ impl Modes {
 /// does not converge or leaves the range of numbers, or the model is too large for dense matrices.
 pub fn modes(model: LinearModel<'_>, states: &[ContactState]) -> Result<Modes, Error> {
     let mut found = Modes { oscillating: Vec::new(), real: Vec::new() };
-    for part in Part::all([model], states) {
+    for part in SymmetrySector::all([model], states) {
         match part {
-            Part::Whole => found.add(modes_of(model, states)?),
-            Part::Wave { k, modules } => {
+            SymmetrySector::Whole => found.add(modes_of(model, states)?),
+            SymmetrySector::Wave { k, modules } => {
                 let module = module_of_wave(model.model(), k, modules);
                 let one = modes_of(model.of_part(&module), &states[..1])?;
                 found.add(one.iter().map(|mode| around(mode, k, modules, f64::cos)).collect());
@@ -126,7 +126,7 @@ fn modes_of(linear: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<Mode
     let Some(reduced) = linear.reduced(states) else { return Ok(Vec::new()) };
     let mut found = Vec::new();
     let mut add = |eigenvalue, stiffness_eigenvalue, vector: &[Complex<f64>]| {
-        if !matches!(Kind::of(eigenvalue), Kind::Conjugate) {
+        if !matches!(EigenvalueKind::of(eigenvalue), EigenvalueKind::Conjugate) {
             found.push(Mode {
                 eigenvalue,
                 stiffness_eigenvalue,

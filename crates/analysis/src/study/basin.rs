@@ -95,7 +95,7 @@ pub struct Basin {
 
 /// What is known of a point, as it is noted.
 #[derive(Clone, Debug, Serialize, Deserialize)]
-enum Found {
+enum PointOutcome {
     /// It has the habits of this one of the attractors of the first points.
     Early(usize),
     /// It was followed until it was settled, or for as long as may be; with its habits.
@@ -159,7 +159,7 @@ pub fn basin(
         )));
     }
     let plane = Plane { scene, names, axes: [x, y], look, journal, watch };
-    let mut found: Vec<Option<Found>> = vec![None; x.values.len() * y.values.len()];
+    let mut found: Vec<Option<PointOutcome>> = vec![None; x.values.len() * y.values.len()];
     let mut knowledge = Knowledge::default();
     let mut part = 0.0;
     if coverage != Coverage::EveryPointSettled {
@@ -171,7 +171,7 @@ pub fn basin(
         let Some(()) = plane.run("first", &first, &knowledge, [0.0, part], &mut found)? else {
             return Ok(None);
         };
-        let ends: Vec<&Found> = first.iter().filter_map(|&place| found[place].as_ref()).collect();
+        let ends: Vec<&PointOutcome> = first.iter().filter_map(|&place| found[place].as_ref()).collect();
         knowledge = Knowledge::of(scene, &ends);
     }
     let filled = if coverage == Coverage::Traced {
@@ -183,8 +183,8 @@ pub fn basin(
     };
     let Some(filled) = filled else { return Ok(None) };
     let mut ends = found.iter().flatten();
-    if let Some(Found::Failed(reason)) = ends.next()
-        && ends.all(|end| matches!(end, Found::Failed(_)))
+    if let Some(PointOutcome::Failed(reason)) = ends.next()
+        && ends.all(|end| matches!(end, PointOutcome::Failed(_)))
     {
         return Err(Error::scene(format!("no point of the plane can run: {reason}")));
     }
@@ -236,7 +236,7 @@ impl Plane<'_> {
         places: &[usize],
         knowledge: &Knowledge,
         parts: [f64; 2],
-        found: &mut [Option<Found>],
+        found: &mut [Option<PointOutcome>],
     ) -> Result<Option<()>, Error> {
         let [x, y] = self.axes;
         let point =
@@ -255,7 +255,7 @@ impl Plane<'_> {
                 })
             })
         };
-        let ends: Option<Vec<Vec<Found>>> =
+        let ends: Option<Vec<Vec<PointOutcome>>> =
             collect(pieces.len(), &work, &|_| {})?.into_iter().collect();
         let Some(ends) = ends else { return Ok(None) };
         for (place, end) in due.into_iter().zip(ends.into_iter().flatten()) {
@@ -270,7 +270,7 @@ impl Plane<'_> {
         &self,
         knowledge: &Knowledge,
         mut part: f64,
-        found: &mut [Option<Found>],
+        found: &mut [Option<PointOutcome>],
     ) -> Result<Option<Vec<Option<usize>>>, Error> {
         let mut round = 0;
         trace(self.axes.map(|axis| axis.values.len()), &mut |places| {
@@ -289,9 +289,9 @@ impl Plane<'_> {
     }
 
     /// Runs a point and gives its end, which may be that it fails; `None` if the watch ended the run.
-    fn ending(&self, point: [f64; 2], knowledge: &Knowledge, told: &dyn Fn(f64)) -> Option<Found> {
+    fn ending(&self, point: [f64; 2], knowledge: &Knowledge, told: &dyn Fn(f64)) -> Option<PointOutcome> {
         self.follow(point, knowledge, told)
-            .unwrap_or_else(|error| Some(Found::Failed(error.to_string())))
+            .unwrap_or_else(|error| Some(PointOutcome::Failed(error.to_string())))
     }
 
     /// Follows a point until it is decided; `None` if the watch ended it.
@@ -300,7 +300,7 @@ impl Plane<'_> {
         [x, y]: [f64; 2],
         knowledge: &Knowledge,
         told: &dyn Fn(f64),
-    ) -> Result<Option<Found>, Error> {
+    ) -> Result<Option<PointOutcome>, Error> {
         let scene = starting_from(self.scene, &[(&self.names[0], x), (&self.names[1], y)])?;
         let mut simulation = Simulation::new(scene, 0.0)?;
         let mut traveller = Traveller::new(Settling::new(&simulation, self.look)?);
@@ -351,12 +351,12 @@ impl Traveller {
         simulation: &mut Simulation,
         weight: f64,
         is_over: &dyn Fn() -> bool,
-    ) -> Result<Option<Found>, Error> {
+    ) -> Result<Option<PointOutcome>, Error> {
         self.meter.note(simulation.displacement(), simulation.velocity(), weight);
         let Some(ending) = self.settling.note(simulation, is_over)? else { return Ok(None) };
         let last = if ending.kind == Kind::Periodic { OF_A_CYCLE } else { HABITUAL };
         let habits = habits(self.sizes.iter().rev().take(last));
-        Ok(Some(Found::Settled(Box::new(ending), habits)))
+        Ok(Some(PointOutcome::Settled(Box::new(ending), habits)))
     }
 
     /// Judges the motion at the end of a short window; the attractor if it is decided.
@@ -364,7 +364,7 @@ impl Traveller {
         &mut self,
         simulation: &Simulation,
         Knowledge { attractors, resting, .. }: &Knowledge,
-    ) -> Option<Found> {
+    ) -> Option<PointOutcome> {
         let sizes = self.meter.take();
         let changes = simulation.statistics().state_changes();
         let is_calm = changes == self.changes
@@ -387,7 +387,7 @@ impl Traveller {
         if self.sizes.len() > HABITUAL {
             self.sizes.pop_front();
         }
-        alike.filter(|_| self.kept.1 >= KEPT).map(Found::Early)
+        alike.filter(|_| self.kept.1 >= KEPT).map(PointOutcome::Early)
     }
 }
 
@@ -451,7 +451,7 @@ fn habits<'a>(windows: impl Iterator<Item = &'a Vec<f64>>) -> Vec<[f64; 2]> {
 
 impl Knowledge {
     /// Collects what the first points, which end so, tell of all others.
-    fn of(scene: &Scene, found: &[&Found]) -> Self {
+    fn of(scene: &Scene, found: &[&PointOutcome]) -> Self {
         let attractors = what_is_known(found);
         let rests = attractors.iter().any(|known| known.ending.kind == Kind::Equilibrium);
         Self { attractors, resting: rests.then(|| stable_rest(scene)).flatten() }
@@ -459,9 +459,9 @@ impl Knowledge {
 }
 
 /// The attractors that points have ended in, with the habits of all that ended in each.
-fn what_is_known(found: &[&Found]) -> Vec<Known> {
+fn what_is_known(found: &[&PointOutcome]) -> Vec<Known> {
     let settled = found.iter().filter_map(|found| match found {
-        Found::Settled(ending, habits) => Some((&**ending, habits)),
+        PointOutcome::Settled(ending, habits) => Some((&**ending, habits)),
         _ => None,
     });
     let settled: Vec<(&Ending, &Vec<[f64; 2]>)> = settled.collect();
@@ -498,10 +498,10 @@ fn spread(count: usize) -> Vec<usize> {
 }
 
 /// All attractors, and the cell of each point that was run.
-fn cells(known: &[Known], found: &[Option<Found>]) -> (Vec<Ending>, Vec<Option<Cell>>) {
+fn cells(known: &[Known], found: &[Option<PointOutcome>]) -> (Vec<Ending>, Vec<Option<Cell>>) {
     let first = known.iter().map(|known| Some(&known.ending));
     let settled = found.iter().map(|found| match found {
-        Some(Found::Settled(ending, _)) => Some(&**ending),
+        Some(PointOutcome::Settled(ending, _)) => Some(&**ending),
         _ => None,
     });
     let (attractors, places) = attractors(first.chain(settled));
@@ -509,9 +509,9 @@ fn cells(known: &[Known], found: &[Option<Found>]) -> (Vec<Ending>, Vec<Option<C
     let cell = |attractor, early, failure| Cell { attractor, run: true, early, failure };
     let cells = found.iter().zip(settled).map(|(found, &place)| {
         found.as_ref().map(|found| match found {
-            Found::Early(known) => cell(first[*known], true, None),
-            Found::Settled(..) => cell(place, false, None),
-            Found::Failed(why) => cell(None, false, Some(why.clone())),
+            PointOutcome::Early(known) => cell(first[*known], true, None),
+            PointOutcome::Settled(..) => cell(place, false, None),
+            PointOutcome::Failed(why) => cell(None, false, Some(why.clone())),
         })
     });
     (attractors, cells.collect())

@@ -5,7 +5,7 @@
 //! motion than that makes a contact change its state and loses energy, until it is as small.
 
 use super::basis::{Basis, Members, scheme_step};
-use super::linear::{Growth, MORE_THAN_ROUNDING, growth};
+use super::linear::{GrowthRate, MORE_THAN_ROUNDING, growth};
 use super::look::Look;
 use super::recurrence::{begin_fast, way_of_a_step};
 use crate::stability::Linearised;
@@ -40,7 +40,7 @@ pub(super) fn is_one_of_many(
     frequency: Option<f64>,
     is_over: &dyn Fn() -> bool,
 ) -> Result<bool, Error> {
-    if simulation.is_driven_on() && growth(simulation).is_some_and(Growth::is_decaying) {
+    if simulation.is_driven_on() && growth(simulation).is_some_and(GrowthRate::is_decaying) {
         return Ok(false);
     }
     let Some(frequency) = frequency else { return Ok(true) };

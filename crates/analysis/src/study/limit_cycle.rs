@@ -106,7 +106,7 @@ impl fmt::Display for Change {
 
 /// Two values between which the motion changes.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Threshold {
+pub struct MotionBracket {
     /// The last value below the change, and the first above.
     pub between: [f64; 2],
     /// What changes.
@@ -134,7 +134,7 @@ pub struct LimitCycles {
     /// Runs of values with settled motions that are alike.
     pub regimes: Vec<Regime>,
     /// Between neighbouring values that both have settled, by value.
-    pub thresholds: Vec<Threshold>,
+    pub thresholds: Vec<MotionBracket>,
     /// By value; motions that rest have none.
     pub portraits: Vec<Portrait>,
 }
@@ -307,9 +307,9 @@ impl Runs<'_> {
         &self,
         pairs: &[(f64, Outcome); 2],
         resolution: f64,
-    ) -> Result<Option<Vec<Threshold>>, Error> {
+    ) -> Result<Option<Vec<MotionBracket>>, Error> {
         let near = resolution * (pairs[1].0 - pairs[0].0);
-        let mut found: Vec<Threshold> = Vec::new();
+        let mut found: Vec<MotionBracket> = Vec::new();
         for change in changes(&pairs[0].1, &pairs[1].1) {
             let [mut low, mut high] = pairs.clone();
             let mut unknown = None;
@@ -334,7 +334,7 @@ impl Runs<'_> {
             let between = [low.0, high.0];
             match found.iter_mut().find(|known| known.between == between) {
                 Some(known) => known.changes.push(change),
-                None => found.push(Threshold { between, changes: vec![change], unknown }),
+                None => found.push(MotionBracket { between, changes: vec![change], unknown }),
             }
         }
         found.sort_by(|a, b| a.between[0].total_cmp(&b.between[0]));

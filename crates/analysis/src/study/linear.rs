@@ -14,14 +14,14 @@ pub(super) const MORE_THAN_ROUNDING: f64 = 1e-9;
 
 /// The growth rate of the fastest growing mode.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Growth {
+pub(super) struct GrowthRate {
     /// 1/s.
     pub rate: f64,
     /// In parts of the fastest mode's angular frequency.
     pub relative: f64,
 }
 
-impl Growth {
+impl GrowthRate {
     /// Does a mode grow, by more than rounding?
     pub(super) fn is_growing(self) -> bool {
         self.relative > MORE_THAN_ROUNDING
@@ -35,18 +35,18 @@ impl Growth {
 
 /// The growth rate in the contact states that the motion is in. `None` where motion in these states is not linear, or
 /// cannot be analysed.
-pub(super) fn growth(simulation: &Simulation) -> Option<Growth> {
+pub(super) fn growth(simulation: &Simulation) -> Option<GrowthRate> {
     has_linear_friction(simulation.acting()).then(|| growth_of_small(simulation))?
 }
 
 /// The growth rate of motions beside the equilibrium that are small enough for any law of friction, in the contact states that
 /// the motion is in. `None` where these cannot be analysed.
-pub(super) fn growth_of_small(simulation: &Simulation) -> Option<Growth> {
+pub(super) fn growth_of_small(simulation: &Simulation) -> Option<GrowthRate> {
     let here = Linearised::now(simulation);
     let spectrum = Spectrum::of(here.linear().ok()?, simulation.contact_states()).ok()?;
     let fastest = spectrum.oscillating.last().map_or(0.0, |value| value.im);
     let rate = spectrum.growth_rate();
-    Some(Growth { rate, relative: rate / fastest.max(rate.abs()) })
+    Some(GrowthRate { rate, relative: rate / fastest.max(rate.abs()) })
 }
 
 /// Can friction take no other size than in proportion to the normal force?

@@ -104,12 +104,12 @@ impl State {
 }
 
 /// A motion from a saved state on, at times after that state.
-struct Course<'a> {
+struct ResumedMotion<'a> {
     from: &'a Snapshot,
     start: f64,
 }
 
-impl Course<'_> {
+impl ResumedMotion<'_> {
     fn begin(&self) -> Result<Simulation, Error> {
         Simulation::resume(self.from.clone())
     }
@@ -199,7 +199,7 @@ fn seek(
         return Ok(None);
     }
     let (begin, origin) = (Return { after: 0.0, state: start.save() }, State::of(&start));
-    let course = Course { from: &begin.state, start: start.time() };
+    let course = ResumedMotion { from: &begin.state, start: start.time() };
     let window = rows as f64 * interval;
     // Rounding of forces moves the state, too.
     let rounding = FORCE_ROUNDING * deflection(simulation) / scale.displacement;
@@ -226,7 +226,7 @@ pub(super) enum Search {
 
 /// Looks for a period.
 struct Seeker<'a> {
-    course: Course<'a>,
+    course: ResumedMotion<'a>,
     /// The state that the search begins in, and a copy of it.
     begin: &'a Return,
     origin: State,
@@ -501,7 +501,7 @@ pub(super) fn begin_fast(
 /// When the motion passes the state that it came from, s after that: between two times on either side, by false
 /// position from what was saved at the first of them.
 fn passage(
-    course: &Course<'_>,
+    course: &ResumedMotion<'_>,
     before: &Snapshot,
     origin: &State,
     (mut times, mut passed): ([f64; 2], [f64; 2]),

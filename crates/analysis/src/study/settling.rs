@@ -19,7 +19,7 @@ use super::period::{OverSpan, over_span};
 use super::recurrence::{
     Closure, Search, closure, is_closing, long_closure, longest_step, may_wobble, short_period,
 };
-use super::windows::{Course, Surroundings, Windows};
+use super::windows::{Trend, Surroundings, Windows};
 use crate::accuracy::half_range;
 use crate::spectral::lines;
 use crate::sweep::steady::{ROUNDING, mixture};
@@ -210,17 +210,17 @@ impl Settling {
         // A window with the last edge of a signal in it shows what comes to an end, too.
         let began = (self.row - self.look.rows()) as f64 * self.look.interval;
         let waits = began < self.last_edge;
-        let is_open = goes_on || waits && course != Course::Unbounded;
-        let course = if is_open { Course::Open } else { course };
-        let follows = course != Course::Rests && !is_open && self.follows(simulation, is_over)?;
+        let is_open = goes_on || waits && course != Trend::Unbounded;
+        let course = if is_open { Trend::Open } else { course };
+        let follows = course != Trend::Rests && !is_open && self.follows(simulation, is_over)?;
         let kind = match course {
             _ if follows => Some((Kind::QuasiPeriodic, None)),
-            Course::Rests => Some((Kind::Equilibrium, None)),
-            Course::Unbounded => Some((Kind::Unbounded, None)),
-            Course::Steady | Course::Varies => {
-                self.kind(simulation, course == Course::Varies, is_over)?
+            Trend::Rests => Some((Kind::Equilibrium, None)),
+            Trend::Unbounded => Some((Kind::Unbounded, None)),
+            Trend::Steady | Trend::Varies => {
+                self.kind(simulation, course == Trend::Varies, is_over)?
             }
-            Course::Open => None,
+            Trend::Open => None,
         };
         let (kind, parting) = match kind {
             Some(known) => known,

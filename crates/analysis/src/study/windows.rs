@@ -24,7 +24,7 @@ const CREEP: f64 = 0.5;
 const IRREGULAR_WINDOWS: [usize; 3] = [12, 24, 48];
 
 /// A window that was looked at.
-struct Seen {
+struct SeenWindow {
     /// Deviation of the mixture from its mean, root mean square of the weighted values, and whether a contact changed
     /// its state.
     size: f64,
@@ -36,7 +36,7 @@ struct Seen {
 
 /// What the last window and those before it show of a motion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Course {
+pub(super) enum Trend {
     /// It rests, or decays to rest.
     Rests,
     /// Its size and its lines stay.
@@ -75,7 +75,7 @@ pub(super) struct Windows {
     interval: f64,
     /// Of the rows of a window.
     weights: Vec<f64>,
-    seen: Vec<Seen>,
+    seen: Vec<SeenWindow>,
 }
 
 impl Windows {
@@ -115,7 +115,7 @@ impl Windows {
     /// other motion. Over so long the drive must have repeated itself.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn still(&self, changed: bool) -> f64 {
-        let is_still = |seen: &&Seen| seen.size == 0.0 && !seen.changed;
+        let is_still = |seen: &&SeenWindow| seen.size == 0.0 && !seen.changed;
         let before = self.seen.iter().rev().take_while(is_still).count();
         1.0 + if changed { 0.0 } else { before as f64 }
     }
@@ -135,9 +135,9 @@ impl Windows {
         changed: bool,
         is_last: bool,
         around: Surroundings<'_>,
-    ) -> Course {
+    ) -> Trend {
         let size = weighted_deviation(&mixture, &self.weights);
-        self.seen.push(Seen { size, changed, mixture, lines: None });
+        self.seen.push(SeenWindow { size, changed, mixture, lines: None });
         // Older ones are not looked at again, but for their size.
         if let Some(old) = self.seen.len().checked_sub(5) {
             (self.seen[old].mixture, self.seen[old].lines) = (Vec::new(), None);
@@ -148,14 +148,14 @@ impl Windows {
         let is_free = !around.is_driven;
         // What does not move at all while a sine pulls at it is held by friction, which is as it was after each period.
         if size == 0.0 && !changed && around.is_repeated {
-            return Course::Rests;
+            return Trend::Rests;
         }
         // Friction that is at its limit for an instant of each period may let a contact go and hold it again, by rounding.
         let flickers = around.is_driven && around.is_repeated && changed && is_rounding;
         let has_been = || self.seen.iter().rev().take(4).all(|seen| seen.size <= nothing);
         if flickers && self.seen.len() >= 4 && has_been() {
             let is_growing = (around.growth)().is_some_and(Growth::is_growing);
-            return if is_growing { Course::Open } else { Course::Rests };
+            return if is_growing { Trend::Open } else { Trend::Rests };
         }
         // What a sine keeps pushing gets no smaller, so only what rests already does.
         let is_resting = is_rounding || is_free && rests(&self.seen);
@@ -165,23 +165,23 @@ impl Windows {
             let is_decaying = growth.is_some_and(Growth::is_decaying);
             // A calm motion has only its eigenvalues to say that it decays.
             if is_decaying || !is_growing && is_resting {
-                return Course::Rests;
+                return Trend::Rests;
             }
         }
         let sizes = self.sizes();
         if around.is_driven && around.is_repeated && around.may_rest && fades(&sizes) {
-            return Course::Rests;
+            return Trend::Rests;
         }
         if is_free && (is_unbounded(around) || around.is_far && grows_evenly(&sizes)) {
-            return Course::Unbounded;
+            return Trend::Unbounded;
         }
         if is_steady(&sizes) && self.has_steady_lines() {
-            return Course::Steady;
+            return Trend::Steady;
         }
         // A beat that is longer than some windows has a trend over these, and none over more.
         let lengths = if is_last { &IRREGULAR_WINDOWS[..] } else { &IRREGULAR_WINDOWS[..1] };
         let varies = |windows: &usize| has_no_trend(&sizes, *windows);
-        if changed && lengths.iter().any(varies) { Course::Varies } else { Course::Open }
+        if changed && lengths.iter().any(varies) { Trend::Varies } else { Trend::Open }
     }
 
     /// Are the lines of the last windows the same, and does none grow?
@@ -233,7 +233,7 @@ impl Windows {
     }
 }
 
-impl Seen {
+impl SeenWindow {
     /// Its lines, found when they are first needed.
     fn lines(&mut self, interval: f64) -> &Lines {
         self.lines.get_or_insert_with(|| lines(&self.mixture, interval, FAINT))
@@ -241,7 +241,7 @@ impl Seen {
 }
 
 /// Has no contact changed its state over two windows, in the last of which the motion got smaller?
-fn is_calm(seen: &[Seen]) -> bool {
+fn is_calm(seen: &[SeenWindow]) -> bool {
     matches!(seen, [.., before, last] if !before.changed && !last.changed && last.size < before.size)
 }
 
@@ -281,10 +281,10 @@ fn deviation(values: &[f64]) -> f64 {
 
 /// Does a motion decay to rest? No contact changes its state any more, and the limit of its size, by Aitken's
 /// extrapolation, is near zero: twice one after the other.
-fn rests(seen: &[Seen]) -> bool {
+fn rests(seen: &[SeenWindow]) -> bool {
     let Some(first) = seen.len().checked_sub(4) else { return false };
     let last = &seen[first..];
-    let tends = |three: &[Seen]| tends_to_zero([three[0].size, three[1].size, three[2].size]);
+    let tends = |three: &[SeenWindow]| tends_to_zero([three[0].size, three[1].size, three[2].size]);
     last[1..].iter().all(|seen| !seen.changed) && last.windows(3).all(tends)
 }
 
@@ -353,7 +353,7 @@ mod tests {
     }
 
     /// The number of windows after which a made-up motion has settled, and how.
-    fn known(changes: bool, motion: impl Fn(f64) -> f64) -> Option<(usize, Course)> {
+    fn known(changes: bool, motion: impl Fn(f64) -> f64) -> Option<(usize, Trend)> {
         const MOST: usize = 20;
         let mut windows = Windows::new(ROWS, INTERVAL);
         (0..MOST).find_map(|window| {
@@ -361,7 +361,7 @@ mod tests {
             let largest = mixture.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
             let around = Surroundings { largest, ..FREE };
             match windows.judge(mixture, changes, false, around) {
-                Course::Open => None,
+                Trend::Open => None,
                 course => Some((windows.count(), course)),
             }
         })
@@ -392,24 +392,24 @@ mod tests {
 
     #[test]
     fn what_decays_rests() {
-        assert_eq!(known(false, |t| (-0.05 * t).exp() * sine(40.0, t)).unwrap().1, Course::Rests);
-        assert_eq!(known(false, |_| 7.0), Some((1, Course::Rests)));
+        assert_eq!(known(false, |t| (-0.05 * t).exp() * sine(40.0, t)).unwrap().1, Trend::Rests);
+        assert_eq!(known(false, |_| 7.0), Some((1, Trend::Rests)));
     }
 
     #[test]
     fn what_grows_evenly_far_beyond_all_loads_grows_without_bound() {
         let last = |is_far: bool, rate: &dyn Fn(f64) -> f64| {
             let mut windows = Windows::new(ROWS, INTERVAL);
-            let mut course = Course::Open;
+            let mut course = Trend::Open;
             for window in 0..6 {
                 let growing = over(window, |t| rate(t).exp() * sine(40.0, t));
                 course = windows.judge(growing, true, false, Surroundings { is_far, ..FREE });
             }
             course
         };
-        assert_eq!(last(true, &|t| 0.5 * t), Course::Unbounded);
-        assert_eq!(last(false, &|t| 0.5 * t), Course::Open);
-        assert_eq!(last(true, &|t| 2.0 * (0.3 * t).sin()), Course::Open);
+        assert_eq!(last(true, &|t| 0.5 * t), Trend::Unbounded);
+        assert_eq!(last(false, &|t| 0.5 * t), Trend::Open);
+        assert_eq!(last(true, &|t| 2.0 * (0.3 * t).sin()), Trend::Open);
     }
 
     #[test]
@@ -418,7 +418,7 @@ mod tests {
         for window in 0..8 {
             let decaying = over(window, |t| (-0.5 * t).exp() * sine(40.0, t));
             let driven = Surroundings { is_driven: true, is_repeated: false, ..FREE };
-            assert_eq!(windows.judge(decaying, false, false, driven), Course::Open);
+            assert_eq!(windows.judge(decaying, false, false, driven), Trend::Open);
         }
     }
 
@@ -428,7 +428,7 @@ mod tests {
         let two = |t| sine(219.38, t) + 0.3 * sine(167.81, t) + 0.02 * sine(219.38 - 167.81, t);
         let three = |t| two(t) + 0.1 * sine(91.237, t);
         let found = [known(true, one), known(true, two), known(true, three)];
-        assert_eq!(found, [Some((4, Course::Steady)); 3]);
+        assert_eq!(found, [Some((4, Trend::Steady)); 3]);
     }
 
     #[test]
@@ -439,7 +439,7 @@ mod tests {
             bits = (bits ^ (bits >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
             (bits >> 11) as f64 / (1_u64 << 53) as f64 - 0.5
         };
-        assert_eq!(known(true, noise).unwrap().1, Course::Varies);
+        assert_eq!(known(true, noise).unwrap().1, Trend::Varies);
     }
 
     #[test]
@@ -455,7 +455,7 @@ mod tests {
         // What comes to its end is.
         let ends = |t: f64| (1.0 - (-t).exp()) * sine(200.0, t);
         let (windows, course) = known(true, ends).unwrap();
-        assert!((5..8).contains(&windows) && course == Course::Steady, "{windows}");
+        assert!((5..8).contains(&windows) && course == Trend::Steady, "{windows}");
     }
 
     #[test]
@@ -471,10 +471,10 @@ mod tests {
             courses.last()
         };
         // By 0.02 % a window: far too slow to be seen to end.
-        assert_eq!(last(-1e-4, -1e-7, false), Some(Course::Rests));
-        assert_eq!(last(-1e-4, 1e-7, false), Some(Course::Open));
-        assert_eq!(last(1e-4, 1e-7, true), Some(Course::Unbounded));
-        assert_eq!(last(1e-4, 1e-7, false), Some(Course::Open));
+        assert_eq!(last(-1e-4, -1e-7, false), Some(Trend::Rests));
+        assert_eq!(last(-1e-4, 1e-7, false), Some(Trend::Open));
+        assert_eq!(last(1e-4, 1e-7, true), Some(Trend::Unbounded));
+        assert_eq!(last(1e-4, 1e-7, false), Some(Trend::Open));
     }
 
     #[test]

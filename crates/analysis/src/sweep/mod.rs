@@ -172,7 +172,7 @@ fn run(
     // A row at the end that closes no whole interval would be out of step with the others.
     let is_seen = |(time, is_whole): &(f64, bool)| *is_whole && *time >= begin;
     let rows = experiment.row_times().filter(is_seen).count();
-    let mut record = Record::new(view, rows, simulation.scene());
+    let mut record = RunRecord::new(view, rows, simulation.scene());
     for row in experiment.row_times() {
         if watch().is_break() {
             return Ok(None);
@@ -192,7 +192,7 @@ fn smallest(simulation: &Simulation) -> f64 {
 }
 
 /// What is kept of a run.
-struct Record {
+struct RunRecord {
     /// One history an output, in its unit.
     histories: Vec<Vec<f64>>,
     passage: Passage,
@@ -201,7 +201,7 @@ struct Record {
     slowest: Option<f64>,
 }
 
-impl Record {
+impl RunRecord {
     fn new(view: &View, rows: usize, scene: &Scene) -> Self {
         let histories = vec![Vec::new(); view.outputs.len()];
         let passage = Passage::new(scene, &view.outputs);

@@ -23,14 +23,14 @@ const CUBIC: f64 = 0.01;
 const NOTHING: f64 = 1e-9;
 
 /// What is followed.
-enum Followed {
+enum FollowedQuantity {
     /// The displacement of a degree of freedom, whose velocity is known.
     Displacement(usize),
     Other(Variable),
 }
 
 /// The motion at one instant.
-struct Point {
+struct PassagePoint {
     saved: Snapshot,
     /// s.
     time: f64,
@@ -45,10 +45,10 @@ struct Point {
 
 /// A simulation followed row by row.
 pub(crate) struct Passage {
-    followed: Vec<Followed>,
+    followed: Vec<FollowedQuantity>,
     /// It looks between the rows.
     scout: Option<Simulation>,
-    last: Option<Point>,
+    last: Option<PassagePoint>,
     /// By how much each value changed over the span before, or less.
     slack: Vec<f64>,
     extremes: Vec<[f64; 2]>,
@@ -62,7 +62,7 @@ impl Passage {
         let dofs = scene.dof_names();
         let followed = |output: &Variable| {
             let dof = dofs.iter().position(|name| *name == output.name);
-            dof.map_or_else(|| Followed::Other(output.clone()), Followed::Displacement)
+            dof.map_or_else(|| FollowedQuantity::Other(output.clone()), FollowedQuantity::Displacement)
         };
         Self {
             followed: outputs.iter().map(followed).collect(),
@@ -76,7 +76,7 @@ impl Passage {
 
     /// Follows all displacements, too, after the outputs.
     pub(crate) fn with_displacements(mut self, dofs: usize) -> Self {
-        self.followed.extend((0..dofs).map(Followed::Displacement));
+        self.followed.extend((0..dofs).map(FollowedQuantity::Displacement));
         self
     }
 
@@ -116,22 +116,22 @@ impl Passage {
         self.dwell.map(|dwell| if all > 0.0 { dwell / all } else { 0.0 })
     }
 
-    fn point(&self, simulation: &mut Simulation) -> Result<Point, Error> {
+    fn point(&self, simulation: &mut Simulation) -> Result<PassagePoint, Error> {
         let (mut values, mut rates) = (Vec::new(), Vec::new());
         for followed in &self.followed {
             match followed {
-                Followed::Displacement(dof) => {
+                FollowedQuantity::Displacement(dof) => {
                     values.push(simulation.displacement()[*dof]);
                     rates.push(Some(simulation.velocity()[*dof]));
                 }
-                Followed::Other(output) => {
+                FollowedQuantity::Other(output) => {
                     values.push(simulation.read(output)?);
                     rates.push(None);
                 }
             }
         }
         let statistics = simulation.statistics();
-        Ok(Point {
+        Ok(PassagePoint {
             saved: simulation.save(),
             time: simulation.time(),
             values,
@@ -146,8 +146,8 @@ impl Passage {
     fn pass(
         &mut self,
         scout: &mut Simulation,
-        before: &Point,
-        now: &Point,
+        before: &PassagePoint,
+        now: &PassagePoint,
         slack: &[f64],
         depth: u32,
     ) -> Result<(), Error> {
@@ -195,8 +195,8 @@ impl Passage {
     /// May a value turn in this span where it is smaller or larger than it was ever seen, as far as that is not known yet?
     fn may_turn(
         &self,
-        before: &Point,
-        now: &Point,
+        before: &PassagePoint,
+        now: &PassagePoint,
         slack: &[f64],
         depth: u32,
         is_stepped: bool,
@@ -223,13 +223,13 @@ impl Passage {
 }
 
 /// By how much each value changes.
-fn changes(before: &Point, now: &Point) -> Vec<f64> {
+fn changes(before: &PassagePoint, now: &PassagePoint) -> Vec<f64> {
     before.values.iter().zip(&now.values).map(|(before, now)| (now - before).abs()).collect()
 }
 
 /// The value at which a displacement turns between two points, m: of the cubic through its values and velocities or,
 /// where a kink lies between them, of the two tangents. `None` where it does not turn.
-fn turn(before: &Point, now: &Point, place: usize, has_kink: bool) -> Option<f64> {
+fn turn(before: &PassagePoint, now: &PassagePoint, place: usize, has_kink: bool) -> Option<f64> {
     let [from, to] = [before.rates[place]?, now.rates[place]?];
     if from * to >= 0.0 {
         return None;

@@ -16,7 +16,7 @@ use std::collections::{BTreeSet, HashSet};
 const MOST_PARTS: usize = 16;
 
 /// A library of a platform, and what comes with it.
-pub(super) struct Library<'a> {
+pub(super) struct PlatformLibrary<'a> {
     pub(super) path: &'a str,
     pub(super) platform: &'static Platform,
     pub(super) archive: &'a Archive,
@@ -24,7 +24,7 @@ pub(super) struct Library<'a> {
     pub(super) beside: &'a [&'a Entry],
 }
 
-impl Library<'_> {
+impl PlatformLibrary<'_> {
     /// Whether it is a library of its platform.
     pub(super) fn examine(
         &self,

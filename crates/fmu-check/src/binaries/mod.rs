@@ -12,7 +12,7 @@ use super::description::Description;
 use super::options::Glibc;
 use super::report::Report;
 use super::rules::Rule;
-use library::Library;
+use library::PlatformLibrary;
 use platforms::Platform;
 use std::collections::BTreeMap;
 
@@ -66,7 +66,7 @@ pub(super) fn examine(
             }
         };
         let beside: Vec<_> = entries.into_iter().filter(|beside| beside.name != path).collect();
-        let file = Library { path: &path, platform, archive, beside: &beside };
+        let file = PlatformLibrary { path: &path, platform, archive, beside: &beside };
         if !file.examine(&content, floor, report) {
             continue;
         }

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 
 const OUTPUT: &str = "output";
 
-enum End {
+enum WorkerEnd {
     Status(ExitStatus),
     Late,
     Large,
@@ -31,7 +31,7 @@ pub(super) fn run(
     process::adopt_orphans();
     let mut worker = start(folder, library, timeout)?;
     let end = wait(&mut worker, timeout);
-    if !matches!(end, End::Status(_)) {
+    if !matches!(end, WorkerEnd::Status(_)) {
         process::end(&mut worker);
     }
     let left = process::end_rest(worker.id());
@@ -59,7 +59,7 @@ fn start(folder: &Path, library: &str, timeout: Duration) -> io::Result<Child> {
         .spawn()
 }
 
-fn wait(worker: &mut Child, timeout: Duration) -> End {
+fn wait(worker: &mut Child, timeout: Duration) -> WorkerEnd {
     static UNWANTED: AtomicBool = AtomicBool::new(false);
     // The one that asked holds the other end, which the system closes whatever becomes of it.
     std::thread::spawn(|| {
@@ -69,18 +69,18 @@ fn wait(worker: &mut Child, timeout: Duration) -> End {
     let begin = Instant::now();
     loop {
         match worker.try_wait() {
-            Ok(Some(status)) => return End::Status(status),
+            Ok(Some(status)) => return WorkerEnd::Status(status),
             Ok(None) => {}
-            Err(_) => return End::Unwanted,
+            Err(_) => return WorkerEnd::Unwanted,
         }
         if UNWANTED.load(Ordering::Relaxed) {
-            return End::Unwanted;
+            return WorkerEnd::Unwanted;
         }
         if begin.elapsed() > timeout {
-            return End::Late;
+            return WorkerEnd::Late;
         }
         if process::memory(worker.id()).is_some_and(|bytes| bytes > process::MOST_MEMORY) {
-            return End::Large;
+            return WorkerEnd::Large;
         }
         std::thread::sleep(OFTEN);
     }
@@ -88,7 +88,7 @@ fn wait(worker: &mut Child, timeout: Duration) -> End {
 
 /// The rule that a worker's end breaks, and how.
 fn judge(
-    end: &End,
+    end: &WorkerEnd,
     state: &journal::State,
     left: bool,
     output: &str,
@@ -99,16 +99,16 @@ fn judge(
         output.lines().next_back().map(|last| format!("; it printed: {last}")).unwrap_or_default()
     };
     Some(match end {
-        End::Unwanted => return None,
-        End::Late => {
+        WorkerEnd::Unwanted => return None,
+        WorkerEnd::Late => {
             let seconds = timeout.as_secs_f64();
             (Rule::TimeLimit, format!("is not done after {seconds} s, in {stage}"))
         }
-        End::Large => {
+        WorkerEnd::Large => {
             let gibibytes = process::MOST_MEMORY >> 30;
             (Rule::MemoryLimit, format!("takes more than {gibibytes} GiB of memory, in {stage}"))
         }
-        End::Status(status) => match process::signal(*status) {
+        WorkerEnd::Status(status) => match process::signal(*status) {
             Some(signal) if state.done => {
                 (Rule::Crash, format!("crashes at the end of the process ({signal}){}", said()))
             }

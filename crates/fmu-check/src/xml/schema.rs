@@ -3,7 +3,7 @@
 use super::values::Type::{self, Boolean, Count, Counts, Double, Integer, Text, Word, Words};
 
 /// An element by its path's last names.
-pub(super) struct Kind {
+pub(super) struct ElementKind {
     /// `parent/name`, or the name alone where it is the same everywhere.
     pub(super) name: &'static str,
     /// Names, types, and whether they are required.
@@ -56,8 +56,8 @@ const UNKNOWN: &[(&str, Type, bool)] = &[
     ("dependenciesKind", Words(&["dependent", "constant", "fixed", "tunable", "discrete"]), false),
 ];
 
-pub(super) static ELEMENTS: &[Kind] = &[
-    Kind {
+pub(super) static ELEMENTS: &[ElementKind] = &[
+    ElementKind {
         name: "fmiModelDescription",
         attributes: &[
             ("fmiVersion", Text, true),
@@ -84,7 +84,7 @@ pub(super) static ELEMENTS: &[Kind] = &[
             one(&["ModelStructure"]),
         ],
     },
-    Kind {
+    ElementKind {
         name: "ModelExchange",
         attributes: &[
             ("modelIdentifier", Text, true),
@@ -98,7 +98,7 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[maybe(&["SourceFiles"])],
     },
-    Kind {
+    ElementKind {
         name: "CoSimulation",
         attributes: &[
             ("modelIdentifier", Text, true),
@@ -115,15 +115,15 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[maybe(&["SourceFiles"])],
     },
-    Kind { name: "SourceFiles", attributes: &[], children: &[some(&["File"])] },
-    Kind { name: "File", attributes: &[("name", Text, true)], children: &[] },
-    Kind { name: "UnitDefinitions", attributes: &[], children: &[some(&["Unit"])] },
-    Kind {
+    ElementKind { name: "SourceFiles", attributes: &[], children: &[some(&["File"])] },
+    ElementKind { name: "File", attributes: &[("name", Text, true)], children: &[] },
+    ElementKind { name: "UnitDefinitions", attributes: &[], children: &[some(&["Unit"])] },
+    ElementKind {
         name: "Unit",
         attributes: &[("name", Text, true)],
         children: &[maybe(&["BaseUnit"]), any(&["DisplayUnit"])],
     },
-    Kind {
+    ElementKind {
         name: "BaseUnit",
         attributes: &[
             ("kg", Integer, false),
@@ -139,18 +139,18 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "DisplayUnit",
         attributes: &[("name", Text, true), ("factor", Double, false), ("offset", Double, false)],
         children: &[],
     },
-    Kind { name: "TypeDefinitions", attributes: &[], children: &[some(&["SimpleType"])] },
-    Kind {
+    ElementKind { name: "TypeDefinitions", attributes: &[], children: &[some(&["SimpleType"])] },
+    ElementKind {
         name: "SimpleType",
         attributes: &[("name", Text, true), ("description", Text, false)],
         children: &[either(KINDS)],
     },
-    Kind {
+    ElementKind {
         name: "SimpleType/Real",
         attributes: &[
             ("quantity", Text, false),
@@ -164,28 +164,28 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "SimpleType/Integer",
         attributes: &[("quantity", Text, false), ("min", Integer, false), ("max", Integer, false)],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "SimpleType/Enumeration",
         attributes: &[("quantity", Text, false)],
         children: &[some(&["Item"])],
     },
-    Kind {
+    ElementKind {
         name: "Item",
         attributes: &[("name", Text, true), ("value", Integer, true), ("description", Text, false)],
         children: &[],
     },
-    Kind { name: "LogCategories", attributes: &[], children: &[some(&["Category"])] },
-    Kind {
+    ElementKind { name: "LogCategories", attributes: &[], children: &[some(&["Category"])] },
+    ElementKind {
         name: "Category",
         attributes: &[("name", Text, true), ("description", Text, false)],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "DefaultExperiment",
         attributes: &[
             ("startTime", Double, false),
@@ -195,11 +195,11 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[],
     },
-    Kind { name: "VendorAnnotations", attributes: &[], children: &[some(&["Tool"])] },
-    Kind { name: "Annotations", attributes: &[], children: &[some(&["Tool"])] },
-    Kind { name: "Tool", attributes: &[("name", Text, true)], children: &[] },
-    Kind { name: "ModelVariables", attributes: &[], children: &[some(&["ScalarVariable"])] },
-    Kind {
+    ElementKind { name: "VendorAnnotations", attributes: &[], children: &[some(&["Tool"])] },
+    ElementKind { name: "Annotations", attributes: &[], children: &[some(&["Tool"])] },
+    ElementKind { name: "Tool", attributes: &[("name", Text, true)], children: &[] },
+    ElementKind { name: "ModelVariables", attributes: &[], children: &[some(&["ScalarVariable"])] },
+    ElementKind {
         name: "ScalarVariable",
         attributes: &[
             ("name", Text, true),
@@ -212,7 +212,7 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[either(KINDS), maybe(&["Annotations"])],
     },
-    Kind {
+    ElementKind {
         name: "ScalarVariable/Real",
         attributes: &[
             ("declaredType", Text, false),
@@ -230,7 +230,7 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "ScalarVariable/Integer",
         attributes: &[
             ("declaredType", Text, false),
@@ -241,17 +241,17 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "ScalarVariable/Boolean",
         attributes: &[("declaredType", Text, false), ("start", Boolean, false)],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "ScalarVariable/String",
         attributes: &[("declaredType", Text, false), ("start", Text, false)],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "ScalarVariable/Enumeration",
         attributes: &[
             ("declaredType", Text, true),
@@ -262,13 +262,13 @@ pub(super) static ELEMENTS: &[Kind] = &[
         ],
         children: &[],
     },
-    Kind {
+    ElementKind {
         name: "ModelStructure",
         attributes: &[],
         children: &[maybe(&["Outputs"]), maybe(&["Derivatives"]), maybe(&["InitialUnknowns"])],
     },
-    Kind { name: "Outputs", attributes: &[], children: &[some(&["Unknown"])] },
-    Kind { name: "Derivatives", attributes: &[], children: &[some(&["Unknown"])] },
-    Kind { name: "InitialUnknowns", attributes: &[], children: &[some(&["Unknown"])] },
-    Kind { name: "Unknown", attributes: UNKNOWN, children: &[] },
+    ElementKind { name: "Outputs", attributes: &[], children: &[some(&["Unknown"])] },
+    ElementKind { name: "Derivatives", attributes: &[], children: &[some(&["Unknown"])] },
+    ElementKind { name: "InitialUnknowns", attributes: &[], children: &[some(&["Unknown"])] },
+    ElementKind { name: "Unknown", attributes: UNKNOWN, children: &[] },
 ];

@@ -1,6 +1,6 @@
 //! Holds a tree to the schema.
 
-use super::schema::{ELEMENTS, Kind};
+use super::schema::{ELEMENTS, ElementKind};
 use super::tree::Element;
 use super::values::Wrong;
 use crate::report::Report;
@@ -17,12 +17,12 @@ pub(super) fn examine(element: &Element, parent: &str, report: &mut Report) {
 }
 
 /// None for what the schema leaves open.
-fn kind(parent: &str, name: &str) -> Option<&'static Kind> {
+fn kind(parent: &str, name: &str) -> Option<&'static ElementKind> {
     let path = format!("{parent}/{name}");
     ELEMENTS.iter().find(|kind| kind.name == path || kind.name == name)
 }
 
-fn attributes(element: &Element, kind: &Kind, report: &mut Report) {
+fn attributes(element: &Element, kind: &ElementKind, report: &mut Report) {
     let tag = &element.name;
     for (name, value) in &element.attributes {
         // Namespaces and where the schema is belong to XML, not to FMI.
@@ -58,7 +58,7 @@ fn attributes(element: &Element, kind: &Kind, report: &mut Report) {
     }
 }
 
-fn children(element: &Element, kind: &Kind, report: &mut Report) {
+fn children(element: &Element, kind: &ElementKind, report: &mut Report) {
     let tag = &element.name;
     if element.has_text {
         report.add(

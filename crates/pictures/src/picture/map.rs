@@ -42,7 +42,7 @@ impl Map {
     pub fn write(&self, path: &Path) -> Result<(), Error> {
         self.whole().map_err(|failure| canvas::cannot_draw(path, &failure))?;
         let legend = Legend::new(self.classes.iter().map(Class::entry));
-        canvas::write(&Layout { map: &self.in_prefixed_units(), legend }, path)
+        canvas::write(&MapLayout { map: &self.in_prefixed_units(), legend }, path)
     }
 
     /// Refuses what [`write`](Self::write) could not draw.
@@ -75,12 +75,12 @@ impl Map {
 }
 
 /// A map with places for everything, px.
-struct Layout<'a> {
+struct MapLayout<'a> {
     map: &'a Map,
     legend: Legend,
 }
 
-impl Layout<'_> {
+impl MapLayout<'_> {
     fn frame(&self) -> Frame<'_> {
         let top = TITLE + self.legend.height + 8.0;
         Frame {
@@ -98,7 +98,7 @@ impl Layout<'_> {
     }
 }
 
-impl Drawing for Layout<'_> {
+impl Drawing for MapLayout<'_> {
     fn title(&self) -> &str {
         &self.map.title
     }

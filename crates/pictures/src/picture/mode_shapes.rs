@@ -58,7 +58,7 @@ impl ModeShapes {
     /// Another ending, no modes, shapes that are not four finite values for each of the same
     /// modules, or a file that cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), Error> {
-        let layout = Layout::of(self).map_err(|failure| canvas::cannot_draw(path, &failure))?;
+        let layout = ModeLayout::of(self).map_err(|failure| canvas::cannot_draw(path, &failure))?;
         match Format::of(path)? {
             Format::Svg => save(path, moving::svg(&layout).as_bytes()),
             Format::Png => canvas::write(&layout, path),
@@ -67,14 +67,14 @@ impl ModeShapes {
 }
 
 /// Modes with places for everything, px.
-pub(super) struct Layout<'a> {
+pub(super) struct ModeLayout<'a> {
     modes: &'a ModeShapes,
-    pub(super) cells: Vec<Cell<'a>>,
+    pub(super) cells: Vec<PlacedMode<'a>>,
     height: f64,
 }
 
 /// One mode and where it stands.
-pub(super) struct Cell<'a> {
+pub(super) struct PlacedMode<'a> {
     pub(super) title: &'a str,
     /// Left end of the title, at its middle height.
     pub(super) title_at: Point,
@@ -100,7 +100,7 @@ pub(super) struct Mass {
     pub(super) colour: RGBColor,
 }
 
-impl<'a> Layout<'a> {
+impl<'a> ModeLayout<'a> {
     #[allow(clippy::cast_precision_loss)]
     fn of(modes: &'a ModeShapes) -> Result<Self, Failure> {
         let count = modes.modes.first().map_or(0, |mode| mode.shape.len() / DOFS);
@@ -128,7 +128,7 @@ impl<'a> Layout<'a> {
         let cells = modes.modes.iter().enumerate().map(|(place, mode)| {
             let (row, column) = (place / columns as usize, place % columns as usize);
             let corner = [MARGIN + column as f64 * across, HEAD + row as f64 * down];
-            Cell::of(mode, modes.angle, corner, across, spacing)
+            PlacedMode::of(mode, modes.angle, corner, across, spacing)
         });
         let rows = modes.modes.len().div_ceil(columns as usize);
         let height = HEAD + rows as f64 * down + NOTE_ROW * NOTES.len() as f64 + 12.0;
@@ -146,7 +146,7 @@ impl<'a> Layout<'a> {
     }
 }
 
-impl<'a> Cell<'a> {
+impl<'a> PlacedMode<'a> {
     #[allow(clippy::cast_precision_loss)]
     fn of(mode: &'a ModeShape, angle: f64, corner: Point, across: f64, spacing: f64) -> Self {
         let count = mode.shape.len() / DOFS;
@@ -273,7 +273,7 @@ impl Mass {
     }
 }
 
-impl Drawing for Layout<'_> {
+impl Drawing for ModeLayout<'_> {
     fn title(&self) -> &str {
         &self.modes.title
     }
@@ -364,7 +364,7 @@ mod tests {
         let shape = vec![zero, zero, Complex::new(1.0, 0.0), zero];
         let mode = ModeShape { title: String::new(), shape };
         let modes = ModeShapes { title: String::new(), angle: 0.5, modes: vec![mode] };
-        let layout = Layout::of(&modes).unwrap_or_else(|Failure(reason)| panic!("{reason}"));
+        let layout = ModeLayout::of(&modes).unwrap_or_else(|Failure(reason)| panic!("{reason}"));
         let [upper, lower] = &layout.cells[0].masses[..] else { panic!("two masses") };
         assert_eq!(upper.at(1.0), upper.rest);
         let [x, y] = lower.at(0.0);

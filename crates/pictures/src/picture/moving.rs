@@ -5,7 +5,7 @@
 
 use super::axes::{LARGE, MEDIUM, SMALL};
 use super::canvas::{Drawing, Point, WIDTH, svg_head};
-use super::mode_shapes::{Cell, HAND, Layout, Mass, NOTES};
+use super::mode_shapes::{PlacedMode, HAND, ModeLayout, Mass, NOTES};
 use super::palette::{GREY, INK, PALE};
 use plotters::style::{RGBColor, WHITE};
 use quick_xml::escape::escape;
@@ -17,7 +17,7 @@ const CYCLE: &str = "2s";
 /// Positions in a cycle; lines between them are within one percent of the motion.
 const SAMPLES: u32 = 24;
 
-pub(super) fn svg(layout: &Layout<'_>) -> String {
+pub(super) fn svg(layout: &ModeLayout<'_>) -> String {
     let mut svg = svg_head(layout, &format!("0 0 {WIDTH} {}", layout.height()));
     svg += "<style>\n\
             path { fill: none; stroke-linecap: round; stroke-linejoin: round; }\n\
@@ -47,7 +47,7 @@ fn text(text: &str, [x, y]: Point, size: f64) -> String {
     )
 }
 
-fn mode(cell: &Cell<'_>) -> String {
+fn mode(cell: &PlacedMode<'_>) -> String {
     let mut svg = format!("<g>\n{}", text(cell.title, cell.title_at, MEDIUM));
     let mut rest = lines(&cell.springs(|mass| mass.rest));
     for mass in &cell.masses {

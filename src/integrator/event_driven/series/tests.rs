@@ -32,7 +32,7 @@ impl Case {
     fn expand(&self, (dynamics, series): &mut (Dynamics, Series), states: &[ContactState]) {
         let start = (&*self.x, &*self.v);
         let Drive { force, slider_acceleration, .. } = &self.drive;
-        let now = Instant { outer: force, slider: slider_acceleration, passed: 0.0 };
+        let now = SeriesStart { outer: force, slider: slider_acceleration, passed: 0.0 };
         series.expand(dynamics, states, &self.drive, now, start, 1e-3);
     }
 }

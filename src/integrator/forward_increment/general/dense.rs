@@ -1,6 +1,6 @@
 //! Forces of a small structure: full matrices of a size that the compiler knows.
 
-use super::{Damps, Structure, Vectors};
+use super::{Damps, InternalForces, Vectors};
 use crate::integrator::Motion;
 use crate::integrator::dynamics::Dynamics;
 use crate::model::{Damping, LumpedModel, SparseMatrix};
@@ -15,7 +15,7 @@ pub(super) struct Dense<const N: usize> {
     inverse_mass: [f64; N],
 }
 
-impl<const N: usize> Structure for Dense<N> {
+impl<const N: usize> InternalForces for Dense<N> {
     const NAME: &'static str = match N {
         1 => "1 degree of freedom",
         2 => "2 degrees of freedom",

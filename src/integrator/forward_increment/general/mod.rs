@@ -1,6 +1,6 @@
 //! The scheme on a model of any structure, as a family of kernels.
 //!
-//! A kernel is the loop over the steps of a call, compiled for one way of evaluating forces ([`Structure`]),
+//! A kernel is the loop over the steps of a call, compiled for one way of evaluating forces ([`InternalForces`]),
 //! one kind of damping ([`Damps`]), and with contacts or without. It is chosen when the integrator is made or
 //! gets another damping. The step tests no option, and what is off is not in its code.
 
@@ -42,9 +42,9 @@ pub(in crate::integrator) fn faster(model: &LumpedModel) -> Result<Box<dyn Integ
 /// A mass matrix that is not positive definite.
 pub fn sparse(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
     if model.mass.as_diagonal().is_some() {
-        Scheme::<Sparse<DiagonalMass>>::boxed(model)
+        GeneralScheme::<Sparse<DiagonalMass>>::boxed(model)
     } else {
-        Scheme::<Sparse<FullMass>>::boxed(model)
+        GeneralScheme::<Sparse<FullMass>>::boxed(model)
     }
 }
 
@@ -58,11 +58,11 @@ pub fn dense(model: &LumpedModel) -> Result<Option<Box<dyn Integrator>>, Error> 
         return Ok(None);
     }
     Ok(Some(match model.dofs() {
-        0..=1 => Scheme::<Dense<1>>::boxed(model)?,
-        2 => Scheme::<Dense<2>>::boxed(model)?,
-        3..=4 => Scheme::<Dense<4>>::boxed(model)?,
-        5..=8 => Scheme::<Dense<8>>::boxed(model)?,
-        9..=16 => Scheme::<Dense<16>>::boxed(model)?,
+        0..=1 => GeneralScheme::<Dense<1>>::boxed(model)?,
+        2 => GeneralScheme::<Dense<2>>::boxed(model)?,
+        3..=4 => GeneralScheme::<Dense<4>>::boxed(model)?,
+        5..=8 => GeneralScheme::<Dense<8>>::boxed(model)?,
+        9..=16 => GeneralScheme::<Dense<16>>::boxed(model)?,
         _ => return Ok(None),
     }))
 }
@@ -70,19 +70,19 @@ pub fn dense(model: &LumpedModel) -> Result<Option<Box<dyn Integrator>>, Error> 
 /// All kernels of [`sparse`] and [`dense`].
 pub(super) fn kernels() -> Vec<Kernel> {
     [
-        Scheme::<Sparse<DiagonalMass>>::list("sparse"),
-        Scheme::<Sparse<FullMass>>::list("sparse"),
-        Scheme::<Dense<1>>::list("dense"),
-        Scheme::<Dense<2>>::list("dense"),
-        Scheme::<Dense<4>>::list("dense"),
-        Scheme::<Dense<8>>::list("dense"),
-        Scheme::<Dense<16>>::list("dense"),
+        GeneralScheme::<Sparse<DiagonalMass>>::list("sparse"),
+        GeneralScheme::<Sparse<FullMass>>::list("sparse"),
+        GeneralScheme::<Dense<1>>::list("dense"),
+        GeneralScheme::<Dense<2>>::list("dense"),
+        GeneralScheme::<Dense<4>>::list("dense"),
+        GeneralScheme::<Dense<8>>::list("dense"),
+        GeneralScheme::<Dense<16>>::list("dense"),
     ]
     .concat()
 }
 
 /// How a structure evaluates its forces.
-trait Structure: Send + Sized {
+trait InternalForces: Send + Sized {
     /// What tells it from others of its kind.
     const NAME: &'static str;
     /// One value a degree of freedom, in the place where the steps of a call have it.
@@ -144,21 +144,21 @@ impl Damps for SingleDampers {
 
 /// Takes `count` steps of length `step`.
 type Run<S> =
-    fn(&mut Scheme<S>, &mut Motion, &Drive, step: f64, count: u64) -> Result<(), StepFailure>;
+    fn(&mut GeneralScheme<S>, &mut Motion, &Drive, step: f64, count: u64) -> Result<(), StepFailure>;
 
 /// The scheme on one structure.
-struct Scheme<S> {
+struct GeneralScheme<S> {
     dynamics: Dynamics,
     contacts: Contacts,
     structure: S,
     run: Run<S>,
 }
 
-/// Names of the rows and columns of [`Scheme::KERNELS`].
+/// Names of the rows and columns of [`GeneralScheme::KERNELS`].
 const DAMPINGS: [&str; 3] = ["no damping", "Rayleigh damping", "single dampers"];
 const CONTACTS: [&str; 2] = ["no contacts", "contacts"];
 
-impl<S: Structure + 'static> Scheme<S> {
+impl<S: InternalForces + 'static> GeneralScheme<S> {
     const KERNELS: [[Run<S>; 2]; 3] = [
         [Self::run::<Undamped, false>, Self::run::<Undamped, true>],
         [Self::run::<Rayleigh, false>, Self::run::<Rayleigh, true>],
@@ -228,7 +228,7 @@ impl<S: Structure + 'static> Scheme<S> {
     }
 }
 
-impl<S: Structure + 'static> Integrator for Scheme<S> {
+impl<S: InternalForces + 'static> Integrator for GeneralScheme<S> {
     fn advance(
         &mut self,
         motion: &mut Motion,

@@ -1,6 +1,6 @@
 //! Forces of a large structure: sparse matrices by rows.
 
-use super::{Damps, Structure, Vectors};
+use super::{Damps, InternalForces, Vectors};
 use crate::integrator::Motion;
 use crate::integrator::dynamics::Dynamics;
 use crate::model::{Damping, LumpedModel};
@@ -16,7 +16,7 @@ pub(super) struct Sparse<M> {
 }
 
 /// What a structure does with its mass matrix.
-pub(super) trait Mass: Send + 'static {
+pub(super) trait MassMatrix: Send + 'static {
     const NAME: &'static str;
 
     fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self;
@@ -38,7 +38,7 @@ pub(super) struct FullMass {
     force: Vec<f64>,
 }
 
-impl Mass for DiagonalMass {
+impl MassMatrix for DiagonalMass {
     const NAME: &'static str = "diagonal mass";
 
     fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self {
@@ -60,7 +60,7 @@ impl Mass for DiagonalMass {
     }
 }
 
-impl Mass for FullMass {
+impl MassMatrix for FullMass {
     const NAME: &'static str = "full mass";
 
     fn new(model: &LumpedModel, _: &Dynamics) -> Self {
@@ -81,7 +81,7 @@ impl Mass for FullMass {
     }
 }
 
-impl<M: Mass> Structure for Sparse<M> {
+impl<M: MassMatrix> InternalForces for Sparse<M> {
     const NAME: &'static str = M::NAME;
     type Vector = Vec<f64>;
 

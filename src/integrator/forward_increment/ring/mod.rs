@@ -3,7 +3,7 @@
 mod step;
 
 use crate::contact::{ContactForce, ContactLaw, ContactState, FrictionLaw, Law, UnderLaw};
-use crate::integrator::Kernel as Listed;
+use crate::integrator::Kernel;
 use crate::integrator::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::model::{Contact, Damping, LumpedModel};
@@ -12,11 +12,11 @@ use step::{Block, NORMAL, Scheme, TANGENT, Vector, linked, set_effective};
 /// Forward increment Lagrange multipliers on a ring of modules.
 pub struct RingForwardIncrement {
     rings: Rings,
-    kernel: Kernel,
+    kernel: StepLoop,
 }
 
 /// Takes `count` steps of length `step` (s) of a ring: the loop of [`Scheme`] that is compiled for what the ring has.
-type Kernel = fn(&mut Rings, &mut Motion, &Drive, f64, u64);
+type StepLoop = fn(&mut Rings, &mut Motion, &Drive, f64, u64);
 
 /// A ring and the room for its steps.
 struct Rings {
@@ -28,16 +28,16 @@ struct Rings {
 }
 
 /// The effects besides the law of friction that a kernel is chosen by.
-struct Choice {
+struct KernelEffects {
     detachment: bool,
     damping: bool,
     links: bool,
 }
 
-impl UnderLaw for Choice {
-    type Output = Kernel;
+impl UnderLaw for KernelEffects {
+    type Output = StepLoop;
 
-    fn under<L: FrictionLaw>(self) -> Kernel {
+    fn under<L: FrictionLaw>(self) -> StepLoop {
         match (self.detachment, self.damping, self.links) {
             (true, true, true) => Rings::run::<L, true, true, true>,
             (true, true, false) => Rings::run::<L, true, true, false>,
@@ -66,7 +66,7 @@ impl UnderLaw for Named {
 }
 
 /// All kernels of rings. Modules that nothing links are a structure of their own.
-pub(super) fn kernels() -> Vec<Listed> {
+pub(super) fn kernels() -> Vec<Kernel> {
     let mut all = Vec::new();
     let switches = [false, true];
     for law in Law::ALL {
@@ -77,7 +77,7 @@ pub(super) fn kernels() -> Vec<Listed> {
                     let opens = if detachment { "opens" } else { "held" };
                     let damps = if damping { "Rayleigh damping" } else { "no damping" };
                     let arithmetic = format!("{name}, {opens}, {damps}");
-                    let listed = Listed { structure, arithmetic };
+                    let listed = Kernel { structure, arithmetic };
                     // Laws that cannot stick are the same without sticking.
                     if !all.contains(&listed) {
                         all.push(listed);
@@ -102,9 +102,9 @@ impl RingForwardIncrement {
 
 impl Rings {
     /// The kernel for what this ring has.
-    fn kernel(&self) -> Kernel {
+    fn kernel(&self) -> StepLoop {
         let has_link = |block: &Block| block.before != [0.0; 2] || block.after != [0.0; 2];
-        let choice = Choice {
+        let choice = KernelEffects {
             detachment: self.law.detachment,
             damping: self.damping != Damping::default(),
             links: self.blocks.iter().any(has_link),

@@ -108,7 +108,7 @@ pub(super) struct Scheme<L, const DETACHMENT: bool, const DAMPING: bool, const L
 
 /// A module at the beginning or at the end of a step.
 #[derive(Clone, Copy)]
-struct Module {
+struct ModuleState {
     /// x, m.
     x: Vector,
     /// ẋ, m/s.
@@ -172,7 +172,7 @@ impl<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: b
                 let now = if DAMPING { &*w } else { &*x };
                 let own = now[i];
                 let after = if i + 1 < modules { linked(&now[i + 1]) } else { first };
-                let old = Module { x: x[i], v: v[i], state: states[i] };
+                let old = ModuleState { x: x[i], v: v[i], state: states[i] };
                 let velocity = velocities[i];
                 let law = L::new(frictions[i], velocity).at(velocity - old.v[TANGENT], old.state);
                 let surface = Surface { velocity, law };
@@ -215,8 +215,8 @@ impl<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: b
         w: &Vector,
         links: [[f64; 2]; 2],
         surface: &Surface<L>,
-        &Module { x, v, state: before }: &Module,
-    ) -> (Module, LawViolations) {
+        &ModuleState { x, v, state: before }: &ModuleState,
+    ) -> (ModuleState, LawViolations) {
         let h = self.h;
         // Forces of eq. (13): F_n − C ẋ_n − K x_n, but for the term with α.
         let force = block.force::<RESTING, LINKS>(load, w, links);
@@ -261,7 +261,7 @@ impl<L: FrictionLaw, const DETACHMENT: bool, const DAMPING: bool, const LINKS: b
         let has_fixed_direction = !L::STICKS && L::HAS_DIRECTION;
         let slip = surface.velocity - tangential;
         let reversed_slip = has_fixed_direction && is_closed && slip * surface.velocity < 0.0;
-        (Module { x: moved, v: new, state }, LawViolations { reversed_slip, pull })
+        (ModuleState { x: moved, v: new, state }, LawViolations { reversed_slip, pull })
     }
 
     /// N of a mass that lands, N: eq. (16) along the normal. It takes away the velocity (m/s) with which the mass would

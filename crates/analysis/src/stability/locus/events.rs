@@ -27,13 +27,13 @@ pub(super) fn locate_coalescence(
 }
 
 /// A value of the parameter and the root of a branch there.
-pub(super) type Point = (f64, Root);
+pub(super) type BranchPoint = (f64, Root);
 
 /// Bisects on the sign of Re λ along one branch, between two points that differ in it.
 pub(super) fn locate_crossing(
     evaluate: &Evaluate<'_>,
     mode: usize,
-    [from, to]: [Point; 2],
+    [from, to]: [BranchPoint; 2],
 ) -> Result<Crossing, Error> {
     let (mut low, mut high) = (from, to);
     while let Some(middle) = between(low.0, high.0) {
@@ -48,7 +48,7 @@ pub(super) fn locate_crossing(
 }
 
 /// The root at `value` of a branch that is known at two points: the nearest to the line between.
-fn on_branch(evaluate: &Evaluate<'_>, [low, high]: [Point; 2], value: f64) -> Result<Point, Error> {
+fn on_branch(evaluate: &Evaluate<'_>, [low, high]: [BranchPoint; 2], value: f64) -> Result<BranchPoint, Error> {
     let part = (value - low.0) / (high.0 - low.0);
     let expected = low.1.sigma + (high.1.sigma - low.1.sigma) * part;
     Ok((value, nearest(evaluate(value)?, expected)))
@@ -58,14 +58,14 @@ fn on_branch(evaluate: &Evaluate<'_>, [low, high]: [Point; 2], value: f64) -> Re
 /// Re λ comes nearest to zero among the points, its extremum is sought beside that place.
 pub(super) fn hidden_crossings(
     evaluate: &Evaluate<'_>,
-    trace: &[Point],
+    trace: &[BranchPoint],
     mode: usize,
 ) -> Result<Vec<Crossing>, Error> {
     let mut found = Vec::new();
     for three in trace.windows(3) {
         let [left, middle, right] = *three else { unreachable!("windows of three") };
         let one_side = [left, right].iter().all(|point| point.1.grows() == middle.1.grows());
-        let below = |point: &Point| -point.1.lambda.re.abs();
+        let below = |point: &BranchPoint| -point.1.lambda.re.abs();
         let rise = [left, right].map(|side| below(&middle) - below(&side));
         let is_peak = one_side && rise[0] >= 0.0 && rise[1] > 0.0;
         // A smooth curve rises between points by no more than it fell to the next.
@@ -82,9 +82,9 @@ pub(super) fn hidden_crossings(
 }
 
 /// A point beside the middle one where Re λ has the other sign, if there is one.
-fn other_side(evaluate: &Evaluate<'_>, points: [Point; 3]) -> Result<Option<Point>, Error> {
+fn other_side(evaluate: &Evaluate<'_>, points: [BranchPoint; 3]) -> Result<Option<BranchPoint>, Error> {
     let is_other = |root: &Root| root.grows() != points[1].1.grows();
-    let root = |known: [Point; 2], value: f64| Ok(on_branch(evaluate, known, value)?.1);
+    let root = |known: [BranchPoint; 2], value: f64| Ok(on_branch(evaluate, known, value)?.1);
     let found = golden_section(points, &root, &|root| root.lambda.re.abs(), &is_other)?;
     Ok(is_other(&found.1).then_some(found))
 }
@@ -95,7 +95,7 @@ const NEAR: f64 = 0.05;
 /// Where modes come nearest to each other, by the points of all branches, which are at the same values.
 pub(super) fn closest_approaches(
     evaluate: &Evaluate<'_>,
-    trace: &[Vec<Point>],
+    trace: &[Vec<BranchPoint>],
 ) -> Result<Vec<Approach>, Error> {
     let mut found = Vec::new();
     for (i, a) in trace.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Following the roots of one part of a contact state from value to value of a parameter.
 
 use super::events::{
-    Point, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
+    BranchPoint, closest_approaches, hidden_crossings, locate_coalescence, locate_crossing,
 };
 use super::{Approach, Coalescence, Crossing, Root, order_of_merged};
 use amontons::Error;
@@ -22,7 +22,7 @@ pub(super) type Evaluate<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + 'a;
 
 /// Roots that have been followed.
 #[derive(Debug, Default)]
-pub(super) struct Followed {
+pub(super) struct FollowedRoots {
     /// One branch a root, in the order of the first value; one root a value.
     pub(super) branches: Vec<Vec<Root>>,
     pub(super) coalescences: Vec<Coalescence>,
@@ -40,7 +40,7 @@ pub(super) fn follow(
     values: &[f64],
     merge: bool,
     done: &dyn Fn(),
-) -> Result<Followed, Error> {
+) -> Result<FollowedRoots, Error> {
     let first = evaluate(values[0])?;
     let mut tracker = Tracker {
         evaluate,
@@ -48,7 +48,7 @@ pub(super) fn follow(
         rates: vec![Complex::new(0.0, 0.0); first.len()],
         trace: first.iter().map(|&root| vec![(values[0], root)]).collect(),
         roots: first,
-        found: Followed::default(),
+        found: FollowedRoots::default(),
     };
     let mut branches: Vec<Vec<Root>> = tracker.roots.iter().map(|&root| vec![root]).collect();
     let last = values[values.len() - 1];
@@ -75,7 +75,7 @@ pub(super) fn follow(
     let Tracker { trace, mut found, .. } = tracker;
     // Where two merge they are alike by nature, and numbered by a rule.
     let range = last - values[0];
-    let Followed { undecided, coalescences, .. } = &mut found;
+    let FollowedRoots { undecided, coalescences, .. } = &mut found;
     undecided.retain(|value| {
         coalescences.iter().all(|event| (event.value - value).abs() > 1e-6 * range)
     });
@@ -85,7 +85,7 @@ pub(super) fn follow(
     if !merge {
         found.approaches = closest_approaches(evaluate, &trace)?;
     }
-    Ok(Followed { branches, ..found })
+    Ok(FollowedRoots { branches, ..found })
 }
 
 struct Tracker<'a> {
@@ -95,8 +95,8 @@ struct Tracker<'a> {
     /// dσ/dp of each branch over the last step.
     rates: Vec<Complex<f64>>,
     /// Every point of each branch.
-    trace: Vec<Vec<Point>>,
-    found: Followed,
+    trace: Vec<Vec<BranchPoint>>,
+    found: FollowedRoots,
 }
 
 impl Tracker<'_> {

@@ -21,12 +21,12 @@ use amontons::contact::ContactState;
 use amontons::model::{LinearModel, LumpedModel};
 use amontons::stability::Spectrum;
 use amontons::stability::reduced_problem::quadratic_roots;
-use amontons::stability::symmetry::{Part, all_stiffness_eigenvalues};
+use amontons::stability::symmetry::{SymmetrySector, all_stiffness_eigenvalues};
 use nalgebra::Complex;
 use std::cmp::Ordering;
 
 pub(super) use events::between;
-use follow::{Followed, follow};
+use follow::{FollowedRoots, follow};
 
 /// One eigenvalue of a contact state.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -52,7 +52,7 @@ impl Root {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Followable {
     /// The eigenvalues σ of a part that does not couple with the others.
-    Stiffness(Part),
+    Stiffness(SymmetrySector),
     /// All modes at once, because some model has damping that couples them. Where the damping vanishes at one value of
     /// the parameter, as that of friction does where it ceases to fall, what stands for σ must stay the same.
     Damped,
@@ -215,7 +215,7 @@ pub fn locus(
     let parts: Vec<(Followable, usize)> = if is_damped {
         vec![(Followable::Damped, 1)]
     } else {
-        let parts = Part::all(ends, states);
+        let parts = SymmetrySector::all(ends, states);
         parts.into_iter().map(|part| (Followable::Stiffness(part), part.copies())).collect()
     };
     let all = parts.len() * values.len();
@@ -233,7 +233,7 @@ pub fn locus(
 }
 
 /// Puts parts, each so many times, into one locus, and numbers its modes.
-fn together(values: &[f64], parts: Vec<(Followed, usize)>) -> Locus {
+fn together(values: &[f64], parts: Vec<(FollowedRoots, usize)>) -> Locus {
     let mut branches = Vec::new();
     let (mut coalescences, mut crossings) = (Vec::new(), Vec::new());
     let (mut approaches, mut undecided) = (Vec::new(), Vec::new());

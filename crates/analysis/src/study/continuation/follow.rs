@@ -53,7 +53,7 @@ pub(super) enum Start<'a> {
 }
 
 /// A plan on its way.
-pub(super) struct Run<'a> {
+pub(super) struct PlanRun<'a> {
     pub(super) plan: &'a Plan<'a>,
     pub(super) journal: &'a Journal,
     pub(super) watch: Watch<'a>,
@@ -61,7 +61,7 @@ pub(super) struct Run<'a> {
     rows: Mutex<HashMap<String, u64>>,
 }
 
-impl<'a> Run<'a> {
+impl<'a> PlanRun<'a> {
     pub(super) fn new(plan: &'a Plan<'a>, journal: &'a Journal, watch: Watch<'a>) -> Self {
         Self { plan, journal, watch, rows: Mutex::default() }
     }

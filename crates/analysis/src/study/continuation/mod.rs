@@ -31,9 +31,9 @@ use crate::stability::parallel::collect;
 use crate::sweep::FRICTION;
 use amontons::Error;
 use amontons::scene::Scene;
-use follow::Run;
+use follow::PlanRun;
 use followed::Followed;
-use motions::{Found, Start};
+use motions::{FoundMotions, Start};
 use ranges::Ranges;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -69,7 +69,7 @@ pub fn continuation(
         assign(&mut plan.scene.clone(), FRICTION, *value)?;
     }
     let done = AtomicUsize::new(0);
-    let run = Run::new(plan, journal, watch);
+    let run = PlanRun::new(plan, journal, watch);
     // Two ways, the scene's own starts, and what these lead to: how much that is nobody knows before.
     let pieces = if run.has_own_start() { 4.0 } else { 2.5 };
     #[allow(clippy::cast_precision_loss)]
@@ -87,7 +87,7 @@ pub fn continuation(
     let Some(lost) = run.find_small_jumps(&mut ways)? else { return Ok(None) };
     let Some(own) = run.own_starts(&step_done)? else { return Ok(None) };
     let Some(rests) = run.rests(&ways)? else { return Ok(None) };
-    let mut found = Found::new(ways, run.rows());
+    let mut found = FoundMotions::new(ways, run.rows());
     let mut starts: Vec<Start> = rests.into_iter().chain(own).map(Start::own).collect();
     starts.extend(lost.into_iter().map(|(place, reached)| Start::met(reached, Way::ALL[place])));
     starts.extend(found.ways_jumped_to());

@@ -5,7 +5,7 @@
 //! one waits: it is followed only towards values at which fewer than two are known.
 
 use super::findings::{Jump, Point, Way};
-use super::follow::{Run, Start as Begin};
+use super::follow::{PlanRun, MotionStart as Begin};
 use super::followed::{Followed, Reached, are_alike};
 use crate::stability::parallel::collect;
 use crate::study::ending::Ending;
@@ -20,7 +20,7 @@ const ROWS: u64 = 40_000_000;
 
 /// A motion that was met at a value and is to be followed from there.
 #[derive(Clone)]
-pub(super) struct Start {
+pub(super) struct MotionStart {
     reached: Reached,
     /// The way on which it was met, in which one that has not settled is followed until it has.
     way: Way,
@@ -33,7 +33,7 @@ pub(super) struct Start {
     is_third: bool,
 }
 
-impl Start {
+impl MotionStart {
     /// One that was met on a way.
     pub(super) fn met(reached: Reached, way: Way) -> Self {
         Self { reached, way, only: None, back: None, is_third: false }
@@ -46,13 +46,13 @@ impl Start {
 }
 
 /// All that was followed.
-pub(super) struct Found {
+pub(super) struct FoundMotions {
     /// Upwards and downwards.
     pub(super) ways: Vec<Followed>,
     /// Other motions, each as far as it exists.
     pub(super) others: Vec<Followed>,
     /// Motions that were met where two others are known.
-    waiting: Vec<Start>,
+    waiting: Vec<MotionStart>,
     /// Where one that was met had not settled, from the value at which it was met to that at which it was first known.
     /// What becomes of it between these is not known.
     unsettled: Vec<[f64; 2]>,
@@ -64,7 +64,7 @@ pub(super) struct Found {
     pub(super) more: bool,
 }
 
-impl Found {
+impl FoundMotions {
     /// Nothing but both ways, after so many rows.
     pub(super) fn new(ways: Vec<Followed>, rows: u64) -> Self {
         let most_rows = rows + rows.max(ROWS);
@@ -99,12 +99,12 @@ impl Found {
     }
 
     /// The motions that both ways have jumped to, each to be followed back over its jump.
-    pub(super) fn ways_jumped_to(&self) -> Vec<Start> {
+    pub(super) fn ways_jumped_to(&self) -> Vec<MotionStart> {
         let of_way = |(place, way): (usize, &Followed)| {
-            let start = |(reached, jump): (Reached, &Jump)| Start {
+            let start = |(reached, jump): (Reached, &Jump)| MotionStart {
                 only: Some(way.way.other()),
                 back: Some((place, jump.at())),
-                ..Start::met(reached, way.way)
+                ..MotionStart::met(reached, way.way)
             };
             way.jumped_to().map(start).collect::<Vec<_>>()
         };
@@ -112,8 +112,8 @@ impl Found {
     }
 
     /// The waiting motion that is nearest to a range in which fewer than two are known, to be followed towards it.
-    pub(super) fn towards(&mut self, ranges: &[[f64; 2]]) -> Option<Start> {
-        let apart = |start: &Start, [low, high]: [f64; 2]| {
+    pub(super) fn towards(&mut self, ranges: &[[f64; 2]]) -> Option<MotionStart> {
+        let apart = |start: &MotionStart, [low, high]: [f64; 2]| {
             let friction = start.reached.point.friction;
             let (apart, way) = if friction < low {
                 (low - friction, Way::Rising)
@@ -130,9 +130,9 @@ impl Found {
         let (_, way, place) = all.min_by(|a, b| a.0.total_cmp(&b.0))?;
         let start = self.waiting.remove(place);
         if start.only.is_none() {
-            self.waiting.push(Start { only: Some(way.other()), ..start.clone() });
+            self.waiting.push(MotionStart { only: Some(way.other()), ..start.clone() });
         }
-        Some(Start { only: Some(way), is_third: true, ..start })
+        Some(MotionStart { only: Some(way), is_third: true, ..start })
     }
 
     /// What stands in the table of the way downwards at a value: another cycle than the one that both ways end in, where
@@ -174,7 +174,7 @@ impl Found {
     }
 }
 
-impl Run<'_> {
+impl PlanRun<'_> {
     /// What the scene's own start leads to at each value, from the highest on; the way downwards has begun from it at the
     /// last one.
     pub(super) fn own_starts(
@@ -241,8 +241,8 @@ impl Run<'_> {
     }
 
     /// Follows all motions that are not known yet, and those that they give way to. `false` if the watch ended it.
-    pub(super) fn follow_all(&self, starts: Vec<Start>, found: &mut Found) -> Result<bool, Error> {
-        let mut left: VecDeque<Start> = starts.into();
+    pub(super) fn follow_all(&self, starts: Vec<MotionStart>, found: &mut FoundMotions) -> Result<bool, Error> {
+        let mut left: VecDeque<MotionStart> = starts.into();
         while let Some(mut start) = left.pop_front() {
             found.tried += 1;
             let label = format!("motion {}", found.tried);
@@ -290,7 +290,7 @@ impl Run<'_> {
             });
             let has_failed = followed.passed.iter().any(|reached| reached.point.ending.is_err());
             for (reached, jump) in followed.beyond.iter().flatten().zip(&followed.jumps) {
-                left.push_back(Start::met(reached.clone(), jump.way));
+                left.push_back(MotionStart::met(reached.clone(), jump.way));
             }
             if !ends_there || has_failed {
                 found.others.push(followed);
@@ -327,7 +327,7 @@ impl Run<'_> {
         &self,
         start: &Reached,
         except: Option<usize>,
-        found: &Found,
+        found: &FoundMotions,
     ) -> Result<Option<Option<usize>>, Error> {
         let Some(ending) = start.ending().filter(|_| start.is_settled()) else {
             return Ok(Some(None));
@@ -346,7 +346,7 @@ impl Run<'_> {
     fn to_its_ends(
         &self,
         label: &str,
-        start: &Start,
+        start: &MotionStart,
         rows_left: u64,
     ) -> Result<Option<Followed>, Error> {
         let rows_left = if start.only.is_some() { rows_left } else { rows_left / 2 };

@@ -1,9 +1,9 @@
 //! Ranges of µ in which two motions were met.
 
 use super::findings::{Bistable, Both, Third, words};
-use super::follow::Run;
+use super::follow::PlanRun;
 use super::followed::{Followed, Reached, are_alike};
-use super::motions::Found;
+use super::motions::FoundMotions;
 use crate::stability::candidates::Candidate;
 use crate::study::ending::{Ending, Kind};
 use crate::study::visit::visited;
@@ -34,10 +34,10 @@ pub(super) struct Motions {
     misses: bool,
 }
 
-impl Run<'_> {
+impl PlanRun<'_> {
     /// The ranges of µ in which two motions were met, and those in which that is not known: all motions are run at a value in
     /// the middle between each two neighbouring jumps, and so are the scene's own start and rest where it is stable.
-    pub(super) fn compare(&self, found: &Found) -> Result<Option<Ranges>, Error> {
+    pub(super) fn compare(&self, found: &FoundMotions) -> Result<Option<Ranges>, Error> {
         let values = self.plan.values;
         let ends = [values[0], values[values.len() - 1]];
         let mut bounds = found.bounds();
@@ -73,7 +73,7 @@ impl Run<'_> {
         &self,
         candidate: &Candidate,
         bistable: &[Bistable],
-        found: &Found,
+        found: &FoundMotions,
     ) -> Result<Option<Vec<Both>>, Error> {
         let mut compared = Vec::new();
         let [from, to] = candidate.range;
@@ -130,7 +130,7 @@ impl Motions {
     }
 
     /// Takes in what the scene's own start, or a push out of rest, leads to. One that cannot be followed may exist at this value alone.
-    fn meet(&mut self, own: Reached, found: &Found, new: &mut Vec<Reached>) {
+    fn meet(&mut self, own: Reached, found: &FoundMotions, new: &mut Vec<Reached>) {
         let (Ok(ending), Some(progress)) = (&own.point.ending, &own.progress) else { return };
         if self.has(ending) || found.has_end_of(&own.point) {
             return;

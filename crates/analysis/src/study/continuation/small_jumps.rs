@@ -4,12 +4,12 @@
 //! where it is not the same in both directions: beside it the ways have two motions. There each way is followed once more, in
 //! small steps. Two periodic motions that are known exactly then count as two from 0.5 % on.
 
-use super::follow::Run;
+use super::follow::PlanRun;
 use super::followed::{Followed, Reached, are_alike};
 use crate::study::difference::is_exact;
 use amontons::Error;
 
-impl Run<'_> {
+impl PlanRun<'_> {
     /// Follows both ways closely from each value on at which, or at the next one, they have two periodic motions, until no such
     /// value is left at which that was not done. Returns the motions that a way was on before and has not met again, each with
     /// the place of the way. `None` if the watch ended it.

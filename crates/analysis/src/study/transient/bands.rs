@@ -50,7 +50,7 @@ pub struct Combination {
 pub(super) struct Bands {
     /// s.
     pub(super) window: f64,
-    all: Vec<Followed>,
+    all: Vec<FollowedBand>,
     /// Of each band, at each look: is it neither rounding nor hidden by a stronger one?
     seen: Vec<Vec<bool>>,
 }
@@ -70,9 +70,9 @@ impl Bands {
         let count = hop * LOOKS;
         let window = count as f64 * interval;
         let piece = (PIECE_PERIODS / (frequency * interval)).ceil() as usize;
-        let all: Vec<Followed> = frequencies(history, interval, piece, 4.0 / window)
+        let all: Vec<FollowedBand> = frequencies(history, interval, piece, 4.0 / window)
             .into_iter()
-            .map(|frequency| Followed::of(history, interval, frequency, [count, hop]))
+            .map(|frequency| FollowedBand::of(history, interval, frequency, [count, hop]))
             .collect();
         let looks = all.first().map_or(0, |band| band.amplitude.len());
         let strongest =
@@ -80,7 +80,7 @@ impl Bands {
         let strongest: Vec<f64> = (0..looks).map(strongest).collect();
         let is_seen =
             |(amplitude, strongest): (&f64, &f64)| *amplitude > f64::max(LEAK * strongest, floor);
-        let seen = |band: &Followed| band.amplitude.iter().zip(&strongest).map(is_seen).collect();
+        let seen = |band: &FollowedBand| band.amplitude.iter().zip(&strongest).map(is_seen).collect();
         Self { window, seen: all.iter().map(seen).collect(), all }
     }
 
@@ -91,7 +91,7 @@ impl Bands {
 
     /// Strongest first.
     pub(super) fn shown(&self) -> Vec<Band> {
-        let band = |(band, seen): (&Followed, &Vec<bool>)| Band {
+        let band = |(band, seen): (&FollowedBand, &Vec<bool>)| Band {
             frequency: band.frequency,
             amplitude: (0..seen.len())
                 .filter(|&i| seen[i])
@@ -143,7 +143,7 @@ fn frequencies(history: &[f64], interval: f64, piece: usize, width: f64) -> Vec<
 }
 
 /// A band at all times.
-struct Followed {
+struct FollowedBand {
     frequency: f64,
     amplitude: Vec<f64>,
     /// Without jumps, rad.
@@ -153,7 +153,7 @@ struct Followed {
     hop: f64,
 }
 
-impl Followed {
+impl FollowedBand {
     #[allow(clippy::cast_precision_loss)]
     fn of(history: &[f64], interval: f64, frequency: f64, [count, hop]: [usize; 2]) -> Self {
         let phasors = demodulate(history, interval, frequency, count, hop);
@@ -215,8 +215,8 @@ impl Followed {
 
 /// Is the frequency of a phase a combination of those of stronger bands over the same time, as the kinks of the law
 /// of contact make them?
-fn combination(phase: &Phase, all: &[Followed]) -> Option<Combination> {
-    let level = |band: &Followed| {
+fn combination(phase: &Phase, all: &[FollowedBand]) -> Option<Combination> {
+    let level = |band: &FollowedBand| {
         let looks = band.looks(phase.span);
         looks.fold(0.0, |sum, i| sum + libm::log(band.amplitude[i].max(f64::MIN_POSITIVE)))
     };
@@ -262,9 +262,9 @@ mod tests {
     use super::*;
 
     /// A line of 100 Hz of this amplitude, steady, seen in the band about `frequency` (Hz) over ten seconds.
-    fn seen_in(frequency: f64, amplitude: f64) -> Followed {
+    fn seen_in(frequency: f64, amplitude: f64) -> FollowedBand {
         let turned = |i: i32| TAU * (100.0 - frequency) * 0.1 * f64::from(i);
-        Followed {
+        FollowedBand {
             frequency,
             amplitude: vec![amplitude; 100],
             phase: (0..100).map(turned).collect(),

@@ -294,7 +294,7 @@ impl Follower {
 
 /// One mode as some rows of a stretch show it. The default is a mode that they do not show.
 #[derive(Default)]
-struct Seen {
+struct SeenMode {
     traces: Vec<Trace>,
     /// `true` where the mode is a fair part of the motion at some time.
     matters: bool,
@@ -304,7 +304,7 @@ struct Seen {
     lasts: bool,
 }
 
-impl Seen {
+impl SeenMode {
     /// By what its logarithm changes along one straight line.
     fn change(&self) -> f64 {
         self.traces.iter().fold(0.0, |most, trace| f64::max(most, trace.change().abs()))
@@ -318,7 +318,7 @@ impl Basis {
     fn trace(&self, rows: &Rows, drives: &[f64], interval: f64, largest: f64) -> Traced {
         let begin = rows.first as f64 * interval;
         let look = |level: &Level| self.look(level, begin, drives, interval, largest);
-        let mut levels: Vec<Vec<Seen>> = rows.levels.iter().map(look).collect();
+        let mut levels: Vec<Vec<SeenMode>> = rows.levels.iter().map(look).collect();
         let whole = levels.iter().last().into_iter().flatten();
         let is_explained = whole.into_iter().all(|seen| seen.is_straight || !seen.matters);
         let explained = rows.explained(interval);
@@ -330,7 +330,7 @@ impl Basis {
         for mode in 0..self.modes.len() {
             // A mode that fades early is seen best in the first rows.
             let most = levels.iter().map(|seen| seen[mode].change()).fold(0.0, f64::max);
-            let is_best = |seen: &Vec<Seen>| {
+            let is_best = |seen: &Vec<SeenMode>| {
                 !seen[mode].lasts && seen[mode].change() >= SHORTER * most && most > 0.0
             };
             let best = levels.iter().position(is_best).unwrap_or(levels.len() - 1);
@@ -350,7 +350,7 @@ impl Basis {
         drives: &[f64],
         interval: f64,
         largest: f64,
-    ) -> Vec<Seen> {
+    ) -> Vec<SeenMode> {
         let step = *step as f64 * interval;
         let coefficients: Vec<_> = kept.iter().map(|kept| self.coefficients(kept)).collect();
         // The largest displacement of a row or before.
@@ -373,7 +373,7 @@ impl Basis {
         };
         let strongest: Vec<f64> = (0..coefficients.len()).map(strongest).collect();
         let look = |curve: &Option<Curve>| {
-            curve.as_ref().map_or_else(Seen::default, |curve| {
+            curve.as_ref().map_or_else(SeenMode::default, |curve| {
                 let is_seen = |i: &usize| {
                     let last = (i + curve.reach).min(levels.len() - 1);
                     curve.values[*i].norm() > ROUNDING * curve.noise * levels[last]
@@ -389,9 +389,9 @@ impl Basis {
 impl Curve<'_> {
     /// The mode as the rows show it in which it is seen; `strongest` is the amplitude of the strongest mode of each row, m.
     #[allow(clippy::cast_precision_loss)]
-    fn seen(&self, rows: &[usize], strongest: &[f64], begin: f64, step: f64) -> Seen {
+    fn seen(&self, rows: &[usize], strongest: &[f64], begin: f64, step: f64) -> SeenMode {
         let matters = rows.iter().any(|&i| self.values[i].norm() >= FAINT * strongest[i]);
-        let mut seen = Seen { traces: Vec::new(), matters, is_straight: true, lasts: false };
+        let mut seen = SeenMode { traces: Vec::new(), matters, is_straight: true, lasts: false };
         for run in rows.chunk_by(|a, b| a + 1 == *b) {
             let found = self.straight(run[0]..run[0] + run.len(), begin, step);
             seen.is_straight &= found.iter().all(|(range, _)| range.len() == run.len());

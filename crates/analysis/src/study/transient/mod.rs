@@ -27,7 +27,7 @@ mod trace;
 pub use bands::{Band, Combination};
 pub use growth::{Growth, Phase, growth};
 pub use open::Open;
-pub use stretches::{Course, Stretch};
+pub use stretches::{StateTimeline, Stretch};
 
 use super::basis::scheme_step;
 use super::look::{ROWS_A_PERIOD, frequencies, output};
@@ -122,7 +122,7 @@ pub struct Transient {
     /// Of the scene, what the eigenvalues leave out: sentences.
     pub left_out: Vec<String>,
     /// The states that each contact takes over time.
-    pub courses: Vec<Course>,
+    pub courses: Vec<StateTimeline>,
     /// Of the output.
     #[serde(skip)]
     pub spectrogram: Spectrogram,

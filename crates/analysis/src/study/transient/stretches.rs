@@ -9,7 +9,7 @@ const PIECES: usize = 300;
 
 /// The states of one contact over time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Course {
+pub struct StateTimeline {
     /// The contact, as `contact[1]`.
     pub contact: String,
     /// One after the other.
@@ -33,7 +33,7 @@ pub(super) fn courses(
     names: &[String],
     states: &[Vec<ContactState>],
     interval: f64,
-) -> Vec<Course> {
+) -> Vec<StateTimeline> {
     let course = |(name, states): (&String, &Vec<ContactState>)| {
         // The last row ends the run.
         let held = &states[..states.len().saturating_sub(1)];
@@ -50,7 +50,7 @@ pub(super) fn courses(
                 _ => stretches.push(Stretch { from, to, states: taken }),
             }
         }
-        Course { contact: name.clone(), stretches }
+        StateTimeline { contact: name.clone(), stretches }
     };
     names.iter().zip(states).map(course).collect()
 }

@@ -1,7 +1,7 @@
 //! Runs that must give the same as the first: after a reset, of another instance, from saved states.
 
 use super::course::Course;
-use super::library::{Instance, Library, State};
+use super::library::{Instance, Library, SavedState};
 use super::{Subject, Told};
 use crate::rules::Rule;
 
@@ -77,7 +77,7 @@ impl Subject<'_> {
     fn resume(
         &self,
         instance: &Instance<'_>,
-        state: &State,
+        state: &SavedState,
         first: &Course,
         rule: Rule,
     ) -> Result<(), Told> {

@@ -2,7 +2,7 @@
 
 use super::curves::{beside_points, paint_series};
 use super::lanes;
-use super::marks::{Label, MARK_ROW, mark_labels, paint_label, paint_marks};
+use super::marks::{MarkLabel, MARK_ROW, mark_labels, paint_label, paint_marks};
 use super::{Band, Chart, Panel, Series, raster};
 use crate::picture::axes::{Frame, LARGE, LEFT, RIGHT, SMALL, X_AXIS, range, roomy};
 use crate::picture::beside::Beside;
@@ -29,7 +29,7 @@ struct Placed<'a> {
     /// Where its scale of colours or its heading is.
     head: f64,
     frame: Frame<'a>,
-    labels: Vec<Label<'a>>,
+    labels: Vec<MarkLabel<'a>>,
     beside: Vec<Beside>,
 }
 

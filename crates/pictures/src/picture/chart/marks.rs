@@ -12,7 +12,7 @@ pub(super) const MARK_ROW: f64 = 18.0;
 const MARK_ROWS: u32 = 8;
 
 /// A mark's label.
-pub(super) struct Label<'a> {
+pub(super) struct MarkLabel<'a> {
     text: &'a str,
     x: f64,
     pub(super) row: u32,
@@ -26,7 +26,7 @@ pub(super) fn mark_labels<'a>(
     chart: &Chart,
     frame: &Frame<'_>,
     marks: &'a [Mark],
-) -> Vec<Label<'a>> {
+) -> Vec<MarkLabel<'a>> {
     let finite = marks.iter().filter(|mark| chart.scaled(mark.x).is_finite());
     let place = |mark: &Mark| frame.at_x(chart.scaled(mark.x));
     let mut labelled: Vec<(f64, &str)> =
@@ -38,12 +38,12 @@ pub(super) fn mark_labels<'a>(
         let width = 1.1 * text_width(text, SMALL) + 12.0;
         if (x + width > RIGHT + 10.0 || x > edge) && x > width {
             edge = edge.min(x - width);
-            ending.push(([x - width, x], Label { text, x, row: 0, ends: true }));
+            ending.push(([x - width, x], MarkLabel { text, x, row: 0, ends: true }));
         } else {
-            starting.push(([x, x + width], Label { text, x, row: 0, ends: false }));
+            starting.push(([x, x + width], MarkLabel { text, x, row: 0, ends: false }));
         }
     }
-    let mut placed: Vec<([f64; 2], Label<'a>)> = Vec::new();
+    let mut placed: Vec<([f64; 2], MarkLabel<'a>)> = Vec::new();
     // A line stands at its label's outer end and goes down past the labels placed before it, so
     // the labels farthest in the direction of writing come first.
     for (span, mut label) in ending.into_iter().rev().chain(starting) {
@@ -79,7 +79,7 @@ pub(super) fn paint_marks<B: DrawingBackend>(
 pub(super) fn paint_label<B: DrawingBackend>(
     canvas: &Canvas<B>,
     frame: &Frame<'_>,
-    label: &Label<'_>,
+    label: &MarkLabel<'_>,
 ) -> Result<(), Failure> {
     let bottom = frame.top - MARK_ROW * f64::from(label.row);
     let (x, middle) = (label.x, bottom - 0.5 * MARK_ROW);

@@ -19,7 +19,7 @@ const DOWN: Point = [0.0, 1.0];
 
 /// Samples and words in rows, px from the legend's upper left corner.
 #[derive(Default)]
-pub(super) struct Legend {
+pub(super) struct StructureLegend {
     shapes: Vec<Shape>,
     /// Left ends of texts at their middle heights.
     words: Vec<(&'static str, Point)>,
@@ -38,7 +38,7 @@ pub(super) struct Used {
     pub(super) named: bool,
 }
 
-impl Legend {
+impl StructureLegend {
     pub(super) fn of(structure: &Structure, used: Used) -> Self {
         let Structure { masses, links, sliders, forces, signals, .. } = structure;
         let is_there = |kind| links.iter().any(|link| link.kind == kind);

@@ -3,7 +3,7 @@
 use super::labels::{Request, half_size};
 use super::layout::{End, Run, STUB};
 use super::plane::{across, along, dot, scaled, sub, unit, way};
-use super::plot::{Plot, Style};
+use super::plot::{Plot, SheetStyle};
 use super::{LinkKind, symbols};
 use crate::picture::canvas::Point;
 use crate::picture::palette::INK;
@@ -62,7 +62,7 @@ impl Plot<'_> {
     /// Between the first and the last link of a run. The label of an inner one stands between it and the next.
     #[allow(clippy::cast_precision_loss)]
     fn spread(&self, run: &Run, way: Point) -> f64 {
-        let Style { amplitude, size, .. } = self.style;
+        let SheetStyle { amplitude, size, .. } = self.style;
         let widths = run.links.iter().filter_map(|&place| {
             let link = &self.structure.links[place];
             Some(2.0 * half_size(self.written(&link.name, &link.label).first()?, true, size)[0])

@@ -10,7 +10,7 @@ use crate::picture::canvas::{Point, WIDTH};
 
 /// How much is written into the picture.
 #[derive(Clone, Copy)]
-pub(super) struct Style {
+pub(super) struct SheetStyle {
     /// Values beside the names? Else they are listed below.
     pub(super) values: bool,
     /// Of letters, px.
@@ -26,7 +26,7 @@ pub(super) struct Style {
 /// Structure, middles and sizes, while the symbols are drawn.
 pub(super) struct Plot<'a> {
     pub(super) structure: &'a Structure,
-    pub(super) style: Style,
+    pub(super) style: SheetStyle,
     /// px for a step of the grid along x and y.
     pub(super) scale: Point,
     /// Of the masses' squares, px.
@@ -42,7 +42,7 @@ impl<'a> Plot<'a> {
         structure: &'a Structure,
         places: &[Point],
         runs: &[Run],
-        style: Style,
+        style: SheetStyle,
     ) -> (Self, Labels) {
         let mut plot = Self::sized(structure, places, runs, style);
         structure.sliders.iter().for_each(|slider| plot.slider(slider));
@@ -62,7 +62,7 @@ impl<'a> Plot<'a> {
     }
 
     /// Finds how large a step of the grid and a mass are.
-    fn sized(structure: &'a Structure, places: &[Point], runs: &[Run], style: Style) -> Self {
+    fn sized(structure: &'a Structure, places: &[Point], runs: &[Run], style: SheetStyle) -> Self {
         let masses = places.iter().map(|&place| (place, [0.25; 2]));
         let stubs = runs.iter().filter(|run| !matches!(run.end, End::Mass(_)));
         let stubs = stubs.map(|run| (along(places[run.mass], run.way, STUB), [0.05; 2]));

@@ -3,9 +3,9 @@
 use super::Structure;
 use super::labels::{EDGE, Label};
 use super::layout::{End, places, runs};
-use super::legend::{Legend, Used};
+use super::legend::{StructureLegend, Used};
 use super::plane::{add, reach, scaled};
-use super::plot::{Plot, Style};
+use super::plot::{Plot, SheetStyle};
 use super::symbols::Shape;
 use super::text::{description, rows, values};
 use crate::picture::axes::{LARGE, SMALL};
@@ -19,10 +19,10 @@ const TEXT_ROW: f64 = 22.0;
 const ICON_MARGIN: f64 = 40.0;
 
 /// Tried in turn until every label has a place at what it speaks of.
-const STYLES: [Style; 3] = [
-    Style { values: true, size: 15.0, margin: 90.0, amplitude: 6.0, largest: 0.24 },
-    Style { values: false, size: 15.0, margin: 40.0, amplitude: 6.0, largest: 0.28 },
-    Style { values: false, size: 12.0, margin: 36.0, amplitude: 4.5, largest: 0.31 },
+const STYLES: [SheetStyle; 3] = [
+    SheetStyle { values: true, size: 15.0, margin: 90.0, amplitude: 6.0, largest: 0.24 },
+    SheetStyle { values: false, size: 15.0, margin: 40.0, amplitude: 6.0, largest: 0.28 },
+    SheetStyle { values: false, size: 12.0, margin: 36.0, amplitude: 4.5, largest: 0.31 },
 ];
 
 fn inked(shapes: &[Shape]) -> impl Iterator<Item = (Point, Point)> {
@@ -35,7 +35,7 @@ pub(super) struct Sheet<'a> {
     size: f64,
     pub(super) shapes: Vec<Shape>,
     pub(super) labels: Vec<Label>,
-    legend: Legend,
+    legend: StructureLegend,
     title: Vec<String>,
     list: Vec<String>,
     /// What is drawn is moved to the right and down by it.
@@ -68,7 +68,7 @@ impl<'a> Sheet<'a> {
         // One of many names may be longer than a row.
         let list: Vec<String> =
             list.iter().flat_map(|row| rows(&words(row), " ", SMALL, across)).collect();
-        let legend = Legend::of(structure, used);
+        let legend = StructureLegend::of(structure, used);
         // What is drawn is in the middle of the picture, which is as wide as all texts need.
         let areas = labels.iter().map(|label| (label.middle, label.half));
         let [[left, right], [top, bottom]] = reach(inked(&shapes).chain(areas));

@@ -9,7 +9,7 @@ use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::{
-    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, Threshold, limit_cycles,
+    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, MotionBracket, limit_cycles,
     output, unit,
 };
 use amontons_analysis::sweep::range::{self, number};
@@ -500,19 +500,19 @@ fn taken(taken: &[bool; 4]) -> String {
     states.map(|(state, _)| state.to_string()).collect::<Vec<_>>().join(" ")
 }
 
-fn changes(threshold: &Threshold) -> String {
+fn changes(threshold: &MotionBracket) -> String {
     threshold.changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")
 }
 
 /// Both bounds with the digits in which they differ, and one more.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
-fn bounds(threshold: &Threshold) -> [String; 2] {
+fn bounds(threshold: &MotionBracket) -> [String; 2] {
     let [low, high] = threshold.between;
     let decimals = (1.0 - (high - low).log10().floor()).clamp(0.0, 15.0) as usize;
     [low, high].map(|bound| format!("{bound:.decimals$}"))
 }
 
-fn mark(threshold: &Threshold) -> Mark {
+fn mark(threshold: &MotionBracket) -> Mark {
     let [low, high] = threshold.between;
     let decimals = (-(high - low).log10().floor()).clamp(0.0, 15.0);
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]

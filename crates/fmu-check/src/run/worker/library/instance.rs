@@ -23,7 +23,7 @@ pub(crate) struct Instance<'a> {
 }
 
 /// A state that a library has saved.
-pub(crate) struct State(*mut c_void);
+pub(crate) struct SavedState(*mut c_void);
 
 impl<'a> Instance<'a> {
     pub(super) fn new(
@@ -129,29 +129,29 @@ impl<'a> Instance<'a> {
             .collect())
     }
 
-    pub(crate) fn save(&self) -> Result<State, Refused> {
+    pub(crate) fn save(&self) -> Result<SavedState, Refused> {
         type Save = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
         let function = self.library.function::<Save>("fmi2GetFMUstate")?;
-        let mut state = State(ptr::null_mut());
+        let mut state = SavedState(ptr::null_mut());
         // SAFETY: the component is alive; NULL asks for a new state.
         self.succeeded(unsafe { function(self.component, &raw mut state.0) }).map(|()| state)
     }
 
-    pub(crate) fn restore(&self, state: &State) -> Result<(), Refused> {
+    pub(crate) fn restore(&self, state: &SavedState) -> Result<(), Refused> {
         type Restore = unsafe extern "C" fn(Component, *mut c_void) -> Status;
         let function = self.library.function::<Restore>("fmi2SetFMUstate")?;
         // SAFETY: component and state are alive.
         self.succeeded(unsafe { function(self.component, state.0) })
     }
 
-    pub(crate) fn free(&self, mut state: State) -> Result<(), Refused> {
+    pub(crate) fn free(&self, mut state: SavedState) -> Result<(), Refused> {
         type Free = unsafe extern "C" fn(Component, *mut *mut c_void) -> Status;
         let function = self.library.function::<Free>("fmi2FreeFMUstate")?;
         // SAFETY: component and state are alive, and the state is used no more.
         self.succeeded(unsafe { function(self.component, &raw mut state.0) })
     }
 
-    pub(crate) fn serialize(&self, state: &State) -> Result<Vec<u8>, Refused> {
+    pub(crate) fn serialize(&self, state: &SavedState) -> Result<Vec<u8>, Refused> {
         type Size = unsafe extern "C" fn(Component, *mut c_void, *mut size_t) -> Status;
         type Serialize = unsafe extern "C" fn(Component, *mut c_void, *mut u8, size_t) -> Status;
         let size_of = self.library.function::<Size>("fmi2SerializedFMUstateSize")?;
@@ -167,11 +167,11 @@ impl<'a> Instance<'a> {
             .map(|()| bytes)
     }
 
-    pub(crate) fn deserialize(&self, bytes: &[u8]) -> Result<State, Refused> {
+    pub(crate) fn deserialize(&self, bytes: &[u8]) -> Result<SavedState, Refused> {
         type Deserialize =
             unsafe extern "C" fn(Component, *const u8, size_t, *mut *mut c_void) -> Status;
         let function = self.library.function::<Deserialize>("fmi2DeSerializeFMUstate")?;
-        let mut state = State(ptr::null_mut());
+        let mut state = SavedState(ptr::null_mut());
         // SAFETY: the component is alive and there are so many bytes.
         self.succeeded(unsafe {
             function(self.component, bytes.as_ptr(), bytes.len(), &raw mut state.0)

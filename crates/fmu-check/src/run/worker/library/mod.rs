@@ -11,7 +11,7 @@ mod status;
 
 pub(super) use callbacks::heard;
 pub(super) use heap::heap;
-pub(super) use instance::{Instance, State};
+pub(super) use instance::{Instance, SavedState};
 pub(super) use status::Refused;
 
 use callbacks::Callbacks;
