@@ -104,7 +104,8 @@ impl Call {
 
     /// The phases in which FMI allows the call, for a message.
     pub(super) fn phases(self) -> String {
-        let allowed = PHASES.into_iter().filter(|&phase| self.in_phase(phase) == Permission::Allowed);
+        let allowed =
+            PHASES.into_iter().filter(|&phase| self.in_phase(phase) == Permission::Allowed);
         let phases = allowed.map(|phase| format!("{phase:?}")).collect::<Vec<_>>().join(", ");
         if phases.is_empty() { "it is in none".to_owned() } else { format!("it is in {phases}") }
     }

@@ -1,7 +1,7 @@
 //! Rates of inputs, for importers that know how an input goes on over their next step.
 
 use super::catalogue::{Causality, variable};
-use super::signals::{Driven, Ramp};
+use super::signals::{Driven, InputRamp};
 use super::{Simulation, Variable};
 use crate::Error;
 use crate::scene::Scene;
@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 pub(super) struct SavedRate {
     template: usize,
     index: usize,
-    ramp: Ramp,
+    ramp: InputRamp,
 }
 
 impl Simulation {
@@ -26,7 +26,7 @@ impl Simulation {
         check_rate(variable, rate)?;
         let origin = self.clock.grid_time(self.scene.step);
         let driven = self.driven.get_or_insert_with(|| Driven::new(&self.scene));
-        driven.set_ramp(variable, Ramp { origin, rate, is_over: false });
+        driven.set_ramp(variable, InputRamp { origin, rate, is_over: false });
         self.stale.by(variable);
         Ok(())
     }
@@ -53,7 +53,7 @@ impl Simulation {
     /// The rates, for a saved state.
     pub(super) fn saved_rates(&self) -> Vec<SavedRate> {
         let ramps = self.driven.iter().flat_map(Driven::ramps);
-        let saved = |(variable, ramp): (&Variable, Ramp)| SavedRate {
+        let saved = |(variable, ramp): (&Variable, InputRamp)| SavedRate {
             template: variable.template_place(),
             index: variable.index,
             ramp,

@@ -3,7 +3,7 @@
 mod derivatives;
 mod saved;
 
-use super::lifecycle::{Call, Permission, Noted, Phase};
+use super::lifecycle::{Call, Noted, Permission, Phase};
 use super::logger::{Category, Logger};
 use super::types::fmi2Status;
 use crate::Error;

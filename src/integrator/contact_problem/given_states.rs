@@ -108,9 +108,15 @@ impl GivenStates {
         for &contact in &*contacts {
             match self.demands[contact] {
                 Demand::Nothing => {}
-                Demand::Normal { slope } => unknowns.push(UnknownMultiplier { contact, row: 0, slope }),
+                Demand::Normal { slope } => {
+                    unknowns.push(UnknownMultiplier { contact, row: 0, slope });
+                }
                 Demand::Both => {
-                    unknowns.extend([0, 1].map(|row| UnknownMultiplier { contact, row, slope: 0.0 }));
+                    unknowns.extend([0, 1].map(|row| UnknownMultiplier {
+                        contact,
+                        row,
+                        slope: 0.0,
+                    }));
                 }
             }
         }

@@ -206,7 +206,10 @@ impl ContactProblem {
                 Freedom::Slipping { .. } => lemke.parts.push((contact, LemkeVariable::Normal)),
                 Freedom::Law(range) => {
                     lemke.parts.push((contact, LemkeVariable::Normal));
-                    let limits = [(LemkeVariable::Forward, range.forward), (LemkeVariable::Backward, range.backward)];
+                    let limits = [
+                        (LemkeVariable::Forward, range.forward),
+                        (LemkeVariable::Backward, range.backward),
+                    ];
                     let mut has_friction = false;
                     for (part, limit) in limits {
                         if limit > 0.0 {
@@ -236,7 +239,8 @@ impl ContactProblem {
         let inverse_limit = |contact: usize, part: LemkeVariable| match (&freedom[contact], part) {
             (Freedom::Law(range), LemkeVariable::Forward | LemkeVariable::Backward) => {
                 let [normal, tangential] = scales(contact);
-                let limit = if part == LemkeVariable::Forward { range.forward } else { range.backward };
+                let limit =
+                    if part == LemkeVariable::Forward { range.forward } else { range.backward };
                 tangential / (normal * limit)
             }
             _ => 0.0,
@@ -275,13 +279,15 @@ impl ContactProblem {
                     + weights[1] * (w[2] * by[0] + w[3] * by[1]);
                 if contact == other {
                     entry += match (part, kind) {
-                        (LemkeVariable::Forward | LemkeVariable::Backward, LemkeVariable::Sliding) => {
-                            inverse_limit(contact, part)
-                        }
+                        (
+                            LemkeVariable::Forward | LemkeVariable::Backward,
+                            LemkeVariable::Sliding,
+                        ) => inverse_limit(contact, part),
                         (LemkeVariable::Sliding, LemkeVariable::Normal) => 1.0,
-                        (LemkeVariable::Sliding, LemkeVariable::Forward | LemkeVariable::Backward) => {
-                            -inverse_limit(contact, kind)
-                        }
+                        (
+                            LemkeVariable::Sliding,
+                            LemkeVariable::Forward | LemkeVariable::Backward,
+                        ) => -inverse_limit(contact, kind),
                         _ => 0.0,
                     };
                 }

@@ -101,7 +101,7 @@ pub(super) use ledger::Writer;
 use ledger::{Passage, Witness};
 use reduced::MOST_PLACES;
 use rounding::{DIFFERENCE, NOISE, pulls, shortest};
-use series::{SeriesStart, ORDER, Polynomial, Series};
+use series::{ORDER, Polynomial, Series, SeriesStart};
 use watch::Event;
 use waves::Waves;
 

@@ -321,13 +321,16 @@ impl Study {
     /// # Errors
     /// A run that fails: a step above the critical one, contact forces that do not converge.
     pub fn row(&self, rung: Rung, watch: Watch<'_>) -> Result<Option<Row>, Error> {
-        let Some(run) = AccuracyRun::of(&self.scene, self.grid, rung, watch)? else { return Ok(None) };
+        let Some(run) = AccuracyRun::of(&self.scene, self.grid, rung, watch)? else {
+            return Ok(None);
+        };
         let raised = |error: Option<f64>, floor: Option<f64>| {
             error.zip(floor).map(|(error, floor)| error.max(floor))
         };
         let errors = self.errors_of(&run);
         let floor = self.floor;
-        let more = |run: &AccuracyRun| i64::try_from(run.statistics.state_changes()).unwrap_or(i64::MAX);
+        let more =
+            |run: &AccuracyRun| i64::try_from(run.statistics.state_changes()).unwrap_or(i64::MAX);
         let errors = Errors {
             rms: raised(errors.rms, floor.rms),
             amplitude: raised(errors.amplitude, floor.amplitude),

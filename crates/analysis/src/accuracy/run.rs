@@ -129,7 +129,8 @@ impl AccuracyRun {
             changes
         };
         let (ours, theirs) = (sorted(self), sorted(other));
-        let same = |(a, b): (&StateChange, &StateChange)| (a.contact, a.state) == (b.contact, b.state);
+        let same =
+            |(a, b): (&StateChange, &StateChange)| (a.contact, a.state) == (b.contact, b.state);
         if ours.len() != theirs.len() || ours.is_empty() || !ours.iter().zip(&theirs).all(same) {
             return None;
         }
@@ -160,7 +161,11 @@ impl Units {
     }
 
     /// Goes through all of them.
-    fn walk(&self, simulation: &mut Simulation, changes: &mut Vec<StateChange>) -> Result<(), Error> {
+    fn walk(
+        &self,
+        simulation: &mut Simulation,
+        changes: &mut Vec<StateChange>,
+    ) -> Result<(), Error> {
         let mut before = simulation.contact_states().to_vec();
         for unit in self.from..self.to {
             simulation.advance_to(self.time(unit + 1))?;

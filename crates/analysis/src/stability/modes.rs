@@ -69,7 +69,9 @@ impl Modes {
         for mode in modes {
             match EigenvalueKind::of(mode.eigenvalue) {
                 EigenvalueKind::Real => self.real.push(mode),
-                EigenvalueKind::Oscillating | EigenvalueKind::Conjugate => self.oscillating.push(mode),
+                EigenvalueKind::Oscillating | EigenvalueKind::Conjugate => {
+                    self.oscillating.push(mode);
+                }
             }
         }
     }

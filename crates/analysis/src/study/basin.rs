@@ -171,7 +171,8 @@ pub fn basin(
         let Some(()) = plane.run("first", &first, &knowledge, [0.0, part], &mut found)? else {
             return Ok(None);
         };
-        let ends: Vec<&PointOutcome> = first.iter().filter_map(|&place| found[place].as_ref()).collect();
+        let ends: Vec<&PointOutcome> =
+            first.iter().filter_map(|&place| found[place].as_ref()).collect();
         knowledge = Knowledge::of(scene, &ends);
     }
     let filled = if coverage == Coverage::Traced {
@@ -289,7 +290,12 @@ impl Plane<'_> {
     }
 
     /// Runs a point and gives its end, which may be that it fails; `None` if the watch ended the run.
-    fn ending(&self, point: [f64; 2], knowledge: &Knowledge, told: &dyn Fn(f64)) -> Option<PointOutcome> {
+    fn ending(
+        &self,
+        point: [f64; 2],
+        knowledge: &Knowledge,
+        told: &dyn Fn(f64),
+    ) -> Option<PointOutcome> {
         self.follow(point, knowledge, told)
             .unwrap_or_else(|error| Some(PointOutcome::Failed(error.to_string())))
     }

@@ -62,7 +62,9 @@ pub use continuation::{Bistable, Both, Continuation, Jump, Plan, Point, Third, W
 pub use ending::{Ending, Kind};
 pub use initial::{history, initial_value};
 pub use journal::{Journal, Owner};
-pub use limit_cycle::{Change, LimitCycles, Outcome, Question, Regime, Threshold, limit_cycles};
+pub use limit_cycle::{
+    Change, LimitCycles, MotionBracket, Outcome, Question, Regime, limit_cycles,
+};
 pub use look::{Look, Prepare, Wish, output, pace, unit};
 pub use portrait::{Orbit, Portrait};
 pub use push::Push;

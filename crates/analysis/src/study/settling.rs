@@ -10,7 +10,7 @@ use super::ending::{Ending, Kind};
 use super::fading::{Shown, lasting};
 use super::family::{frequencies_of_sum, is_one_of_many};
 use super::linear::{
-    Growth, deflection, growth, has_linear_friction, has_states_of_rest, is_far, may_pull,
+    GrowthRate, deflection, growth, has_linear_friction, has_states_of_rest, is_far, may_pull,
     stays_linear,
 };
 use super::look::{Look, output, unit};
@@ -19,7 +19,7 @@ use super::period::{OverSpan, over_span};
 use super::recurrence::{
     Closure, Search, closure, is_closing, long_closure, longest_step, may_wobble, short_period,
 };
-use super::windows::{Trend, Surroundings, Windows};
+use super::windows::{Surroundings, Trend, Windows};
 use crate::accuracy::half_range;
 use crate::spectral::lines;
 use crate::sweep::steady::{ROUNDING, mixture};
@@ -252,7 +252,7 @@ impl Settling {
         }
         if ending.linear && kind == Kind::Unsettled && !simulation.is_driven_on() {
             // Two windows may differ by noise; eigenvalues do not.
-            let goes = |growth: &Growth| growth.is_growing() || growth.is_decaying();
+            let goes = |growth: &GrowthRate| growth.is_growing() || growth.is_decaying();
             ending.rate = growth(simulation).filter(goes).map_or(0.0, |growth| growth.rate);
         }
         ending.parting = parting;

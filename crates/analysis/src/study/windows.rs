@@ -1,7 +1,7 @@
 //! The windows of a motion: how large it is in each of them, which lines it has, and what they say one after another.
 
 use super::beat::has_two_frequencies;
-use super::linear::Growth;
+use super::linear::GrowthRate;
 use crate::spectral::{Line, Lines, Window, lines};
 use crate::sweep::steady::{ROUNDING, STANDING, is_steady, tends_to_zero, weighted_deviation};
 
@@ -66,7 +66,7 @@ pub(super) struct Surroundings<'a> {
     /// `true` where no contact can change its state, so that motions are linear at any size.
     pub(super) stays_linear: bool,
     /// Computes the [`growth`](super::linear::growth) in the present contact states.
-    pub(super) growth: &'a dyn Fn() -> Option<Growth>,
+    pub(super) growth: &'a dyn Fn() -> Option<GrowthRate>,
 }
 
 /// The windows of a motion since the last edge of a signal.
@@ -154,15 +154,15 @@ impl Windows {
         let flickers = around.is_driven && around.is_repeated && changed && is_rounding;
         let has_been = || self.seen.iter().rev().take(4).all(|seen| seen.size <= nothing);
         if flickers && self.seen.len() >= 4 && has_been() {
-            let is_growing = (around.growth)().is_some_and(Growth::is_growing);
+            let is_growing = (around.growth)().is_some_and(GrowthRate::is_growing);
             return if is_growing { Trend::Open } else { Trend::Rests };
         }
         // What a sine keeps pushing gets no smaller, so only what rests already does.
         let is_resting = is_rounding || is_free && rests(&self.seen);
         if around.is_repeated && around.may_rest && (is_resting || is_free && is_calm(&self.seen)) {
             let growth = (around.growth)();
-            let is_growing = growth.is_some_and(Growth::is_growing);
-            let is_decaying = growth.is_some_and(Growth::is_decaying);
+            let is_growing = growth.is_some_and(GrowthRate::is_growing);
+            let is_decaying = growth.is_some_and(GrowthRate::is_decaying);
             // A calm motion has only its eigenvalues to say that it decays.
             if is_decaying || !is_growing && is_resting {
                 return Trend::Rests;
@@ -268,7 +268,7 @@ fn grows_evenly(sizes: &[f64]) -> bool {
 
 /// Does a motion grow that nothing can stop, since its contacts cannot change their states?
 fn is_unbounded(around: Surroundings<'_>) -> bool {
-    around.stays_linear && (around.growth)().is_some_and(Growth::is_growing)
+    around.stays_linear && (around.growth)().is_some_and(GrowthRate::is_growing)
 }
 
 /// From the mean, root mean square.
@@ -462,7 +462,7 @@ mod tests {
     fn a_calm_motion_rests_or_grows_without_bound_as_its_eigenvalues_say() {
         let last = |rate: f64, growth: f64, stays_linear: bool| {
             let mut windows = Windows::new(ROWS, INTERVAL);
-            let growth = || Some(Growth { rate: growth, relative: growth });
+            let growth = || Some(GrowthRate { rate: growth, relative: growth });
             let around = Surroundings { stays_linear, growth: &growth, ..FREE };
             let courses = (0..4).map(|window| {
                 let motion = over(window, |t| (rate * t).exp() * sine(200.0, t));

@@ -62,7 +62,10 @@ impl Passage {
         let dofs = scene.dof_names();
         let followed = |output: &Variable| {
             let dof = dofs.iter().position(|name| *name == output.name);
-            dof.map_or_else(|| FollowedQuantity::Other(output.clone()), FollowedQuantity::Displacement)
+            dof.map_or_else(
+                || FollowedQuantity::Other(output.clone()),
+                FollowedQuantity::Displacement,
+            )
         };
         Self {
             followed: outputs.iter().map(followed).collect(),

@@ -147,7 +147,9 @@ impl Platform {
                     || library.starts_with("api-ms-win-")
                     || library.starts_with("ext-ms-win-")
             }
-            _ => library.starts_with("/usr/lib/") || library.starts_with("/System/PlatformLibrary/"),
+            _ => {
+                library.starts_with("/usr/lib/") || library.starts_with("/System/PlatformLibrary/")
+            }
         }
     }
 }

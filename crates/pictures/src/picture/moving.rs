@@ -5,7 +5,7 @@
 
 use super::axes::{LARGE, MEDIUM, SMALL};
 use super::canvas::{Drawing, Point, WIDTH, svg_head};
-use super::mode_shapes::{PlacedMode, HAND, ModeLayout, Mass, NOTES};
+use super::mode_shapes::{HAND, Mass, ModeLayout, NOTES, PlacedMode};
 use super::palette::{GREY, INK, PALE};
 use plotters::style::{RGBColor, WHITE};
 use quick_xml::escape::escape;

@@ -143,8 +143,13 @@ impl Damps for SingleDampers {
 }
 
 /// Takes `count` steps of length `step`.
-type Run<S> =
-    fn(&mut GeneralScheme<S>, &mut Motion, &Drive, step: f64, count: u64) -> Result<(), StepFailure>;
+type Run<S> = fn(
+    &mut GeneralScheme<S>,
+    &mut Motion,
+    &Drive,
+    step: f64,
+    count: u64,
+) -> Result<(), StepFailure>;
 
 /// The scheme on one structure.
 struct GeneralScheme<S> {

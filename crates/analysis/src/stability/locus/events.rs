@@ -48,7 +48,11 @@ pub(super) fn locate_crossing(
 }
 
 /// The root at `value` of a branch that is known at two points: the nearest to the line between.
-fn on_branch(evaluate: &Evaluate<'_>, [low, high]: [BranchPoint; 2], value: f64) -> Result<BranchPoint, Error> {
+fn on_branch(
+    evaluate: &Evaluate<'_>,
+    [low, high]: [BranchPoint; 2],
+    value: f64,
+) -> Result<BranchPoint, Error> {
     let part = (value - low.0) / (high.0 - low.0);
     let expected = low.1.sigma + (high.1.sigma - low.1.sigma) * part;
     Ok((value, nearest(evaluate(value)?, expected)))
@@ -82,7 +86,10 @@ pub(super) fn hidden_crossings(
 }
 
 /// A point beside the middle one where Re λ has the other sign, if there is one.
-fn other_side(evaluate: &Evaluate<'_>, points: [BranchPoint; 3]) -> Result<Option<BranchPoint>, Error> {
+fn other_side(
+    evaluate: &Evaluate<'_>,
+    points: [BranchPoint; 3],
+) -> Result<Option<BranchPoint>, Error> {
     let is_other = |root: &Root| root.grows() != points[1].1.grows();
     let root = |known: [BranchPoint; 2], value: f64| Ok(on_branch(evaluate, known, value)?.1);
     let found = golden_section(points, &root, &|root| root.lambda.re.abs(), &is_other)?;

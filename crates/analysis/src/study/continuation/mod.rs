@@ -33,7 +33,7 @@ use amontons::Error;
 use amontons::scene::Scene;
 use follow::PlanRun;
 use followed::Followed;
-use motions::{FoundMotions, Start};
+use motions::{FoundMotions, MotionStart};
 use ranges::Ranges;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -88,8 +88,10 @@ pub fn continuation(
     let Some(own) = run.own_starts(&step_done)? else { return Ok(None) };
     let Some(rests) = run.rests(&ways)? else { return Ok(None) };
     let mut found = FoundMotions::new(ways, run.rows());
-    let mut starts: Vec<Start> = rests.into_iter().chain(own).map(Start::own).collect();
-    starts.extend(lost.into_iter().map(|(place, reached)| Start::met(reached, Way::ALL[place])));
+    let mut starts: Vec<MotionStart> = rests.into_iter().chain(own).map(MotionStart::own).collect();
+    starts.extend(
+        lost.into_iter().map(|(place, reached)| MotionStart::met(reached, Way::ALL[place])),
+    );
     starts.extend(found.ways_jumped_to());
     let Ranges { bistable, unknown, .. } = loop {
         if !run.follow_all(starts, &mut found)? {
@@ -97,7 +99,7 @@ pub fn continuation(
         }
         let Some(ranges) = run.compare(&found)? else { return Ok(None) };
         // A range may show a motion that none of the values has, whose ends are bounds of new ranges.
-        starts = ranges.new.iter().cloned().map(Start::own).collect();
+        starts = ranges.new.iter().cloned().map(MotionStart::own).collect();
         if starts.is_empty() {
             starts.extend(found.towards(&ranges.lone));
         }

@@ -5,7 +5,7 @@
 //! one waits: it is followed only towards values at which fewer than two are known.
 
 use super::findings::{Jump, Point, Way};
-use super::follow::{PlanRun, MotionStart as Begin};
+use super::follow::{PlanRun, Start};
 use super::followed::{Followed, Reached, are_alike};
 use crate::stability::parallel::collect;
 use crate::study::ending::Ending;
@@ -232,16 +232,20 @@ impl PlanRun<'_> {
 
     /// The motion that a small push out of rest leads to at a value of µ.
     pub(super) fn rest(&self, friction: f64) -> Result<Option<Reached>, Error> {
-        self.reach("rest", friction, Begin::Scene(Way::Rising))
+        self.reach("rest", friction, Start::Scene(Way::Rising))
     }
 
     /// What the scene's own start leads to at a value.
     pub(super) fn own_start(&self, friction: f64) -> Result<Option<Reached>, Error> {
-        self.reach("start", friction, Begin::Scene(Way::Falling))
+        self.reach("start", friction, Start::Scene(Way::Falling))
     }
 
     /// Follows all motions that are not known yet, and those that they give way to. `false` if the watch ended it.
-    pub(super) fn follow_all(&self, starts: Vec<MotionStart>, found: &mut FoundMotions) -> Result<bool, Error> {
+    pub(super) fn follow_all(
+        &self,
+        starts: Vec<MotionStart>,
+        found: &mut FoundMotions,
+    ) -> Result<bool, Error> {
         let mut left: VecDeque<MotionStart> = starts.into();
         while let Some(mut start) = left.pop_front() {
             found.tried += 1;

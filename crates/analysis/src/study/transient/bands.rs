@@ -80,7 +80,8 @@ impl Bands {
         let strongest: Vec<f64> = (0..looks).map(strongest).collect();
         let is_seen =
             |(amplitude, strongest): (&f64, &f64)| *amplitude > f64::max(LEAK * strongest, floor);
-        let seen = |band: &FollowedBand| band.amplitude.iter().zip(&strongest).map(is_seen).collect();
+        let seen =
+            |band: &FollowedBand| band.amplitude.iter().zip(&strongest).map(is_seen).collect();
         Self { window, seen: all.iter().map(seen).collect(), all }
     }
 

@@ -2,7 +2,7 @@
 
 use super::curves::{beside_points, paint_series};
 use super::lanes;
-use super::marks::{MarkLabel, MARK_ROW, mark_labels, paint_label, paint_marks};
+use super::marks::{MARK_ROW, MarkLabel, mark_labels, paint_label, paint_marks};
 use super::{Band, Chart, Panel, Series, raster};
 use crate::picture::axes::{Frame, LARGE, LEFT, RIGHT, SMALL, X_AXIS, range, roomy};
 use crate::picture::beside::Beside;

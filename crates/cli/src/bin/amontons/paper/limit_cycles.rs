@@ -8,7 +8,7 @@ use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::study::{
-    Change, Journal, LimitCycles, Look, Outcome, Portrait, Question, Threshold, Watch, Wish,
+    Change, Journal, LimitCycles, Look, MotionBracket, Outcome, Portrait, Question, Watch, Wish,
     limit_cycles,
 };
 use amontons_pictures::report::{Claim, Content, Figure, Section};
@@ -95,7 +95,7 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
     // A value whose motion is not known is on no side of any rule.
     let cycles = all.unwrap_or_default();
     let threshold = |change: Change| {
-        let is_it = |threshold: &&Threshold| threshold.changes.contains(&change);
+        let is_it = |threshold: &&MotionBracket| threshold.changes.contains(&change);
         let threshold = found.thresholds.iter().find(is_it);
         threshold.map_or(f64::NAN, |threshold| 0.5 * (threshold.between[0] + threshold.between[1]))
     };

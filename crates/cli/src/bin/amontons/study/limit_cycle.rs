@@ -9,8 +9,8 @@ use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::{
-    Ending, Kind, LimitCycles, Look, Outcome, Portrait, Push, Question, MotionBracket, limit_cycles,
-    output, unit,
+    Ending, Kind, LimitCycles, Look, MotionBracket, Outcome, Portrait, Push, Question,
+    limit_cycles, output, unit,
 };
 use amontons_analysis::sweep::range::{self, number};
 use amontons_analysis::sweep::{Possible, axis};
