@@ -444,10 +444,9 @@ fn where_sliding_jams_a_way_ends_with_the_reason() {
     // On a slider that slopes the other way friction draws the masses into it.
     let (mut scene, look) = moved("set2", None);
     assign(&mut scene, "slider.angle", -0.5).unwrap();
-    let model = LumpedModel::from(&scene);
     let jams = |mu: f64| {
         let scene = Scene { friction_coefficient: mu, ..scene.clone() };
-        amontons::assembly::equilibrium(&scene, &model).is_err()
+        amontons::assembly::equilibrium(&scene, &LumpedModel::from(&scene)).is_err()
     };
     assert!(!jams(1.0) && jams(4.0));
     let found = whole(&(scene, look), &[1.0, 4.0], 1e-3);
