@@ -114,13 +114,6 @@ impl<'a> LinearModel<'a> {
     {
         LinearModel { model: part, friction: self.friction }
     }
-
-    /// `true` where the model has damping besides α M + β K. The modes of a contact state then have no common
-    /// eigenvectors.
-    #[must_use]
-    pub fn has_single_damping(self) -> bool {
-        !self.model.dampers.is_empty() || self.friction().any(|friction| friction.damping != 0.0)
-    }
 }
 
 #[cfg(test)]

@@ -21,8 +21,7 @@ impl Symmetry {
     /// The symmetry of a model: that of a ring if turning it by one module and turning it round
     /// change no entry of its matrices.
     #[must_use]
-    pub fn of(linear: LinearModel<'_>) -> Self {
-        let model = linear.model();
+    pub fn of(model: &LumpedModel) -> Self {
         let dofs = model.dofs();
         let count = dofs / MODULE_DOFS;
         let Some(first) = model.contacts.first() else { return Self::None };
@@ -35,7 +34,7 @@ impl Symmetry {
         let is_ring = model.contacts.len() == count && dofs == MODULE_DOFS * count && in_place;
         // Slopes of µ(v) act with the normal force of each contact, which loads make different.
         let has_slopes = !model.law.friction.info().is_constant();
-        let is_damped = has_slopes || linear.has_single_damping();
+        let is_damped = has_slopes || !model.dampers.is_empty();
         if !is_ring || model.mass.as_diagonal().is_none() || is_damped {
             return Self::None;
         }
@@ -97,7 +96,8 @@ impl SymmetrySector {
         states: &[ContactState],
     ) -> Vec<Self> {
         let uniform = !states.is_empty() && states.windows(2).all(|pair| pair[0] == pair[1]);
-        if uniform && models.into_iter().all(|model| Symmetry::of(model) == Symmetry::Ring) {
+        if uniform && models.into_iter().all(|model| Symmetry::of(model.model()) == Symmetry::Ring)
+        {
             let modules = states.len();
             (0..=modules / 2).map(|k| Self::Wave { k, modules }).collect()
         } else {
@@ -196,7 +196,7 @@ mod tests {
 
     #[test]
     fn rotated_and_reflected_states_have_one_representative() {
-        let ring = Symmetry::of(ring(4).linear().unwrap());
+        let ring = Symmetry::of(&ring(4));
         assert_eq!(ring, Symmetry::Ring);
         let states = [[Sl, St, Dt, Dt], [Dt, Sl, St, Dt], [Dt, Dt, St, Sl], [St, Sl, Dt, Dt]];
         for other in states {
@@ -209,14 +209,14 @@ mod tests {
     fn one_different_module_breaks_the_symmetry() {
         let mut scene = builtin("set1").unwrap().scene();
         scene.modules_mut()[1].stiffness[4] += 1.0;
-        assert_eq!(Symmetry::of(LumpedModel::from(&scene).linear().unwrap()), Symmetry::None);
+        assert_eq!(Symmetry::of(&LumpedModel::from(&scene)), Symmetry::None);
     }
 
     #[test]
-    fn friction_that_falls_breaks_the_symmetry_even_before_its_slopes_are_known() {
+    fn friction_that_falls_breaks_the_symmetry() {
         let mut model = ring(4);
         model.law.friction = crate::contact::Law::Stribeck;
-        assert_eq!(Symmetry::of(model.with_greatest_friction()), Symmetry::None);
+        assert_eq!(Symmetry::of(&model), Symmetry::None);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! What the code is held to, whatever it computes: the order of its modules, and the cost of a step.
+//! The code keeps the order of its modules, and a step keeps its cost.
 //!
 //! Apart from other tests, whose allocator this one's is not to be; it counts for each thread alone, so neighbours here
 //! are not in each other's numbers.

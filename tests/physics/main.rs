@@ -1,4 +1,4 @@
-//! What scenes do is what physics says: closed forms, the law of contact after every step, balances of energy.
+//! Motions agree with closed forms, obey the law of contact after every step, and keep the balance of energy.
 
 #[path = "../support/disc.rs"]
 mod disc;

@@ -149,7 +149,7 @@ fn waves(lapack: &mut Lapack) {
 
 fn all_states(lapack: &mut Lapack) {
     let model = LumpedModel::from(&equal(8));
-    let classes = StateClasses::of(linear(&model)).expect("eight contacts are few enough");
+    let classes = StateClasses::of(&model).expect("eight contacts are few enough");
     let mut by_size: BTreeMap<usize, Vec<Case>> = BTreeMap::new();
     for states in &classes.representatives {
         let size = reduced(&model, states).mass.nrows();
@@ -167,7 +167,7 @@ fn all_states(lapack: &mut Lapack) {
         }
     }
     let all_spectra = || {
-        let classes = StateClasses::of(linear(&model)).expect("few");
+        let classes = StateClasses::of(&model).expect("few");
         classes.spectra(linear(&model), &|_| {}).expect("they are possible")
     };
     let solved = classes.representatives.len();

@@ -112,7 +112,7 @@ pub fn bistability(
     let at = |mu: f64| Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() });
     let here = at(first);
     let uniform_state = here.uniform_sliding()?;
-    let classes = StateClasses::of(here.model().with_greatest_friction())?;
+    let classes = StateClasses::of(here.model())?;
     let has_equilibrium = |mu: f64| at(mu).equilibrium().map(|_| ());
     let steps = ((last - first) / STEP).ceil().max(FEWEST_STEPS);
     let equilibrium = equilibrium_ranges(&has_equilibrium, &spread([first, last], steps));

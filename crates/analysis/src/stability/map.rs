@@ -80,7 +80,7 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
         return Ok(Verdict::Stable);
     }
     let mut found = Verdict::Stable;
-    for states in &StateClasses::of(model)?.representatives {
+    for states in &StateClasses::of(here.model())?.representatives {
         let only_sticks = states
             .iter()
             .zip(&uniform)

@@ -3,7 +3,7 @@
 use super::parallel;
 use amontons::Error;
 use amontons::contact::{ContactState, all_states};
-use amontons::model::LinearModel;
+use amontons::model::{LinearModel, LumpedModel};
 use amontons::stability::{Spectrum, Symmetry};
 use std::collections::HashMap;
 
@@ -24,8 +24,7 @@ impl StateClasses {
     ///
     /// # Errors
     /// More contacts than [`MAX_CONTACTS`].
-    pub fn of(linear: LinearModel<'_>) -> Result<Self, Error> {
-        let model = linear.model();
+    pub fn of(model: &LumpedModel) -> Result<Self, Error> {
         let contacts = model.contacts.len();
         if contacts > MAX_CONTACTS {
             return Err(Error::analysis(format!(
@@ -34,7 +33,7 @@ impl StateClasses {
                  with `states --state` and `locus --state`"
             )));
         }
-        let symmetry = Symmetry::of(linear);
+        let symmetry = Symmetry::of(model);
         let mut classes = Self { representatives: Vec::new(), states: Vec::new() };
         let mut places = HashMap::new();
         let is_allowed = |states: &Vec<_>| states.iter().all(|state| model.law.allows(*state));
@@ -71,17 +70,16 @@ impl StateClasses {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use amontons::model::LumpedModel;
     use amontons::scene::builtin;
 
     #[test]
     fn symmetry_leaves_ten_of_the_sixteen_states_of_two_equal_modules() {
         let mut scene = builtin("set2").unwrap().scene();
-        let classes = StateClasses::of(LumpedModel::from(&scene).linear().unwrap()).unwrap();
+        let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
         assert_eq!((classes.representatives.len(), classes.states.len()), (10, 16));
         assert_eq!((0..10).map(|class| classes.members(class).count()).sum::<usize>(), 16);
         scene.modules_mut()[0].mass[0] *= 1.5;
-        let classes = StateClasses::of(LumpedModel::from(&scene).linear().unwrap()).unwrap();
+        let classes = StateClasses::of(&LumpedModel::from(&scene)).unwrap();
         assert_eq!(classes.representatives.len(), 16);
     }
 
@@ -90,8 +88,8 @@ mod tests {
         let mut scene = builtin("set1").unwrap().scene();
         scene.modules_mut().extend_from_within(..1);
         let model = LumpedModel::from(&scene);
+        let classes = StateClasses::of(&model).unwrap();
         let model = model.linear().unwrap();
-        let classes = StateClasses::of(model).unwrap();
         let spectra = classes.spectra(model, &|_| {}).unwrap();
         assert_eq!(spectra.len(), 20);
         for (states, class) in &classes.states {

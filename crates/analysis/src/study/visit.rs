@@ -36,7 +36,7 @@ pub(super) fn visited(
     period: Option<f64>,
 ) -> Result<Visited, Error> {
     let mut simulation = Simulation::resume(simulation.save())?;
-    let symmetry = Symmetry::of(LumpedModel::from(simulation.scene()).with_greatest_friction());
+    let symmetry = Symmetry::of(&LumpedModel::from(simulation.scene()));
     let mut states = HashSet::new();
     let start = simulation.time();
     let time = period.unwrap_or(look.window);

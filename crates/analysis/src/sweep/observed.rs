@@ -49,8 +49,7 @@ pub fn unit(output: &Variable) -> &'static str {
 /// The frequencies of the slowest and the fastest mode or sine of a signal, Hz: of the state that the scene can rest in
 /// and, where it is known, of all states. `None` where nothing oscillates.
 pub(crate) fn frequencies(scene: &Scene) -> Option<[f64; 2]> {
-    let at_rest = |model: &LumpedModel| resting_state(model);
-    frequencies_in(scene, &at_rest)
+    frequencies_in(scene, &resting_state)
 }
 
 /// The frequencies of [`frequencies`]; where nothing oscillates at rest, as on a surface that stands still, those of sliding.

@@ -1,4 +1,4 @@
-//! What the analyses find is what closed forms, the paper and other methods say.
+//! The analyses agree with closed forms, with the paper and with other methods.
 
 mod bistable;
 mod departure;

@@ -102,5 +102,5 @@ fn two_contacts_in_one_place_count_once_unless_their_friction_differs() {
     assert_eq!([[Slide, Slide], [Stick, Stick], [Stick, Slide]].map(free), [1, 0, 0]);
     // Sl and R-Sl at one place contradict each other: no motion, and no force, is determined.
     assert_eq!(free([Slide, ReverseSlide]), 0);
-    assert_eq!(StateClasses::of(model.linear().unwrap()).unwrap().representatives.len(), 16);
+    assert_eq!(StateClasses::of(&model).unwrap().representatives.len(), 16);
 }

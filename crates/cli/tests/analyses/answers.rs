@@ -566,7 +566,7 @@ fn each_analysis_of_each_kind_of_scene_is_right_or_refused_or_says_what_it_leave
     }
 }
 
-/// What `modes` says about growth.
+/// Compares the fastest growth rate that `amontons-stability modes` prints.
 fn modes(case: &Case, folder: &Path) -> Result<Answer, String> {
     let (out, err) = ask(EIGENVALUES, folder, &["modes", "scene.toml"])?;
     let rates = out.lines().filter_map(|line| line.split_once("growth rate ")?.1.split_once(' '));
@@ -575,7 +575,7 @@ fn modes(case: &Case, folder: &Path) -> Result<Answer, String> {
     Ok(limits(&err))
 }
 
-/// The output `stability.growth_rate` of an FMU at the start.
+/// Compares the output `stability.growth_rate` at the start of a run.
 fn monitored(case: &Case, folder: &Path) -> Result<Answer, String> {
     let with = format!("effects.stability = true\n{}", case.file);
     std::fs::write(folder.join("monitored.toml"), with).unwrap();
@@ -587,7 +587,7 @@ fn monitored(case: &Case, folder: &Path) -> Result<Answer, String> {
     Ok(limits(&err))
 }
 
-/// What the page in an FMU says about growth.
+/// Compares the growth rate in the page that an FMU carries.
 fn page_of_fmu(case: &Case, folder: &Path) -> Result<Answer, String> {
     let (_, err) = ask(MOTIONS, folder, &["export", "scene.toml", "-o", "scene.fmu"])?;
     let file = std::fs::File::open(folder.join("scene.fmu")).unwrap();

@@ -1,4 +1,4 @@
-//! What the program finds out about scenes is what other ways to it say, and how its user is told.
+//! The programs' analyses agree with independent computations, and report their limits to the user.
 
 mod accuracy_command;
 mod answers;

@@ -1,4 +1,4 @@
-//! What is made of scene files: what the reader says of them, and the FMUs that importers load.
+//! The reader reports mistakes in scene files, and importers load the FMUs that are made of them.
 
 mod effects_variables;
 mod fmi_rs;

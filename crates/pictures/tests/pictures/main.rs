@@ -1,4 +1,4 @@
-//! What pictures and reports hold, and what is refused.
+//! Pictures and reports are complete, and data that cannot be drawn are refused.
 
 mod picture;
 mod report;

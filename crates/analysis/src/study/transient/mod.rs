@@ -248,7 +248,7 @@ fn contact_names(scene: &Scene) -> Vec<String> {
     states.map(|variable| variable.name.trim_end_matches(".state").to_owned()).collect()
 }
 
-/// What the eigenvalues leave out that the run has.
+/// Says which effects act in the run and are not in the eigenvalues beside its findings.
 fn leaves_out(here: &Linearised, scene: &Scene) -> Vec<String> {
     let mut found = Vec::new();
     if !scene.signals.is_empty() {

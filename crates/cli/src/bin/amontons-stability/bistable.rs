@@ -18,8 +18,7 @@ pub fn run(arguments: &Bistable, out: &mut dyn Write) -> Result<(), Failure> {
     let given = configured(&arguments.common, Some(first), &[FRICTION])?;
     let scene = &given.scene;
     let here = Linearised::of(scene);
-    let classes =
-        StateClasses::of(here.model().with_greatest_friction())?.representatives.len() as u64;
+    let classes = StateClasses::of(here.model())?.representatives.len() as u64;
     let bar = Progress::new("the contact states", classes);
     let found = bistability(scene, [first, last], &|done| bar.set(done as u64))?;
     bar.finish();

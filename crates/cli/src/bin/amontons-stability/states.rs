@@ -98,7 +98,7 @@ fn spectra(
         let spectrum = Spectrum::of(model, &states)?;
         return Ok(vec![(states, spectrum, 1)]);
     }
-    let classes = StateClasses::of(model)?;
+    let classes = StateClasses::of(here.model())?;
     let bar = Progress::new("the contact states", classes.representatives.len() as u64);
     let spectra = classes.spectra(model, &|done| bar.set(done as u64))?;
     bar.finish();

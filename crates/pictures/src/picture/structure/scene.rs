@@ -21,7 +21,7 @@ impl From<&Scene> for Structure {
 /// Of k1 … k6 of a ring.
 const DIRECTIONS: [f64; 6] = [0.0, FRAC_PI_2, FRAC_PI_2, 0.0, FRAC_PI_2, 0.0];
 
-/// What the springs join stands in `assembly::ring` of the package `amontons`.
+/// `assembly::ring` of the package `amontons` says which masses each spring joins.
 fn ring(scene: &Scene, modules: &[Module]) -> Structure {
     let (mut structure, mut closing) = (Structure::default(), Vec::new());
     let slider = &scene.slider;

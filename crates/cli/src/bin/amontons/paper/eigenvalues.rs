@@ -234,7 +234,7 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
 
 /// The contact states that differ, and how many are alike.
 fn classes(model: &LumpedModel) -> Result<Vec<(String, usize)>, Error> {
-    let classes = StateClasses::of(model.linear()?)?;
+    let classes = StateClasses::of(model)?;
     let named = |(class, states): (usize, &Vec<_>)| {
         (amontons::contact::Joined(states).to_string(), classes.members(class).count())
     };
