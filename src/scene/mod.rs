@@ -346,19 +346,6 @@ impl Scene {
                 .any(|place| is_below(place.static_friction, place.friction.unwrap_or(kinetic)))
     }
 
-    /// Has another scene the same parts, and so the same variables?
-    #[must_use]
-    pub fn has_parts_of(&self, other: &Self) -> bool {
-        self.static_friction.is_some() == other.static_friction.is_some()
-            && (self.effects, self.roles) == (other.effects, other.roles)
-            && self.friction_law == other.friction_law
-            && match (&self.structure, &other.structure) {
-                (Structure::Ring(a), Structure::Ring(b)) => a.len() == b.len(),
-                (Structure::Network(a), Structure::Network(b)) => a.has_parts_of(b),
-                _ => false,
-            }
-    }
-
     /// The name of a contact (from 0): `contact[1]` in a ring, `contact.pad` in a network.
     #[must_use]
     pub fn contact_name(&self, contact: usize) -> String {

@@ -96,40 +96,6 @@ pub struct RubbingPlace {
     pub static_friction: Option<f64>,
 }
 
-impl Network {
-    /// Do two networks have the same parts by name, with the same variables?
-    pub(crate) fn has_parts_of(&self, other: &Self) -> bool {
-        let own = |place: &RubbingPlace| {
-            [place.velocity, place.friction, place.static_friction].map(|value| value.is_some())
-        };
-        all(&self.masses, &other.masses, |a, b| (&a.name, a.locked) == (&b.name, b.locked))
-            && all(&self.springs, &other.springs, |a, b| {
-                (&a.name, a.preload.is_some()) == (&b.name, b.preload.is_some())
-            })
-            && all(&self.dampers, &other.dampers, |a, b| a.name == b.name)
-            && all(&self.contacts, &other.contacts, |a, b| a.name == b.name && own(a) == own(b))
-    }
-
-    /// Do two networks differ at most in values that may change during a run, or that matter only at
-    /// its start?
-    pub(crate) fn has_structure_of(&self, other: &Self) -> bool {
-        self.has_parts_of(other)
-            && all(&self.masses, &other.masses, |a, b| (a.mass, a.angle) == (b.mass, b.angle))
-            && all(&self.springs, &other.springs, |a, b| {
-                (a.between, a.direction, a.stiffness) == (b.between, b.direction, b.stiffness)
-            })
-            && self.dampers == other.dampers
-            && all(&self.contacts, &other.contacts, |a, b| {
-                (a.mass, a.on, a.angle) == (b.mass, b.on, b.angle)
-            })
-    }
-}
-
-/// Are two lists equally long and alike, item by item?
-fn all<T>(a: &[T], b: &[T], alike: impl Fn(&T, &T) -> bool) -> bool {
-    a.len() == b.len() && a.iter().zip(b).all(|(a, b)| alike(a, b))
-}
-
 impl Mass {
     /// Of two values along its axes, those along which it can move.
     pub(crate) fn free<T>(&self, values: [T; 2]) -> impl Iterator<Item = T> + use<T> {

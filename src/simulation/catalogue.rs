@@ -131,10 +131,9 @@ pub struct Variable {
 }
 
 impl Variable {
-    /// The place of its entry in [`TEMPLATES`].
-    pub(super) fn template_place(&self) -> usize {
-        let mut places = TEMPLATES.iter();
-        places.position(|template| std::ptr::eq(template, self.template)).expect("it is from there")
+    /// `true` if both stand for the same entry of the catalogue and the same part of the structure.
+    pub(super) fn is(&self, other: &Self) -> bool {
+        std::ptr::eq(self.template, other.template) && self.index == other.index
     }
 
     /// May it be given a value before the run?
@@ -177,13 +176,6 @@ pub fn variables(scene: &Scene) -> Vec<Variable> {
         }
     }
     variables
-}
-
-/// The variable that this entry of [`TEMPLATES`] makes for a part of the structure, if the scene has it.
-pub(super) fn variable(scene: &Scene, template: usize, index: usize) -> Option<Variable> {
-    let template = TEMPLATES.get(template)?;
-    let exists = index < count(scene, template.per) && is_present(scene, template, index);
-    exists.then(|| of_part(scene, template, index, &part(scene, template.per, index)))
 }
 
 fn of_part(scene: &Scene, template: &'static Template, index: usize, part: &str) -> Variable {

@@ -2,7 +2,7 @@
 
 use super::catalogue::Quantity;
 use super::clock::Leg;
-use super::{Simulation, Variable, read_scene, variables};
+use super::{Parameters, Simulation, Variable};
 use crate::Error;
 use crate::error::Short;
 use crate::integrator::{Motion, StepFailure};
@@ -167,11 +167,8 @@ impl Simulation {
 
     /// The largest value, if it is one that no motion can follow.
     fn huge_value(&self) -> Option<(Variable, f64)> {
-        let acting = self.acting();
-        let values = variables(acting).into_iter().filter_map(|variable| {
-            let value = read_scene(acting, &variable)?;
-            Some((variable, value))
-        });
+        let effective = Parameters::of(self.scene.clone());
+        let values = effective.iter().map(|(variable, value)| (variable.clone(), value));
         values
             .max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()))
             .filter(|(_, value)| value.abs() > HUGE)
@@ -186,6 +183,7 @@ fn too_large((variable, value): (Variable, f64)) -> String {
 mod tests {
     use super::*;
     use crate::scene::{Method, Scene, builtin};
+    use crate::simulation::variables;
 
     const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
 

@@ -6,8 +6,8 @@ mod clock;
 mod derivatives;
 mod failure;
 mod fingerprint;
-mod given;
 mod monitor;
+mod parameters;
 mod rates;
 mod signals;
 mod snapshot;
@@ -18,12 +18,13 @@ pub use assumptions::broken_assumptions;
 pub(crate) use assumptions::newly_broken;
 pub use catalogue::{Variable, variables};
 pub use fingerprint::fingerprint;
-pub(crate) use given::Given;
+pub(crate) use parameters::ParameterValues;
+pub use parameters::Parameters;
 pub(crate) use rates::check_rate;
 pub use signals::at_instant;
 pub use snapshot::{Progress, Snapshot};
 pub(crate) use snapshot::{from_bytes, to_bytes};
-pub use values::{check_value, read_scene, rule, write_scene};
+pub use values::{check_value, rule, write_scene};
 
 use crate::Error;
 use crate::assembly::{self, Numbering};
@@ -39,7 +40,7 @@ use catalogue::Quantity;
 use clock::{Clock, Leg};
 use monitor::Monitor;
 use serde::{Deserialize, Serialize};
-use signals::{Driven, Reach};
+use signals::{Driven, Reach, moved_contacts};
 use start::{check_closed, initial_motion};
 use std::ops::ControlFlow;
 
@@ -50,13 +51,14 @@ const UNASKED: u64 = 1_000_000;
 
 /// A scene in motion.
 pub struct Simulation {
-    /// The values as they are given now: inputs and tunable parameters may have changed since the
-    /// start.
+    /// The scene with its effective values.
     scene: Scene,
+    /// The nominal values: inputs and tunable parameters may have changed since the start.
+    nominal: Parameters,
+    /// What makes effective values differ from the nominal ones.
+    driven: Option<Driven>,
     /// What a tolerance has chosen, when this simulation was made anew.
     selected: Option<Selected>,
-    /// The values that act, where the scene has signals.
-    driven: Option<Driven>,
     model: LumpedModel,
     /// The degrees of freedom of a network's masses.
     numbering: Numbering,
@@ -104,41 +106,50 @@ impl Simulation {
     ///
     /// # Errors
     /// Impossible values, no equilibrium, or a step above the critical one.
-    pub fn new(mut scene: Scene, start_time: f64) -> Result<Self, Error> {
+    pub fn new(scene: Scene, start_time: f64) -> Result<Self, Error> {
+        Self::with(Parameters::of(scene), start_time)
+    }
+
+    /// A simulation of a scene with these values, at `start_time` (s); else as [`new`](Self::new).
+    ///
+    /// # Errors
+    /// Those of [`new`](Self::new).
+    pub fn with(mut nominal: Parameters, start_time: f64) -> Result<Self, Error> {
+        let mut scene = nominal.scene();
         scene.check()?;
         let tolerance = scene.selection.tolerance();
         let selected = tolerance.map(|tolerance| select(&scene, tolerance));
         if let Some(Selected { method, step, .. }) = selected {
+            nominal.set_choice(method, step);
             (scene.method, scene.step) = (method, step);
         }
         let clock = Clock::at(start_time);
-        let mut driven = Driven::of(&scene);
+        let mut driven = Driven::of(&scene, &nominal);
         if let Some(driven) = &mut driven {
-            driven.bring_to([clock.time(); 2], &scene, |_| {})?;
+            driven.bring_to([clock.time(); 2], &nominal, &mut scene, |_| {})?;
         }
-        let acting = signals::acting(driven.as_ref(), &scene);
-        let model = LumpedModel::from(acting);
-        let equilibrium = assembly::equilibrium(acting, &model)?;
+        let model = LumpedModel::from(&scene);
+        let equilibrium = assembly::equilibrium(&scene, &model)?;
         let reference = Reference { equilibrium, load: model.load.clone() };
-        let mut motion = initial_motion(acting, &model);
-        check_closed(acting, &model, &motion)?;
+        let mut motion = initial_motion(&scene, &model);
+        check_closed(&scene, &model, &motion)?;
         if scene.effects.energy {
             motion.ledger = Some(Ledger::new(&model, &reference.equilibrium, &motion));
         }
-        let made = Self::assemble(scene, driven, model, reference, motion, clock)?;
+        let made = Self::assemble(scene, nominal, driven, model, reference, motion, clock)?;
         Ok(Self { selected, ..made })
     }
 
     fn assemble(
         scene: Scene,
+        nominal: Parameters,
         driven: Option<Driven>,
         model: LumpedModel,
         reference: Reference,
         motion: Motion,
         clock: Clock,
     ) -> Result<Self, Error> {
-        let acting = signals::acting(driven.as_ref(), &scene);
-        check_friction(&model, acting, clock.time())?;
+        check_friction(&model, &scene, clock.time())?;
         let mut guard =
             (scene.method == Method::ForwardIncrement).then(|| StepGuard::new(&model, scene.step));
         if let Some(guard) = &mut guard {
@@ -160,8 +171,9 @@ impl Simulation {
         Ok(Self {
             monitor: scene.effects.stability.then(Monitor::default),
             scene,
-            selected: None,
+            nominal,
             driven,
+            selected: None,
             model,
             numbering,
             guard,
@@ -188,10 +200,16 @@ impl Simulation {
         Clock::same(a, b, self.scene.step)
     }
 
-    /// The values as they are given now, without what signals add.
+    /// The scene with its effective values: the nominal ones, and what signals and rates add to them now.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
+    }
+
+    /// The nominal values of parameters and inputs, without what signals add.
+    #[must_use]
+    pub fn nominal(&self) -> &Parameters {
+        &self.nominal
     }
 
     /// What the scene's tolerance has chosen; `None` where method and step are given, and after
@@ -199,12 +217,6 @@ impl Simulation {
     #[must_use]
     pub fn selected(&self) -> Option<Selected> {
         self.selected
-    }
-
-    /// The values that act now: those given, and what signals add.
-    #[must_use]
-    pub fn acting(&self) -> &Scene {
-        signals::acting(self.driven.as_ref(), &self.scene)
     }
 
     /// Displacements from the equilibrium, m, one a degree of freedom.
@@ -408,16 +420,19 @@ impl Simulation {
     fn update_drive(&mut self, span: [f64; 2]) -> Result<(), Error> {
         let stale = &mut self.stale;
         let brought = match &mut self.driven {
-            Some(driven) => driven.bring_to(span, &self.scene, |variable| stale.by(variable)),
+            Some(driven) => {
+                let scene = &mut self.scene;
+                driven.bring_to(span, &self.nominal, scene, |variable| stale.by(variable))
+            }
             None => Ok(()),
         };
         if !std::mem::replace(&mut stale.drive, false) {
             return brought;
         }
-        let acting = signals::acting(self.driven.as_ref(), &self.scene);
-        assembly::load(acting, &self.numbering, &mut self.model.load);
+        let scene = &self.scene;
+        assembly::load(scene, &self.numbering, &mut self.model.load);
         let loads = self.model.load.iter().zip(&self.reference.load);
-        let force = self.drive.force.iter_mut().zip(acting.external_forces());
+        let force = self.drive.force.iter_mut().zip(scene.external_forces());
         for ((force, external), (now, then)) in force.zip(loads) {
             *force = (now - then) + external;
         }
@@ -427,14 +442,14 @@ impl Simulation {
             contact.normal.add_to(&mut self.drive.force, -normal);
             contact.tangent.add_to(&mut self.drive.force, -friction);
         }
-        assembly::update_contacts(&mut self.model, acting);
+        assembly::update_contacts(&mut self.model, scene);
         for (i, contact) in self.model.contacts.iter().enumerate() {
             self.drive.slider_velocity[i] = contact.surface_velocity;
             let rubs = self.model.rubs(contact);
             self.drive.friction[i] = if rubs { contact.friction } else { Friction::from(0.0) };
         }
-        self.model.damping = acting.damping;
-        self.integrator.set_damping(acting.damping);
+        self.model.damping = scene.damping;
+        self.integrator.set_damping(scene.damping);
         brought
     }
 
@@ -460,11 +475,11 @@ impl Simulation {
     /// Refuses a step that the values as they are now make impossible.
     fn check_limit(&mut self, time: f64) -> Result<(), Error> {
         if self.stale.limit {
-            let acting = signals::acting(self.driven.as_ref(), &self.scene);
-            assembly::update_contacts(&mut self.model, acting);
-            check_friction(&self.model, acting, time)?;
+            let scene = &self.scene;
+            assembly::update_contacts(&mut self.model, scene);
+            check_friction(&self.model, scene, time)?;
             if let Some(guard) = &mut self.guard {
-                guard.check(&self.model).map_err(|error| limit_left(acting, time, &error))?;
+                guard.check(&self.model).map_err(|error| limit_left(scene, time, &error))?;
             }
         }
         self.stale.limit = false;
@@ -514,30 +529,21 @@ fn length_to(edge: Option<f64>, leg: &Leg) -> f64 {
 
 /// What an input acts on.
 fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &Variable) -> Reach {
-    let index = variable.index;
-    match variable.template.quantity {
-        Quantity::ExternalForce => {
-            Reach { pushes: vec![(dof(scene, numbering, variable), 1.0)], ..Reach::default() }
-        }
+    let pushes = match variable.template.quantity {
+        Quantity::ExternalForce => vec![(dof(scene, numbering, variable), 1.0)],
         Quantity::Preload => {
             let mut force = vec![0.0; model.dofs()];
-            assembly::add_preload(scene, numbering, index, 1.0, &mut force);
-            let pushes = force.into_iter().enumerate().filter(|(_, force)| *force != 0.0);
-            Reach { pushes: pushes.collect(), ..Reach::default() }
+            assembly::add_preload(scene, numbering, variable.index, 1.0, &mut force);
+            force.into_iter().enumerate().filter(|(_, force)| *force != 0.0).collect()
         }
-        Quantity::SliderVelocity => {
-            let own = |contact: &usize| scene.place(*contact).and_then(|place| place.velocity);
-            let moves = (0..model.contacts.len()).filter(|contact| own(contact).is_none());
-            Reach { moves: moves.collect(), ..Reach::default() }
-        }
-        Quantity::OwnVelocity => Reach { moves: vec![index], ..Reach::default() },
-        _ => Reach::default(),
-    }
+        _ => Vec::new(),
+    };
+    Reach { pushes, moves: moved_contacts(scene, variable) }
 }
 
 /// Words on values that have made the step too long; the step itself may be fixed by now.
-fn limit_left(acting: &Scene, time: f64, error: &Error) -> Error {
-    let (friction, damping) = (acting.friction_coefficient, acting.damping);
+fn limit_left(scene: &Scene, time: f64, error: &Error) -> Error {
+    let (friction, damping) = (scene.friction_coefficient, scene.damping);
     let damping = match damping.beta {
         0.0 => String::new(),
         beta => format!(" and damping.beta = {beta:?}"),

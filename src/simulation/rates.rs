@@ -1,17 +1,16 @@
 //! Rates of inputs, for importers that know how an input goes on over their next step.
 
-use super::catalogue::{Causality, variable};
+use super::catalogue::Causality;
 use super::signals::{Driven, InputRamp};
-use super::{Simulation, Variable};
+use super::{Parameters, Simulation, Variable};
 use crate::Error;
-use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
 /// An input's rate as a saved state has it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct SavedRate {
-    template: usize,
-    index: usize,
+    /// Where the input's value is among those of the parameters.
+    place: usize,
     ramp: InputRamp,
 }
 
@@ -25,10 +24,16 @@ impl Simulation {
     pub fn set_rate(&mut self, variable: &Variable, rate: f64) -> Result<(), Error> {
         check_rate(variable, rate)?;
         let origin = self.clock.grid_time(self.scene.step);
-        let driven = self.driven.get_or_insert_with(|| Driven::new(&self.scene));
-        driven.set_ramp(variable, InputRamp { origin, rate, is_over: false });
+        let place = self.nominal.place(variable).expect("inputs are among the parameters");
+        self.set_ramp(place, InputRamp { origin, rate, is_over: false });
         self.stale.by(variable);
         Ok(())
+    }
+
+    fn set_ramp(&mut self, place: usize, ramp: InputRamp) {
+        let (scene, nominal) = (&self.scene, &self.nominal);
+        let driven = self.driven.get_or_insert_with(|| Driven::new(scene, nominal));
+        driven.set_ramp(place, ramp, scene, nominal);
     }
 
     /// Begins an advance to time `end` (s): rates of the one before no longer hold.
@@ -37,7 +42,7 @@ impl Simulation {
     /// A rate that leads to an impossible value.
     pub(super) fn begin_rates(&mut self, end: f64) -> Result<(), Error> {
         let Some(driven) = &mut self.driven else { return Ok(()) };
-        driven.check_ramps(end, &self.scene)?;
+        driven.check_ramps(end, &self.nominal)?;
         driven.drop_ramps(false);
         Ok(())
     }
@@ -46,41 +51,33 @@ impl Simulation {
     pub(super) fn end_rates(&mut self) {
         let end = self.clock.grid_time(self.scene.step);
         if let Some(driven) = &mut self.driven {
-            driven.end_ramps(end, &mut self.scene).expect("inputs can be written");
+            driven.end_ramps(end, &mut self.nominal);
         }
     }
 
     /// The rates, for a saved state.
     pub(super) fn saved_rates(&self) -> Vec<SavedRate> {
         let ramps = self.driven.iter().flat_map(Driven::ramps);
-        let saved = |(variable, ramp): (&Variable, InputRamp)| SavedRate {
-            template: variable.template_place(),
-            index: variable.index,
-            ramp,
-        };
-        ramps.map(saved).collect()
+        ramps.map(|(place, ramp)| SavedRate { place, ramp }).collect()
     }
 
     /// Takes over the rates of a saved state in place of those at hand.
     pub(super) fn take_over_rates(&mut self, saved: &[SavedRate]) {
         if let Some(driven) = &mut self.driven {
             driven.drop_ramps(true);
-            driven.restart(&self.scene);
+            driven.restart(&self.nominal, &mut self.scene);
         }
-        for &SavedRate { template, index, ramp } in saved {
-            let Some(variable) = variable(&self.scene, template, index) else { continue };
-            let driven = self.driven.get_or_insert_with(|| Driven::new(&self.scene));
-            driven.set_ramp(&variable, ramp);
-        }
+        saved.iter().for_each(|rate| self.set_ramp(rate.place, rate.ramp));
     }
 }
 
-/// Are these rates of inputs that the scene has?
-pub(super) fn belong_to(saved: &[SavedRate], scene: &Scene) -> bool {
-    saved.iter().all(|&SavedRate { template, index, ramp }| {
-        let variable = variable(scene, template, index);
+/// Are these rates of inputs among the parameters?
+pub(super) fn belong_to(saved: &[SavedRate], parameters: &Parameters) -> bool {
+    saved.iter().all(|&SavedRate { place, ramp }| {
         ramp.origin.is_finite()
-            && variable.is_some_and(|variable| check_rate(&variable, ramp.rate).is_ok())
+            && parameters
+                .variable(place)
+                .is_some_and(|variable| check_rate(variable, ramp.rate).is_ok())
     })
 }
 

@@ -1,26 +1,25 @@
 //! Inputs that change over a step: what the signals of a scene, and the rates that an importer gives, make of
 //! them at an instant.
 
-use super::Variable;
-use super::catalogue::{Quantity, variables};
+use super::catalogue::Quantity;
 use super::clock::NOTHING;
-use super::values::{check_value, read_scene, write_scene};
+use super::values::{check_value, write_scene};
+use super::{Parameters, Variable};
 use crate::Error;
 use crate::error::Short;
 use crate::integrator::Wave;
-use crate::scene::{Method, Scene, Shape, Sine};
+use crate::scene::{Method, Scene, Shape, Signal, Sine};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
+use std::sync::Arc;
 
 /// Long steps of exact motion must not blur the edges of signals, s.
 const MOST_SLACK: f64 = 1e-9;
 
-/// A scene whose inputs signals or rates drive.
+/// The inputs that signals or rates drive. Their effective values are the nominal ones and what these add to them.
 pub(super) struct Driven {
-    /// The values that act: those of the scene as it is given, and what the signals add to them.
-    pub(super) scene: Scene,
-    /// What is driven.
     inputs: Vec<Input>,
+    signals: Arc<[Signal]>,
     /// What times may be off by rounding, s.
     slack: f64,
     /// Does the motion follow what drives it within a step? Else it takes values at the ends of steps.
@@ -29,6 +28,12 @@ pub(super) struct Driven {
 
 struct Input {
     variable: Variable,
+    /// Where its nominal value is among those of all parameters.
+    place: usize,
+    /// Its present effective value.
+    effective: f64,
+    /// The contacts whose surface it moves, in ascending order.
+    moves: Vec<usize>,
     /// The places of its signals in the scene.
     signals: Vec<usize>,
     /// What an importer adds to it over a step.
@@ -59,43 +64,62 @@ impl InputRamp {
     }
 }
 
-/// The values that act: those of the driven scene, or where nothing drives it, those given.
-pub(super) fn acting<'a>(driven: Option<&'a Driven>, given: &'a Scene) -> &'a Scene {
-    driven.map_or(given, |driven| &driven.scene)
+/// The contacts whose surface an input moves, in ascending order: those that have no velocity of their own move with the slider.
+pub(super) fn moved_contacts(scene: &Scene, input: &Variable) -> Vec<usize> {
+    let has_own =
+        |contact: usize| scene.place(contact).is_some_and(|place| place.velocity.is_some());
+    match input.template.quantity {
+        Quantity::SliderVelocity => (0..scene.contact_count()).filter(|i| !has_own(*i)).collect(),
+        Quantity::OwnVelocity => vec![input.index],
+        _ => Vec::new(),
+    }
+}
+
+impl Input {
+    fn new(scene: &Scene, nominal: &Parameters, place: usize) -> Self {
+        let variable = nominal.variable(place).expect("a place among the parameters").clone();
+        let moves = moved_contacts(scene, &variable);
+        let effective = nominal.number(place);
+        Self { variable, place, effective, moves, signals: Vec::new(), ramp: None }
+    }
 }
 
 impl Driven {
-    /// The scene at work, so far as it is given; `None` if it has no signals. It has been checked.
-    pub(super) fn of(given: &Scene) -> Option<Self> {
-        (!given.signals.is_empty()).then(|| Self::new(given))
+    /// The inputs that the signals of a scene drive; `None` if it has none. The scene has been checked.
+    pub(super) fn of(scene: &Scene, nominal: &Parameters) -> Option<Self> {
+        (!scene.signals.is_empty()).then(|| Self::new(scene, nominal))
     }
 
-    /// The scene at work, whether it has signals or not.
-    pub(super) fn new(given: &Scene) -> Self {
+    /// The inputs that the signals of a scene drive, which may be none.
+    pub(super) fn new(scene: &Scene, nominal: &Parameters) -> Self {
         let mut inputs: Vec<Input> = Vec::new();
-        for variable in variables(given) {
-            let all = given.signals.iter().enumerate();
+        for (place, (variable, _)) in nominal.iter().enumerate() {
+            let all = scene.signals.iter().enumerate();
             let signals = all.filter(|(_, signal)| signal.input == variable.name);
             let signals: Vec<usize> = signals.map(|(i, _)| i).collect();
             if !signals.is_empty() {
-                inputs.push(Input { variable, signals, ramp: None });
+                inputs.push(Input { signals, ..Input::new(scene, nominal, place) });
             }
         }
-        let slack = (NOTHING * given.step).min(MOST_SLACK);
-        let is_followed = given.method == Method::EventDriven;
-        Self { scene: given.clone(), inputs, slack, is_followed }
+        let slack = (NOTHING * scene.step).min(MOST_SLACK);
+        let is_followed = scene.method == Method::EventDriven;
+        Self { inputs, signals: Arc::clone(&scene.signals), slack, is_followed }
     }
 
-    /// Gives an input this ramp, in place of the one that it has.
-    pub(super) fn set_ramp(&mut self, variable: &Variable, ramp: InputRamp) {
+    /// Gives the input whose value is at this place of the nominal ones a ramp, instead of the one that it has.
+    pub(super) fn set_ramp(
+        &mut self,
+        place: usize,
+        ramp: InputRamp,
+        scene: &Scene,
+        nominal: &Parameters,
+    ) {
         // Hosts give a rate of zero to what does not change: then each step is like the one before.
         let ramp = Some(ramp).filter(|ramp| ramp.rate != 0.0);
-        match self.inputs.iter_mut().find(|input| input.is(variable)) {
+        match self.inputs.iter_mut().find(|input| input.place == place) {
             Some(input) => input.ramp = ramp,
             None if ramp.is_none() => {}
-            None => {
-                self.inputs.push(Input { variable: variable.clone(), signals: Vec::new(), ramp });
-            }
+            None => self.inputs.push(Input { ramp, ..Input::new(scene, nominal, place) }),
         }
     }
 
@@ -107,31 +131,28 @@ impl Driven {
         }
     }
 
-    /// Takes over another value that an input is given, until the next step adds to it again. How fast the input
-    /// has changed up to now is no longer true then.
-    ///
-    /// # Errors
-    /// The variable is an output.
-    pub(super) fn write(&mut self, variable: &Variable, value: f64) -> Result<(), Error> {
-        if let Some(input) = self.inputs.iter_mut().find(|input| input.is(variable)) {
+    /// Takes note of another nominal value, which is the effective one until the next step adds to it again. How fast
+    /// the input has changed up to now is no longer true then.
+    pub(super) fn value_is_set(&mut self, variable: &Variable, value: f64) {
+        if let Some(input) = self.inputs.iter_mut().find(|input| input.variable.is(variable)) {
             input.ramp.take_if(|ramp| ramp.is_over);
+            input.effective = value;
         }
-        write_scene(&mut self.scene, variable, value)
     }
 
-    /// The inputs that have ramps.
-    pub(super) fn ramps(&self) -> impl Iterator<Item = (&Variable, InputRamp)> {
-        self.inputs.iter().filter_map(|input| Some((&input.variable, input.ramp?)))
+    /// The inputs that have ramps, by the places of their nominal values.
+    pub(super) fn ramps(&self) -> impl Iterator<Item = (usize, InputRamp)> {
+        self.inputs.iter().filter_map(|input| Some((input.place, input.ramp?)))
     }
 
-    /// The values that the ramps lead to by time `end` (s), where without them the inputs are as `given`.
+    /// Checks the values that the ramps lead to by time `end` (s).
     ///
     /// # Errors
     /// A value that cannot be.
-    pub(super) fn check_ramps(&self, end: f64, given: &Scene) -> Result<(), Error> {
-        for (variable, ramp) in self.ramps().filter(|(_, ramp)| !ramp.is_over) {
-            let value = read_scene(given, variable).unwrap_or(0.0) + ramp.at(end);
-            check_value(variable, value).map_err(|error| {
+    pub(super) fn check_ramps(&self, end: f64, nominal: &Parameters) -> Result<(), Error> {
+        for Input { variable, place, ramp, .. } in &self.inputs {
+            let Some(ramp) = ramp.filter(|ramp| !ramp.is_over) else { continue };
+            check_value(variable, nominal.number(*place) + ramp.at(end)).map_err(|error| {
                 let rate = ramp.rate;
                 Error::step(format!(
                     "at {} s, with a rate of {rate:?} per second, {error}",
@@ -142,46 +163,45 @@ impl Driven {
         Ok(())
     }
 
-    /// Ends the step of the ramps at time `end` (s): what they have led to is given from now on.
-    ///
-    /// # Errors
-    /// None: what has a ramp can be written.
-    pub(super) fn end_ramps(&mut self, end: f64, given: &mut Scene) -> Result<(), Error> {
-        for Input { variable, ramp, .. } in &mut self.inputs {
+    /// Ends the step of the ramps at time `end` (s): what they have led to are the nominal values from now on.
+    pub(super) fn end_ramps(&mut self, end: f64, nominal: &mut Parameters) {
+        for Input { place, ramp, .. } in &mut self.inputs {
             let Some(ramp) = ramp.as_mut().filter(|ramp| !ramp.is_over) else { continue };
-            let value = read_scene(given, variable).unwrap_or(0.0) + ramp.at(end);
-            write_scene(given, variable, value)?;
+            *nominal.number_mut(*place) += ramp.at(end);
             (ramp.origin, ramp.is_over) = (end, true);
         }
-        Ok(())
     }
 
-    /// Takes over other values of the same structure, so far as they are given.
-    pub(super) fn restart(&mut self, given: &Scene) {
-        self.scene.clone_from(given);
+    /// Makes the nominal values in `scene` the effective ones, until the next step adds to them.
+    pub(super) fn restart(&mut self, nominal: &Parameters, scene: &mut Scene) {
+        for Input { variable, place, effective, .. } in &mut self.inputs {
+            *effective = nominal.number(*place);
+            write_scene(scene, variable, *effective).expect("inputs can be written");
+        }
     }
 
-    /// Brings the inputs to a step from one time to another (s), where without signals they would be as
-    /// `given`: velocities of sliders are those at its end, where contacts are held (in exact motion those that lead
-    /// there, before any jump), all others those at its beginning. Gives the variables whose value this changes to `changed`.
+    /// Brings the effective values in `scene` to a step from one time to another (s): velocities of sliders are those
+    /// at its end, where contacts are held (in exact motion those that lead there, before any jump), all others those
+    /// at its beginning. Calls `changed` with each variable whose value this changes.
     ///
     /// # Errors
     /// A value that cannot be: which, when, and what it must be. That input stays as it is.
     pub(super) fn bring_to(
         &mut self,
         [start, end]: [f64; 2],
-        given: &Scene,
+        nominal: &Parameters,
+        scene: &mut Scene,
         mut changed: impl FnMut(&Variable),
     ) -> Result<(), Error> {
         let mut result = Ok(());
-        for Input { variable, signals, ramp } in &self.inputs {
-            let value = |scene| read_scene(scene, variable).unwrap_or(0.0);
+        for Input { variable, place, effective, signals, ramp, .. } in &mut self.inputs {
             let t = if is_velocity(variable) { end } else { start };
             let from = if self.is_followed { start } else { t };
-            let added = signals.iter().map(|&i| given.signals[i].shape.onward(from, t, self.slack));
-            let given = ramp.map_or(value(given), |ramp| value(given) + ramp.at(t));
-            let sum = added.fold(given, |sum, added| sum + added);
-            if sum == value(&self.scene) {
+            let added = signals.iter().map(|&i| self.signals[i].shape.onward(from, t, self.slack));
+            let nominal = nominal.number(*place);
+            let nominal = ramp.map_or(nominal, |ramp| nominal + ramp.at(t));
+            let sum = added.fold(nominal, |sum, added| sum + added);
+            if sum == *effective {
                 continue;
             }
             if let Err(error) = check_value(variable, sum) {
@@ -190,7 +210,8 @@ impl Driven {
                 result = result.and(Err(Error::step(message)));
                 continue;
             }
-            write_scene(&mut self.scene, variable, sum)?;
+            write_scene(scene, variable, sum)?;
+            *effective = sum;
             changed(variable);
         }
         result
@@ -202,7 +223,7 @@ impl Driven {
         if self.ramps().any(|(_, ramp)| !ramp.is_over) {
             return t;
         }
-        let shapes = self.scene.signals.iter().map(|signal| &signal.shape);
+        let shapes = self.signals.iter().map(|signal| &signal.shape);
         shapes.fold(f64::INFINITY, |until, shape| until.min(shape.constant_until(t, self.slack)))
     }
 
@@ -265,7 +286,7 @@ impl Driven {
         if !self.is_followed {
             return None;
         }
-        let shapes = self.scene.signals.iter().map(|signal| &signal.shape);
+        let shapes = self.signals.iter().map(|signal| &signal.shape);
         let edges = shapes.map(|shape| shape.next_edge(t, self.slack));
         Some(edges.fold(f64::INFINITY, f64::min)).filter(|edge| edge + self.slack < end)
     }
@@ -303,24 +324,12 @@ impl Driven {
     }
 
     fn shapes<'a>(&'a self, input: &'a Input) -> impl Iterator<Item = &'a Shape> {
-        input.signals.iter().map(|&i| &self.scene.signals[i].shape)
+        input.signals.iter().map(|&i| &self.signals[i].shape)
     }
 
+    /// The inputs that move the surface of a contact.
     fn of_slider(&self, contact: usize) -> impl Iterator<Item = &Input> {
-        let own = self.scene.network().and_then(|network| network.contacts[contact].velocity);
-        self.inputs.iter().filter(move |input| match input.variable.template.quantity {
-            Quantity::SliderVelocity => own.is_none(),
-            Quantity::OwnVelocity => input.variable.index == contact,
-            _ => false,
-        })
-    }
-}
-
-impl Input {
-    /// Is it this variable?
-    fn is(&self, variable: &Variable) -> bool {
-        std::ptr::eq(self.variable.template, variable.template)
-            && self.variable.index == variable.index
+        self.inputs.iter().filter(move |input| input.moves.binary_search(&contact).is_ok())
     }
 }
 
@@ -333,9 +342,12 @@ fn is_velocity(variable: &Variable) -> bool {
 /// # Errors
 /// A signal gives a value that cannot be.
 pub fn at_instant(scene: &Scene, t: f64) -> Result<Scene, Error> {
-    let Some(mut driven) = Driven::of(scene) else { return Ok(scene.clone()) };
-    driven.bring_to([t, t], scene, |_| {})?;
-    let mut found = driven.scene;
-    found.signals = [].into();
-    Ok(found)
+    let mut scene = scene.clone();
+    if scene.signals.is_empty() {
+        return Ok(scene);
+    }
+    let nominal = Parameters::of(scene.clone());
+    Driven::new(&scene, &nominal).bring_to([t, t], &nominal, &mut scene, |_| {})?;
+    scene.signals = [].into();
+    Ok(scene)
 }

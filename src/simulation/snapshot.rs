@@ -4,24 +4,22 @@
 //!
 //! The bytes: a mark, the format's version, the fingerprint of the FMU they belong to, the values
 //! (little-endian), and a CRC-32 of all that precedes it. No pointers, nothing of this machine. The fingerprint
-//! stands for the scene, so of that only what may have been given another value is among them ([`Given`](super::Given)).
+//! stands for the scene, so of that only the values of parameters and inputs are among them.
 
 use super::clock::Clock;
 use super::rates::{SavedRate, belong_to};
-use super::signals::{self, Driven};
-use super::values::check_given;
-use super::{Reference, Simulation, Variable, are_finite};
+use super::signals::Driven;
+use super::{Parameters, Reference, Simulation, are_finite};
 use crate::Error;
 use crate::integrator::{Ledger, Motion};
 use crate::model::{Equilibrium, LumpedModel};
-use crate::scene::{Module, Scene, Structure};
+use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
-use std::sync::Arc;
 
 /// Everything that a simulation needs to go on with the same doubles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
-    scene: Scene,
+    nominal: Parameters,
     progress: Progress,
 }
 
@@ -35,17 +33,16 @@ pub struct Progress {
 }
 
 impl Snapshot {
-    /// The values at the time of saving.
-    #[must_use]
-    pub fn scene(&self) -> &Scene {
-        &self.scene
+    /// The nominal values at the time of saving.
+    pub(crate) fn nominal(&self) -> &Parameters {
+        &self.nominal
     }
 
     /// A run of a scene with these values that has come so far. The scene must be the one that has come there, but for its
     /// values: [`Simulation::restore`] checks it.
     #[must_use]
-    pub fn new(scene: Scene, progress: Progress) -> Self {
-        Self { scene, progress }
+    pub fn new(nominal: Parameters, progress: Progress) -> Self {
+        Self { nominal, progress }
     }
 
     /// How far the run has come, without the values.
@@ -65,12 +62,13 @@ impl Snapshot {
     ///
     /// # Errors
     /// What it is; only a forged snapshot has it.
-    pub(crate) fn check(&self, variables: &[Variable], failed: bool) -> Result<(), Error> {
-        check_given(&self.scene, variables)?;
+    pub(crate) fn check(&self, failed: bool) -> Result<(), Error> {
+        self.nominal.check()?;
         let refuse = |what: &str| {
             Err(Error::saved_state(format!("the saved state contradicts itself: {what}")))
         };
-        if !self.is_consistent() {
+        let scene = self.nominal.scene();
+        if !self.is_consistent(&scene) {
             return refuse("its lists are not as long as the scene asks for");
         }
         let Progress { reference, motion, clock, rates } = &self.progress;
@@ -85,9 +83,9 @@ impl Snapshot {
         if !failed && !is_finite {
             return refuse("its motion is not of finite numbers");
         }
-        let law = self.scene.contact_law();
+        let law = scene.contact_law();
         if let Some(i) = motion.contacts.iter().position(|state| !law.allows(*state)) {
-            let name = self.scene.contact_name(i);
+            let name = scene.contact_name(i);
             return refuse(&format!(
                 "{name} is {}, which its law does not know",
                 motion.contacts[i]
@@ -99,25 +97,25 @@ impl Snapshot {
         if !motion.statistics.are_countable() {
             return refuse("it has counted more than a run can");
         }
-        if !belong_to(rates, &self.scene) {
+        if !belong_to(rates, &self.nominal) {
             return refuse("its rates are not those of inputs");
         }
-        if !clock.is_possible(self.scene.step) {
+        if !clock.is_possible(scene.step) {
             return refuse("its time is not that of its steps");
         }
         Ok(())
     }
 
     /// Do all lists have the lengths that the scene asks for?
-    fn is_consistent(&self) -> bool {
-        let contacts = self.scene.contact_count();
-        let dofs = self.scene.external_forces().count();
+    fn is_consistent(&self, scene: &Scene) -> bool {
+        let contacts = scene.contact_count();
+        let dofs = scene.external_forces().count();
         let Progress { reference, motion, .. } = &self.progress;
         motion.displacement.len() == dofs
             && motion.velocity.len() == dofs
             && motion.contacts.len() == contacts
             && motion.pulls.len() == contacts
-            && motion.ledger.as_ref().map(Ledger::dofs) == self.scene.effects.energy.then_some(dofs)
+            && motion.ledger.as_ref().map(Ledger::dofs) == scene.effects.energy.then_some(dofs)
             && reference.load.len() == dofs
             && reference.equilibrium.displacement.len() == dofs
             && reference.equilibrium.normal_force.len() == contacts
@@ -130,7 +128,7 @@ impl Simulation {
     #[must_use]
     pub fn save(&self) -> Snapshot {
         Snapshot {
-            scene: self.scene.clone(),
+            nominal: self.nominal.clone(),
             progress: Progress {
                 reference: self.reference.clone(),
                 motion: self.motion.clone(),
@@ -146,11 +144,14 @@ impl Simulation {
     /// # Errors
     /// The snapshot cannot be resumed ([`resume`](Self::resume)); the simulation is then as it was.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
-        if !same_structure(&self.scene, &snapshot.scene) || !snapshot.is_consistent() {
+        let can_take = snapshot.nominal.differ_in_motion_alone(&self.nominal)
+            && snapshot.is_consistent(&self.scene);
+        if !can_take {
             *self = Self::resume(snapshot.clone())?;
             return Ok(());
         }
-        self.scene.clone_from(&snapshot.scene);
+        self.nominal.clone_from(&snapshot.nominal);
+        self.nominal.write_to(&mut self.scene);
         let Progress { reference, motion, clock, rates } = &snapshot.progress;
         self.reference.clone_from(reference);
         self.motion.clone_from(motion);
@@ -165,46 +166,27 @@ impl Simulation {
     /// # Errors
     /// The snapshot's values are impossible, which only a forged one can have.
     pub fn resume(snapshot: Snapshot) -> Result<Self, Error> {
-        snapshot.scene.check()?;
-        if !snapshot.is_consistent() {
+        let mut scene = snapshot.nominal.scene();
+        scene.check()?;
+        if !snapshot.is_consistent(&scene) {
             return Err(Error::saved_state("the saved state contradicts itself"));
         }
-        let Snapshot { scene, progress } = snapshot;
+        let Snapshot { nominal, progress } = snapshot;
         let Progress { reference, motion, clock, rates } = progress;
         // Where signals make a value impossible, the next step says so.
-        let mut driven = Driven::of(&scene);
+        let mut driven = Driven::of(&scene, &nominal);
         if let Some(driven) = &mut driven {
-            let _ = driven.bring_to([clock.time(); 2], &scene, |_| {});
+            let _ = driven.bring_to([clock.time(); 2], &nominal, &mut scene, |_| {});
         }
-        let model = LumpedModel::from(signals::acting(driven.as_ref(), &scene));
-        let mut resumed = Self::assemble(scene, driven, model, reference, motion, clock)?;
+        let model = LumpedModel::from(&scene);
+        let mut resumed = Self::assemble(scene, nominal, driven, model, reference, motion, clock)?;
         resumed.take_over_rates(&rates);
         Ok(resumed)
     }
 }
 
-/// Do two scenes differ at most in values that may change during a run, or that matter only at
-/// its start?
-fn same_structure(a: &Scene, b: &Scene) -> bool {
-    let same = match (&a.structure, &b.structure) {
-        (Structure::Ring(a), Structure::Ring(b)) => {
-            let fixed = |module: &Module| (module.mass, module.stiffness);
-            a.len() == b.len() && a.iter().zip(b).all(|(a, b)| fixed(a) == fixed(b))
-        }
-        (Structure::Network(a), Structure::Network(b)) => a.has_structure_of(b),
-        _ => false,
-    };
-    let same_signals = Arc::ptr_eq(&a.signals, &b.signals) || a.signals == b.signals;
-    same && same_signals
-        && a.slider.angle == b.slider.angle
-        && a.step == b.step
-        && a.method == b.method
-        && (a.effects, a.roles) == (b.effects, b.roles)
-        && a.friction_law == b.friction_law
-}
-
 const MARK: [u8; 4] = *b"AMTN";
-const VERSION: u8 = 10;
+const VERSION: u8 = 11;
 const GUID: usize = 38;
 const HEADER: usize = MARK.len() + 1 + GUID;
 const CHECKSUM: usize = 4;
@@ -245,7 +227,7 @@ pub(crate) fn from_bytes<T: for<'a> Deserialize<'a>>(bytes: &[u8], guid: &str) -
 
 #[cfg(test)]
 mod tests {
-    use super::super::{Given, variables};
+    use super::super::{ParameterValues, variables};
     use super::*;
     use crate::scene::{BUILTIN, Builtin, ForceRole, Selection, builtin};
     use std::collections::BTreeSet;
@@ -262,20 +244,25 @@ mod tests {
         simulation
     }
 
+    /// Gives a snapshot another nominal value.
+    fn set(snapshot: &mut Snapshot, name: &str, value: f64) {
+        let place = snapshot.nominal.iter().position(|(variable, _)| variable.name == name);
+        *snapshot.nominal.number_mut(place.unwrap()) = value;
+    }
+
     fn guid() -> String {
         super::super::fingerprint(&"scene".into())
     }
 
     /// A snapshot as bytes of a scene's FMU.
     fn write(snapshot: &Snapshot) -> Vec<u8> {
-        let scene = snapshot.scene();
-        to_bytes(&(Given::of(scene, &variables(scene)), snapshot.progress()), &guid())
+        to_bytes(&(snapshot.nominal.values(), &snapshot.progress), &guid())
     }
 
     /// The snapshot in bytes of a scene's FMU.
     fn read(bytes: &[u8], original: &Scene) -> Result<Snapshot, Error> {
-        let (given, progress): (Given, Progress) = from_bytes(bytes, &guid())?;
-        Ok(Snapshot::new(given.put_into(original, &variables(original))?, progress))
+        let (values, progress) = from_bytes(bytes, &guid())?;
+        Ok(Snapshot::new(Parameters::of(original.clone()).with_values(values)?, progress))
     }
 
     #[test]
@@ -347,16 +334,13 @@ mod tests {
 
         type Forge = fn(&mut Snapshot);
         let forgeries: &[(Forge, &str)] = &[
+            (|s| set(s, "module[2].m1", -0.3), "module[2].m1 = -0.3: must be above zero"),
             (
-                |s| s.scene.modules_mut()[1].mass[0] = -0.3,
-                "module[2].m1 = -0.3: must be above zero",
-            ),
-            (
-                |s| s.scene.friction_coefficient = f64::NAN,
+                |s| set(s, "friction.coefficient", f64::NAN),
                 "friction.coefficient = NaN: must be a finite",
             ),
-            (|s| s.scene.damping.beta = -1.0, "damping.beta = -1: must not be negative"),
-            (|s| s.scene.step = 0.0, "integrator.step = 0: must be above zero"),
+            (|s| set(s, "damping.beta", -1.0), "damping.beta = -1: must not be negative"),
+            (|s| set(s, "integrator.step", 0.0), "integrator.step = 0: must be above zero"),
             (|s| s.progress.motion.displacement.push(0.0), "its lists are not as long"),
             (|s| s.progress.motion.velocity.clear(), "its lists are not as long"),
             (|s| s.progress.reference.load.truncate(1), "its lists are not as long"),
@@ -373,30 +357,29 @@ mod tests {
             (|s| s.progress.motion.statistics.steps = u64::MAX, "counted more than a run can"),
             (|s| s.progress.clock = Clock::at(f64::NAN), "its time is not that of its steps"),
             // A thousand million steps would be made up for.
-            (|s| s.scene.step = 1e-9, "its time is not that of its steps"),
+            (|s| set(s, "integrator.step", 1e-9), "its time is not that of its steps"),
         ];
         let good = running().save();
-        let known = variables(&set1());
-        good.check(&known, false).unwrap();
+        good.check(false).unwrap();
         for (forge, words) in forgeries {
             let mut forged = good.clone();
             forge(&mut forged);
-            let error = forged.check(&known, false).unwrap_err();
+            let error = forged.check(false).unwrap_err();
             assert!(error.is_saved_state() && error.to_string().contains(words), "{error}");
         }
         // A motion that a step has left unfinished may be anything.
         let mut failed = good;
         failed.progress.motion.displacement[0] = f64::NAN;
-        failed.check(&known, true).unwrap();
+        failed.check(true).unwrap();
         // Without sticking there is no such state.
         let mut scene = set1();
         scene.effects.sticking = false;
         for method in [Method::ForwardIncrement, Method::EventDriven] {
             let scene = Scene { method, ..scene.clone() };
             let mut forged = Simulation::new(scene.clone(), 0.0).unwrap().save();
-            forged.check(&variables(&scene), false).unwrap();
+            forged.check(false).unwrap();
             forged.progress.motion.contacts[1] = ContactState::Stick;
-            let error = forged.check(&variables(&scene), false).unwrap_err().to_string();
+            let error = forged.check(false).unwrap_err().to_string();
             assert!(error.contains("contact[2] is St, which its law does not know"), "{error}");
         }
     }
@@ -421,7 +404,7 @@ mod tests {
     fn the_state_of_another_fmu_is_refused() {
         let bytes = write(&running().save());
         let other = super::super::fingerprint(&"other".into());
-        let error = from_bytes::<(Given, Progress)>(&bytes, &other).unwrap_err();
+        let error = from_bytes::<(ParameterValues, Progress)>(&bytes, &other).unwrap_err();
         assert!(error.to_string().contains("another FMU"), "{error}");
     }
 

@@ -2,81 +2,52 @@
 
 use super::Simulation;
 use super::catalogue::{Kind, Quantity, Template, Variable};
+use super::parameters::not_settable;
 use crate::Error;
 use crate::contact::ContactForce;
-use crate::scene::{Problem, Rule, Scene, Structure};
+use crate::scene::{Network, Problem, Rule, Scene, Structure};
 
-/// Where a scene keeps the value of a variable, as a reference, or with `mut` one to write to; leaves
-/// the function with `None` for an output.
-macro_rules! place {
-    ($scene:expr, $variable:expr $(, $mut:ident)?) => {{
-        let (scene, i) = ($scene, $variable.index);
-        let &Template { quantity, component, .. } = $variable.template;
-        match (quantity, &$($mut)? scene.structure) {
-            (Quantity::SliderVelocity, _) => &$($mut)? scene.slider.velocity,
-            (Quantity::SliderAngle, _) => &$($mut)? scene.slider.angle,
-            (Quantity::FrictionCoefficient, _) => &$($mut)? scene.friction_coefficient,
-            (Quantity::StaticFriction, _) => match &$($mut)? scene.static_friction {
-                Some(friction) => friction,
-                None => return None,
-            },
-            (Quantity::StribeckVelocity, _) => match &$($mut)? scene.stribeck_velocity {
-                Some(velocity) => velocity,
-                None => return None,
-            },
-            (Quantity::DampingAlpha, _) => &$($mut)? scene.damping.alpha,
-            (Quantity::DampingBeta, _) => &$($mut)? scene.damping.beta,
-            (Quantity::IntegratorStep, _) => &$($mut)? scene.step,
-            (quantity, Structure::Ring(modules)) => {
-                let module = &$($mut)? modules[i];
+/// The place of a parameter or input in a scene; `None` for an output, and for what the scene does not have.
+pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<&'a mut f64> {
+    let i = variable.index;
+    let &Template { quantity, component, .. } = variable.template;
+    Some(match quantity {
+        Quantity::SliderVelocity => &mut scene.slider.velocity,
+        Quantity::SliderAngle => &mut scene.slider.angle,
+        Quantity::FrictionCoefficient => &mut scene.friction_coefficient,
+        Quantity::StaticFriction => return scene.static_friction.as_mut(),
+        Quantity::StribeckVelocity => return scene.stribeck_velocity.as_mut(),
+        Quantity::DampingAlpha => &mut scene.damping.alpha,
+        Quantity::DampingBeta => &mut scene.damping.beta,
+        Quantity::IntegratorStep => &mut scene.step,
+        _ => match &mut scene.structure {
+            Structure::Ring(modules) => {
+                let module = &mut modules[i];
                 match quantity {
-                    Quantity::Mass => &$($mut)? module.mass[component],
-                    Quantity::Stiffness => &$($mut)? module.stiffness[component],
-                    Quantity::Preload => &$($mut)? module.preload,
-                    Quantity::ExternalForce => &$($mut)? module.force[component],
-                    Quantity::InitialDisplacement => &$($mut)? module.displacement[component],
-                    Quantity::InitialVelocity => &$($mut)? module.velocity[component],
+                    Quantity::Mass => &mut module.mass[component],
+                    Quantity::Stiffness => &mut module.stiffness[component],
+                    Quantity::Preload => &mut module.preload,
+                    Quantity::ExternalForce => &mut module.force[component],
+                    Quantity::InitialDisplacement => &mut module.displacement[component],
+                    Quantity::InitialVelocity => &mut module.velocity[component],
                     _ => return None,
                 }
             }
-            (quantity, Structure::Network(network)) => match quantity {
-                Quantity::Mass => &$($mut)? network.masses[i].mass,
-                Quantity::Stiffness => &$($mut)? network.springs[i].stiffness,
-                Quantity::Preload => match &$($mut)? network.springs[i].preload {
-                    Some(preload) => preload,
-                    None => return None,
-                },
-                Quantity::DamperDamping => &$($mut)? network.dampers[i].damping,
-                Quantity::ExternalForce => &$($mut)? network.masses[i].force[component],
-                Quantity::InitialDisplacement => &$($mut)? network.masses[i].displacement[component],
-                Quantity::InitialVelocity => &$($mut)? network.masses[i].velocity[component],
-                Quantity::OwnVelocity => match &$($mut)? network.contacts[i].velocity {
-                    Some(velocity) => velocity,
-                    None => return None,
-                },
-                Quantity::OwnFriction => match &$($mut)? network.contacts[i].friction {
-                    Some(friction) => friction,
-                    None => return None,
-                },
-                Quantity::OwnStaticFriction => match &$($mut)? network.contacts[i].static_friction {
-                    Some(friction) => friction,
-                    None => return None,
-                },
+            Structure::Network(Network { masses, springs, dampers, contacts }) => match quantity {
+                Quantity::Mass => &mut masses[i].mass,
+                Quantity::Stiffness => &mut springs[i].stiffness,
+                Quantity::Preload => return springs[i].preload.as_mut(),
+                Quantity::DamperDamping => &mut dampers[i].damping,
+                Quantity::ExternalForce => &mut masses[i].force[component],
+                Quantity::InitialDisplacement => &mut masses[i].displacement[component],
+                Quantity::InitialVelocity => &mut masses[i].velocity[component],
+                Quantity::OwnVelocity => return contacts[i].velocity.as_mut(),
+                Quantity::OwnFriction => return contacts[i].friction.as_mut(),
+                Quantity::OwnStaticFriction => return contacts[i].static_friction.as_mut(),
                 _ => return None,
             },
-        }
-    }};
-}
-
-/// The value of a parameter or input in a scene; `None` for an output.
-#[must_use]
-pub fn read_scene(scene: &Scene, variable: &Variable) -> Option<f64> {
-    Some(*place!(scene, variable))
-}
-
-/// The place of a parameter or input in a scene; `None` for an output.
-fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<&'a mut f64> {
-    Some(place!(scene, variable, mut))
+        },
+    })
 }
 
 /// Writes a parameter or input into a scene; [`Scene::check`] says whether it is possible.
@@ -84,10 +55,7 @@ fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<&'a mut f64
 /// # Errors
 /// The variable is an output.
 pub fn write_scene(scene: &mut Scene, variable: &Variable, value: f64) -> Result<(), Error> {
-    let place = place_in(scene, variable).ok_or_else(|| {
-        Error::variable(format!("{} cannot be set: it is an output", variable.name))
-    })?;
-    *place = value;
+    *place_in(scene, variable).ok_or_else(|| not_settable(variable))? = value;
     Ok(())
 }
 
@@ -118,7 +86,7 @@ impl Simulation {
             Quantity::GrowthRate => self.outlook()?.growth_rate,
             Quantity::ModeFrequency => self.outlook()?.frequency,
             Quantity::ModeCount => f64::from(self.outlook()?.modes),
-            _ => read_scene(&self.scene, variable).expect("every other quantity is a scene's"),
+            _ => self.nominal.get(variable).expect("every other quantity is a parameter or input"),
         })
     }
 
@@ -146,9 +114,10 @@ impl Simulation {
         if let Some(wish) = rule(variable).broken_by(value) {
             return Err(Error::variable(impossible(variable, value, wish)));
         }
+        self.nominal.set(variable, value)?;
         write_scene(&mut self.scene, variable, value)?;
         if let Some(driven) = &mut self.driven {
-            driven.write(variable, value)?;
+            driven.value_is_set(variable, value);
         }
         self.stale.by(variable);
         Ok(())
@@ -177,29 +146,6 @@ pub fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
     }
 }
 
-/// Refuses values that no run can have; how they go together is for the scene as a whole, and for each step.
-///
-/// # Errors
-/// The first such variable, its value, and what would be right.
-pub(super) fn check_given(scene: &Scene, variables: &[Variable]) -> Result<(), Error> {
-    for variable in variables {
-        let Some(value) = read_scene(scene, variable) else { continue };
-        if let Some(wish) = rule(variable).broken_by(value) {
-            return Err(Error::saved_state(format!(
-                "the saved state has {}",
-                impossible(variable, value, wish)
-            )));
-        }
-    }
-    if let Some(wish) = Rule::TIME.broken_by(scene.step) {
-        return Err(Error::saved_state(format!(
-            "the saved state has a step of {}: {wish}",
-            scene.step
-        )));
-    }
-    Ok(())
-}
-
 /// What every scene asks of a parameter's or input's value.
 #[must_use]
 pub fn rule(variable: &Variable) -> Rule {
@@ -219,6 +165,7 @@ pub fn rule(variable: &Variable) -> Rule {
     }
 }
 
-fn impossible(variable: &Variable, value: f64, wish: &str) -> String {
+/// Says that a variable has an impossible value, and what would be right.
+pub(super) fn impossible(variable: &Variable, value: f64, wish: &str) -> String {
     Problem::new(&*variable.name, wish).of(value).to_string()
 }

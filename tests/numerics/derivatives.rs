@@ -3,7 +3,7 @@
 use amontons::contact::ContactState;
 use amontons::scene::{BUILTIN, Method, Role, Scene, builtin, parse};
 use amontons::simulation::catalogue::{Causality, Kind, Variability};
-use amontons::simulation::{Simulation, Variable, read_scene, variables, write_scene};
+use amontons::simulation::{Parameters, Simulation, Variable, variables, write_scene};
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
@@ -96,7 +96,7 @@ fn derivatives_by_inputs_are_those_of_differences_in_every_contact_state() {
             let now = states(&mut simulation);
             let values = read(&mut simulation, &outputs);
             for input in &inputs {
-                let value = read_scene(simulation.scene(), input).unwrap();
+                let value = simulation.nominal().get(input).unwrap();
                 let h = 1e-4 * value.abs().max(1e-2);
                 let found = simulation.directional_derivative(&of, &[(input, 1.0)]).unwrap();
                 let mut ends = Vec::new();
@@ -143,7 +143,7 @@ fn before_a_run_starts_the_equilibrium_moves_with_the_inputs() {
         let mut start = Simulation::new(scene.clone(), 0.0).unwrap();
         let now = states(&mut start);
         for input in &inputs {
-            let value = read_scene(&scene, input).unwrap();
+            let value = Parameters::of(scene.clone()).get(input).unwrap();
             let h = 1e-4 * value.abs().max(1e-2);
             let found = start.directional_derivative_at_start(&of, &[(input, 1.0)]).unwrap();
             let at = |value| {

@@ -2,7 +2,7 @@
 
 use amontons::contact::{ContactForce, ContactState};
 use amontons::scene::{Method, Scene, Signal, parse};
-use amontons::simulation::{Simulation, Variable, read_scene, variables};
+use amontons::simulation::{Parameters, Simulation, Variable, variables};
 use proptest::prelude::*;
 use std::f64::consts::{PI, TAU};
 
@@ -190,10 +190,11 @@ fn signals_give_the_doubles_of_an_importer_that_sets_the_same_inputs_before_ever
     let scene = driven_set1();
     let step = scene.step;
     let by_hand = Scene { signals: [].into(), ..scene.clone() };
+    let nominal = Parameters::of(scene.clone());
     let value = |input: &Variable, t: f64| {
         let own = |signal: &&Signal| signal.input == input.name;
         let added = scene.signals.iter().filter(own).map(|signal| signal.shape.at(t, 1e-6 * step));
-        added.fold(read_scene(&scene, input).unwrap(), |sum, added| sum + added)
+        added.fold(nominal.get(input).unwrap(), |sum, added| sum + added)
     };
     let mut inputs = variables(&scene);
     inputs.retain(|input| scene.signals.iter().any(|signal| signal.input == input.name));

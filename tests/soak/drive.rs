@@ -6,7 +6,7 @@ use amontons::scene::{
     Between, Constant, Pulse, Ramp, Role, RubbingPlace, Scene, Shape, Signal, Sine, Structure,
     Table,
 };
-use amontons::simulation::{read_scene, variables};
+use amontons::simulation::Parameters;
 use std::f64::consts::TAU;
 
 /// The most that a signal makes of a friction coefficient.
@@ -24,9 +24,9 @@ pub fn at_start(scene: &Scene) -> Scene {
 
 /// The value of an input without signals.
 fn given(scene: &Scene, input: &str) -> f64 {
-    let all = variables(scene);
-    let variable = all.iter().find(|variable| variable.name == input).expect("an input");
-    read_scene(scene, variable).expect("a value of the scene")
+    let parameters = Parameters::of(scene.clone());
+    let mut values = parameters.iter();
+    values.find(|(variable, _)| variable.name == input).expect("an input").1
 }
 
 /// Surfaces that are at rest first, and have their velocities later.

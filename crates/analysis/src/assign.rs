@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use amontons::scene::{builtin, parse};
     use amontons::simulation::catalogue::Kind;
-    use amontons::simulation::{check_value, read_scene};
+    use amontons::simulation::{Parameters, check_value};
 
     #[test]
     fn the_file_the_command_line_and_the_fmu_refuse_the_same_values() {
@@ -123,7 +123,8 @@ mod tests {
                 }
                 let mut changed = scene.clone();
                 write_scene(&mut changed, variable, value).unwrap();
-                assert_eq!(read_scene(&changed, variable).unwrap().to_bits(), value.to_bits());
+                let found = Parameters::of(changed.clone()).get(variable).unwrap();
+                assert_eq!(found.to_bits(), value.to_bits());
                 let problems = changed.problems();
                 let assigned = assign(&mut scene.clone(), name, value);
                 assert_eq!(assigned.is_ok(), problems.is_empty(), "{name} = {value}");

@@ -20,7 +20,7 @@ const OPPOSITE: f64 = 1e-6;
 
 /// What is doubtful in a scene, a sentence each.
 pub(crate) fn doubts(simulation: &Simulation) -> Vec<String> {
-    let (scene, reference) = (simulation.acting(), simulation.reference());
+    let (scene, reference) = (simulation.scene(), simulation.reference());
     let mut doubts: Vec<String> = angles(scene).filter_map(doubtful_angle).collect();
     doubts.extend(strained(scene, reference));
     doubts.extend(faint(scene, reference));

@@ -37,12 +37,12 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
 /// another unit.
 #[must_use]
 pub fn warnings(simulation: &Simulation) -> Vec<String> {
-    let step = step_warning(simulation.acting()).into_iter();
+    let step = step_warning(simulation.scene()).into_iter();
     let tolerance = simulation.selected().and_then(|selected| selected.shortfall());
     let scene = simulation.scene();
     // What a tolerance has chosen follows the signals as well as it asks for.
     let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
-    let direction = direction_warning(simulation.acting());
+    let direction = direction_warning(simulation.scene());
     let steps = step_at_start_warnings(scene);
     step.chain(tolerance)
         .chain(load_warnings(simulation))

@@ -68,8 +68,8 @@ impl Instance {
         }
         for (&place, &rate) in places.iter().zip(values) {
             if self.is_set_up() {
-                self.rates.retain(|(known, _)| *known != place);
-                self.rates.push((place, rate));
+                self.setup.rates.retain(|(known, _)| *known != place);
+                self.setup.rates.push((place, rate));
             } else {
                 let simulation = self.simulation.as_mut().expect("made when initialization ended");
                 simulation.set_rate(&self.variables[place], rate)?;
@@ -81,7 +81,7 @@ impl Instance {
     /// Gives a simulation that has just been made the rates that were set before.
     pub(super) fn start_rates(&mut self) -> Result<(), Error> {
         let Some(simulation) = &mut self.simulation else { return Ok(()) };
-        for (place, rate) in self.rates.drain(..) {
+        for (place, rate) in self.setup.rates.drain(..) {
             simulation.set_rate(&self.variables[place], rate)?;
         }
         Ok(())

@@ -8,11 +8,10 @@ use super::logger::{Category, Logger};
 use super::types::fmi2Status;
 use crate::Error;
 use crate::error::Short;
-use crate::scene::{self, Rule, Scene, Selection};
+use crate::scene::{self, Rule};
 use crate::simulation::catalogue::{Causality, Kind, Quantity, Variability, fmu_variables};
-use crate::simulation::{
-    Simulation, Variable, check_value, fingerprint, newly_broken, read_scene, write_scene,
-};
+use crate::simulation::{Parameters, Simulation, Variable, check_value, fingerprint, newly_broken};
+use serde::{Deserialize, Serialize};
 use std::ffi::CStr;
 use std::path::Path;
 use std::sync::Arc;
@@ -28,20 +27,14 @@ pub const STRICT: bool = false;
 /// One instance: a scene that is being set up, then a simulation of it.
 pub(super) struct Instance {
     pub(super) logger: Logger,
-    phase: Phase,
+    setup: Setup,
     guid: Arc<str>,
     /// The scene's, then the FMU's own; a value reference is a place among them.
     variables: Vec<Variable>,
-    /// The scene as the FMU carries it.
-    original: Scene,
-    /// The scene with the importer's values, until a simulation is made of it.
-    scene: Scene,
-    start_time: f64,
-    stop_time: Option<f64>,
-    is_experiment_set_up: bool,
-    /// How fast inputs (by their place in the list) will change over the first step, per second.
-    rates: Vec<(usize, f64)>,
-    strict: bool,
+    /// The scene's parameters and inputs with the values that the FMU carries.
+    original: Parameters,
+    /// The scene's parameters and inputs with the importer's values, until a simulation is made of them.
+    parameters: Parameters,
     /// Was what the present call does tolerated only?
     pub(super) tolerated: bool,
     /// Which habits the importer has been told of.
@@ -50,6 +43,34 @@ pub(super) struct Instance {
     simulation: Option<Simulation>,
     /// Has initialization ended?
     has_started: bool,
+}
+
+/// What an importer has set up, but for the values of variables.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+struct Setup {
+    phase: Phase,
+    /// s.
+    start_time: f64,
+    /// s.
+    stop_time: Option<f64>,
+    /// How fast inputs (by their place in the list of variables) will change over the first step, per second.
+    rates: Vec<(usize, f64)>,
+    is_experiment_set_up: bool,
+    /// `true` while the instance refuses what FMI forbids and hosts do.
+    strict: bool,
+}
+
+impl Default for Setup {
+    fn default() -> Self {
+        Self {
+            phase: Phase::Instantiated,
+            start_time: 0.0,
+            stop_time: None,
+            rates: Vec::new(),
+            is_experiment_set_up: false,
+            strict: STRICT,
+        }
+    }
 }
 
 /// Refuses times (s) between which no run can be.
@@ -105,16 +126,11 @@ impl Instance {
             Err(error) => Err((error, logger)),
             Ok((scene, guid)) => Ok(Self {
                 logger,
-                phase: Phase::Instantiated,
+                setup: Setup::default(),
                 guid: guid.into(),
                 variables: fmu_variables(&scene),
-                original: scene.clone(),
-                scene,
-                start_time: 0.0,
-                stop_time: None,
-                is_experiment_set_up: false,
-                rates: Vec::new(),
-                strict: STRICT,
+                original: Parameters::of(scene.clone()),
+                parameters: Parameters::of(scene),
                 tolerated: false,
                 told: Noted::default(),
                 simulation: None,
@@ -133,14 +149,14 @@ impl Instance {
     /// Refuses a call that the present phase does not allow; `name` is that of what it is about, for the message.
     #[inline]
     fn require_of(&mut self, call: Call, name: &str) -> Result<(), Error> {
-        match call.in_phase(self.phase) {
+        match call.in_phase(self.setup.phase) {
             Permission::Allowed => Ok(()),
             Permission::Tolerated => self.tolerate(call, name),
             Permission::Refused => Err(Error::call(format!(
                 "{call} is not allowed in phase {:?}; {}{}",
-                self.phase,
+                self.setup.phase,
                 call.phases(),
-                if self.phase == Phase::Error {
+                if self.setup.phase == Phase::Error {
                     "; fmi2Reset or a saved state leads out"
                 } else {
                     ""
@@ -152,8 +168,9 @@ impl Instance {
     /// Tells of each habit once, since a host that has one has it in every step.
     #[cold]
     fn tolerate(&mut self, call: Call, name: &str) -> Result<(), Error> {
-        let message = format!("{call}{name} in phase {:?}: FMI wants {}", self.phase, call.wish());
-        if self.strict {
+        let message =
+            format!("{call}{name} in phase {:?}: FMI wants {}", self.setup.phase, call.wish());
+        if self.setup.strict {
             return Err(Error::call(message));
         }
         self.tolerated = true;
@@ -165,7 +182,7 @@ impl Instance {
 
     pub(super) fn set_debug_logging(&mut self, on: bool, names: &[&CStr]) -> Result<(), Error> {
         let unknown = Logger::unknown(names);
-        if unknown.is_none() || !self.strict {
+        if unknown.is_none() || !self.setup.strict {
             // First, since the warning may be of what is turned on.
             self.logger.enable(on, names);
         }
@@ -175,9 +192,9 @@ impl Instance {
     /// Takes note of a failed call. A caught panic leaves nothing to rely on.
     pub(super) fn fail(&mut self, panicked: bool) {
         if panicked {
-            self.phase = Phase::Poisoned;
-        } else if self.phase != Phase::Poisoned {
-            self.phase = Phase::Error;
+            self.setup.phase = Phase::Poisoned;
+        } else if self.setup.phase != Phase::Poisoned {
+            self.setup.phase = Phase::Error;
         }
     }
 
@@ -189,25 +206,25 @@ impl Instance {
         stop: Option<f64>,
     ) -> Result<(), Error> {
         check_experiment(start, stop)?;
-        if let Selection::Auto { tolerance: default } = self.original.selection {
+        if let Some(default) = self.original.tolerance() {
             let tolerance = tolerance.unwrap_or(default);
             if let Some(wish) = Rule::TOLERANCE.broken_by(tolerance) {
                 return Err(Error::call(format!("tolerance = {tolerance:e}: {wish}")));
             }
-            self.scene.selection = Selection::Auto { tolerance };
+            self.parameters.set_tolerance(tolerance);
         }
-        self.start_time = start;
-        self.stop_time = stop;
-        self.is_experiment_set_up = true;
+        self.setup.start_time = start;
+        self.setup.stop_time = stop;
+        self.setup.is_experiment_set_up = true;
         self.simulation = None;
         Ok(())
     }
 
     pub(super) fn enter_initialization_mode(&mut self) -> Result<(), Error> {
-        if !self.is_experiment_set_up {
+        if !self.setup.is_experiment_set_up {
             self.require(Call::EnterUnprepared)?;
         }
-        self.phase = Phase::InitializationMode;
+        self.setup.phase = Phase::InitializationMode;
         Ok(())
     }
 
@@ -215,7 +232,7 @@ impl Instance {
         self.start()?;
         self.start_rates()?;
         self.has_started = true;
-        self.phase = Phase::StepComplete;
+        self.setup.phase = Phase::StepComplete;
         if let Some(selected) = self.start()?.selected() {
             if self.logger.wants(Category::Events) {
                 self.inform(&format!("chosen: {selected}"));
@@ -237,32 +254,28 @@ impl Instance {
     }
 
     pub(super) fn terminate(&mut self) {
-        self.phase = Phase::Terminated;
+        self.setup.phase = Phase::Terminated;
     }
 
     pub(super) fn reset(&mut self) {
-        self.scene.clone_from(&self.original);
+        self.parameters.clone_from(&self.original);
         self.simulation = None;
         self.has_started = false;
-        self.start_time = 0.0;
-        self.stop_time = None;
-        self.is_experiment_set_up = false;
-        self.rates.clear();
-        self.strict = STRICT;
+        self.setup = Setup::default();
         self.told = Noted::default();
-        self.phase = Phase::Instantiated;
     }
 
     /// The simulation; made of the values so far if there is none yet.
     fn start(&mut self) -> Result<&mut Simulation, Error> {
         if self.simulation.is_none() {
-            self.simulation = Some(Simulation::new(self.scene.clone(), self.start_time)?);
+            self.simulation =
+                Some(Simulation::with(self.parameters.clone(), self.setup.start_time)?);
         }
         Ok(self.simulation.as_mut().expect("just made"))
     }
 
     fn is_set_up(&self) -> bool {
-        matches!(self.phase, Phase::Instantiated | Phase::InitializationMode)
+        matches!(self.setup.phase, Phase::Instantiated | Phase::InitializationMode)
     }
 
     /// The place of a variable of that type in the list.
@@ -277,13 +290,12 @@ impl Instance {
     pub(super) fn get(&mut self, reference: u32, number: Number) -> Result<f64, Error> {
         let place = self.find(reference, number)?;
         if self.variables[place].template.quantity == Quantity::Strict {
-            return Ok(f64::from(u8::from(self.strict)));
+            return Ok(f64::from(u8::from(self.setup.strict)));
         }
         // Where no run has begun, what was set can be read even if nothing can be made of it.
         let before_start = self.is_set_up() || self.simulation.is_none();
-        let in_scene =
-            before_start.then(|| read_scene(&self.scene, &self.variables[place])).flatten();
-        let value = match in_scene {
+        let set = before_start.then(|| self.parameters.get(&self.variables[place])).flatten();
+        let value = match set {
             Some(value) => value,
             None => {
                 self.start()?;
@@ -312,7 +324,7 @@ impl Instance {
             (Causality::Parameter, Variability::Tunable) => Call::SetTunable,
             (Causality::Parameter, _) => Call::SetFixed,
         };
-        if what.in_phase(self.phase) != Permission::Refused {
+        if what.in_phase(self.setup.phase) != Permission::Refused {
             return self.require(what);
         }
         Err(Error::variable(format!(
@@ -329,12 +341,12 @@ impl Instance {
     pub(super) fn set(&mut self, reference: u32, value: f64, number: Number) -> Result<(), Error> {
         let variable = &self.variables[self.find(reference, number)?];
         if variable.template.quantity == Quantity::Strict {
-            self.strict = value != 0.0;
+            self.setup.strict = value != 0.0;
             return Ok(());
         }
         if self.is_set_up() {
             self.simulation = None;
-            return write_scene(&mut self.scene, variable, value);
+            return self.parameters.set(variable, value);
         }
         let simulation = self.simulation.as_mut().expect("made when initialization ended");
         simulation.write(variable, value)
@@ -342,7 +354,7 @@ impl Instance {
 
     pub(super) fn do_step(&mut self, current: f64, size: f64) -> Result<(), Error> {
         let listening = self.logger.wants(Category::Events);
-        let stop = self.stop_time;
+        let stop = self.setup.stop_time;
         let simulation = self.simulation.as_mut().expect("made when initialization ended");
         if !current.is_finite() || !size.is_finite() || size < 0.0 {
             return Err(Error::call(format!("cannot step from {current} s by {size} s")));
@@ -382,7 +394,7 @@ impl Instance {
 
     /// The time up to which all steps succeeded, s.
     pub(super) fn last_successful_time(&self) -> f64 {
-        self.simulation.as_ref().map_or(self.start_time, Simulation::time)
+        self.simulation.as_ref().map_or(self.setup.start_time, Simulation::time)
     }
 
     pub(super) fn warn(&self, message: &str) {

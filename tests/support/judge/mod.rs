@@ -23,7 +23,7 @@ use amontons::integrator::Statistics;
 use amontons::model::{self, LumpedModel};
 use amontons::scene::{Method, Scene, Shape, Signal, Sine, parse};
 use amontons::simulation::catalogue::Quantity;
-use amontons::simulation::{Simulation, Snapshot, Variable, read_scene, variables, write_scene};
+use amontons::simulation::{Simulation, Snapshot, Variable, variables, write_scene};
 use nalgebra::{DMatrix, DVector};
 use reduced::residual_under;
 use std::f64::consts::TAU;
@@ -114,7 +114,7 @@ impl Run {
     }
 
     pub fn of(simulation: Simulation) -> Self {
-        let scene = simulation.scene().clone();
+        let scene = simulation.nominal().scene();
         let method = scene.method;
         let model = LumpedModel::from(&scene);
         let (n, contacts) = (model.dofs(), model.contacts.len());
@@ -414,12 +414,12 @@ impl Run {
         if self.signals.is_empty() {
             return;
         }
-        self.acting = self.simulation.scene().clone();
+        let mut acting = self.simulation.nominal().clone();
         for (input, signal) in &self.signals {
-            let given = read_scene(&self.acting, input).unwrap();
-            let sum = given + added(signal, input.name.ends_with("velocity"));
-            write_scene(&mut self.acting, input, sum).unwrap();
+            let sum = acting.get(input).unwrap() + added(signal, input.name.ends_with("velocity"));
+            acting.set(input, sum).unwrap();
         }
+        self.acting = acting.scene();
         assembly::update_contacts(&mut self.model, &self.acting);
     }
 

@@ -201,8 +201,8 @@ impl Study {
         }
         let interval = scene.experiment.output_interval;
         let start = Simulation::new(scene.with_integrator(Method::EventDriven, interval), 0.0)?;
-        let acting = start.acting();
-        let model = LumpedModel::from(acting);
+        let effective = start.scene();
+        let model = LumpedModel::from(effective);
         let critical = critical_step(&model);
         let grid = Grid::of(scene, critical.as_ref().ok().map(|critical| critical.step))?;
         let size =

@@ -58,7 +58,7 @@ impl Linearised {
     /// The model of a simulation with the values that act now, about the simulation's reference position.
     #[must_use]
     pub fn now(simulation: &Simulation) -> Self {
-        Self::about(simulation.acting(), simulation.reference())
+        Self::about(simulation.scene(), simulation.reference())
     }
 
     /// The model that is linearised.

@@ -36,7 +36,7 @@ impl GrowthRate {
 /// The growth rate in the contact states that the motion is in. `None` where motion in these states is not linear, or
 /// cannot be analysed.
 pub(super) fn growth(simulation: &Simulation) -> Option<GrowthRate> {
-    has_linear_friction(simulation.acting()).then(|| growth_of_small(simulation))?
+    has_linear_friction(simulation.scene()).then(|| growth_of_small(simulation))?
 }
 
 /// The growth rate of motions beside the equilibrium that are small enough for any law of friction, in the contact states that
@@ -66,7 +66,7 @@ fn rubs(scene: &Scene, contact: &Contact) -> bool {
 
 /// Is every contact closed in a state of rest, or open? One that sticks to a moving surface is carried on by it.
 pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
-    let scene = simulation.acting();
+    let scene = simulation.scene();
     let model = LumpedModel::from(scene);
     let at_rest = resting_state(&model);
     let contacts = model.contacts.iter().zip(&at_rest);
@@ -78,7 +78,7 @@ pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
 /// How far, m, its load and the contact forces at rest, along the normal or the tangent, would bend the degree of freedom that
 /// they bend most, each held by its own stiffness alone.
 pub(super) fn deflection(simulation: &Simulation) -> f64 {
-    let model = LumpedModel::from(simulation.scene());
+    let model = LumpedModel::from(&simulation.nominal().scene());
     let mut forces: Vec<f64> = model.load.iter().map(|load| load.abs()).collect();
     for (contact, normal_force) in model.contacts.iter().zip(&simulation.reference().normal_force) {
         for (dof, part) in contact.normal.0.iter().chain(&contact.tangent.0) {
@@ -96,7 +96,7 @@ pub(super) fn deflection(simulation: &Simulation) -> f64 {
 /// they do with a motion they do with one that is larger by any factor.
 pub(super) fn is_far(simulation: &Simulation) -> bool {
     const FAR: f64 = 1e6;
-    let scene = simulation.acting();
+    let scene = simulation.scene();
     let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
     let at_rest = largest(&simulation.reference().displacement);
     if at_rest == 0.0 || largest(simulation.displacement()) <= FAR * at_rest {

@@ -45,7 +45,7 @@ pub(super) fn portrait(
     ending: &Ending,
     contacts: usize,
 ) -> Result<Portrait, Error> {
-    let model = LumpedModel::from(simulation.acting());
+    let model = LumpedModel::from(simulation.scene());
     let mut orbits: Vec<Orbit> = (0..model.contacts.len().min(contacts))
         .map(|i| Orbit {
             name: simulation.scene().contact_name(i),

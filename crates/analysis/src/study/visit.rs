@@ -36,7 +36,7 @@ pub(super) fn visited(
     period: Option<f64>,
 ) -> Result<Visited, Error> {
     let mut simulation = Simulation::resume(simulation.save())?;
-    let symmetry = Symmetry::of(&LumpedModel::from(simulation.scene()));
+    let symmetry = Symmetry::of(&LumpedModel::from(&simulation.nominal().scene()));
     let mut states = HashSet::new();
     let start = simulation.time();
     let time = period.unwrap_or(look.window);

@@ -4,7 +4,7 @@
 use amontons::Error;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::simulation::catalogue::{Causality, Kind};
-use amontons::simulation::{Simulation, Variable, read_scene, variables};
+use amontons::simulation::{Parameters, Simulation, Variable, variables};
 use amontons_analysis::accuracy::Watch;
 use std::fmt::Write as _;
 use std::ops::ControlFlow;
@@ -105,8 +105,9 @@ fn row(
 fn held(scene: &Scene, inputs: &[&Variable]) -> String {
     let mut text = header(inputs);
     text.push_str("0.0");
+    let parameters = Parameters::of(scene.clone());
     for variable in inputs {
-        add(&mut text, format_args!(",{:?}", read_scene(scene, variable).unwrap_or(0.0)));
+        add(&mut text, format_args!(",{:?}", parameters.get(variable).unwrap_or(0.0)));
     }
     text + "\n"
 }

@@ -12,8 +12,8 @@ const MOST_FORCES: usize = 12;
 /// Pairs of a word and a text.
 pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
     let (scene, start) = (subject.scene, subject.start);
-    let acting = start.acting();
-    let model = LumpedModel::from(acting);
+    let effective = start.scene();
+    let model = LumpedModel::from(effective);
     let mut facts = vec![("Structure", structure(scene, &model))];
     if scene.contact_count() > 0 {
         facts.push(("Contact", contact(scene)));
@@ -22,7 +22,7 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
         facts.push(("Normal forces in the equilibrium", normal_forces(scene, forces)));
     }
     facts.push(("Method", method(subject)));
-    if acting.method == Method::ForwardIncrement {
+    if effective.method == Method::ForwardIncrement {
         let critical = critical_step(&model);
         let told = |critical: CriticalStep| match scene.contact_count() {
             0 => format!("{:.4e} s", critical.step),
@@ -116,17 +116,17 @@ pub fn first_forces(scene: &Scene, forces: &[f64]) -> String {
 
 fn method(subject: Subject<'_>) -> String {
     let start = subject.start;
-    let acting = start.acting();
-    let text = match acting.method {
+    let effective = start.scene();
+    let text = match effective.method {
         Method::ForwardIncrement => {
             format!(
                 "forward increment Lagrange multipliers, of first order, internal step {:e} s",
-                acting.step
+                effective.step
             )
         }
         Method::EventDriven => format!(
             "event-driven, exact between changes of contact state, internal step {:e} s",
-            acting.step
+            effective.step
         ),
     };
     match start.selected() {

@@ -3,6 +3,7 @@
 use super::coupling::{coupling, moved_with_first};
 use super::{Subject, can_squeal, markup};
 use amontons::scene::{Scene, Selection};
+use amontons::simulation::Parameters;
 use amontons::simulation::catalogue::{Causality, Quantity, Variable, fmu_variables};
 
 /// Of each kind so many are named.
@@ -102,8 +103,9 @@ fn file(scene: &Scene) -> String {
 /// The first settable variable of each of these kinds that the scene has, with its value; of contacts whose surfaces one
 /// body moves, all velocities.
 fn tried(scene: &Scene, variables: &[Variable], kinds: &[Quantity]) -> Vec<String> {
+    let parameters = Parameters::of(scene.clone());
     let now = |variable: &Variable| {
-        let value = amontons::simulation::read_scene(scene, variable)?;
+        let value = parameters.get(variable)?;
         Some(format!("{} (now {value:?})", variable.name))
     };
     let first = |quantity: &Quantity| {

@@ -24,7 +24,7 @@ pub(super) fn index(
     let start = subject.start;
     let mut sections = vec![
         ("scene", "The scene", model(subject, structure)?),
-        ("squeal", "Will it squeal?", stability::section(start.acting(), start.reference())?),
+        ("squeal", "Will it squeal?", stability::section(start.scene(), start.reference())?),
         ("import", "How to import it", importing::section(subject)),
         ("run", "A reference run", reference::section(scene, subject.run)?),
         ("variables", "Variables", variables::section(scene)),

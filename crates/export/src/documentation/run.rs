@@ -43,7 +43,7 @@ pub struct ReferenceRun {
 /// What makes a start impossible.
 pub fn reference_run(scene: &Scene, watch: Watch<'_>) -> Result<Option<ReferenceRun>, Error> {
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
-    let (experiment, whole) = affordable(simulation.acting(), scene.experiment);
+    let (experiment, whole) = affordable(simulation.scene(), scene.experiment);
     let outputs = outputs(scene);
     let mut rows = vec![(0.0, read(&mut simulation, &outputs)?)];
     let mut failure = None;

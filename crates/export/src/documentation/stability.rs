@@ -18,15 +18,15 @@ const ROUNDING: f64 = 1e-9;
 
 /// # Errors
 /// The chart cannot be drawn.
-pub(super) fn section(acting: &Scene, reference: &Equilibrium) -> Result<String, Error> {
+pub(super) fn section(effective: &Scene, reference: &Equilibrium) -> Result<String, Error> {
     let mut html = String::new();
-    let here = Linearised::about(acting, reference);
+    let here = Linearised::about(effective, reference);
     let states = here.resting_state();
-    markup::paragraphs(&mut html, &verdict(acting, &here, &states));
-    match followed(acting, here.model(), &states) {
+    markup::paragraphs(&mut html, &verdict(effective, &here, &states));
+    match followed(effective, here.model(), &states) {
         Err(why) => markup::paragraphs(&mut html, &[why]),
         Ok(found) => {
-            let chart = found.chart(acting, &states);
+            let chart = found.chart(effective, &states);
             markup::paragraphs(&mut html, &found.words());
             markup::figure(&mut html, "locus", &chart.svg()?, found.caption());
         }

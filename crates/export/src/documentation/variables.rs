@@ -2,10 +2,10 @@
 
 use amontons::fmi2::STRICT;
 use amontons::scene::Scene;
+use amontons::simulation::Parameters;
 use amontons::simulation::catalogue::{
     Causality, ENUMERATIONS, Enumeration, Kind, Per, Variability, Variable, fmu_variables,
 };
-use amontons::simulation::read_scene;
 use amontons_pictures::report::{add, plain_table, text};
 
 /// The names of so many parts of a network are written out.
@@ -145,7 +145,8 @@ fn row(
 
 /// The value that all have at the start, or from the least to the largest.
 fn starts(scene: &Scene, kind: &[&Variable]) -> String {
-    let values = kind.iter().filter_map(|variable| read_scene(scene, variable));
+    let parameters = Parameters::of(scene.clone());
+    let values = kind.iter().filter_map(|variable| parameters.get(variable));
     let reach = values.fold(None, |reach: Option<[f64; 2]>, value| {
         let [low, high] = reach.unwrap_or([value; 2]);
         Some([low.min(value), high.max(value)])

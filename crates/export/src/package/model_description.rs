@@ -7,7 +7,7 @@ use amontons::scene::{Scene, Selection, Source};
 use amontons::simulation::catalogue::{
     Causality, ENUMERATIONS, Kind, Template, UNITS, Variability, Variable, fmu_variables,
 };
-use amontons::simulation::{fingerprint, read_scene};
+use amontons::simulation::{Parameters, fingerprint};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
@@ -79,9 +79,10 @@ pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> 
             experiment.insert(2, ("tolerance", number(tolerance)));
         }
         xml.empty("DefaultExperiment", &experiment);
+        let parameters = Parameters::of(scene.clone());
         xml.nest("ModelVariables", &[], |xml| {
             for (reference, variable) in variables.iter().enumerate() {
-                scalar_variable(xml, scene, reference, variable);
+                scalar_variable(xml, parameters.get(variable), reference, variable);
             }
         });
         structure(xml, scene, &variables);
@@ -124,7 +125,7 @@ fn types(xml: &mut Xml) {
     });
 }
 
-fn scalar_variable(xml: &mut Xml, scene: &Scene, reference: usize, variable: &Variable) {
+fn scalar_variable(xml: &mut Xml, start: Option<f64>, reference: usize, variable: &Variable) {
     let Template { kind, description, .. } = *variable.template;
     let (causality, initial) = match variable.causality {
         Causality::Input => ("input", None),
@@ -164,7 +165,7 @@ fn scalar_variable(xml: &mut Xml, scene: &Scene, reference: usize, variable: &Va
                 "Enumeration"
             }
         };
-        attributes.extend(read_scene(scene, variable).map(|start| ("start", number(start))));
+        attributes.extend(start.map(|start| ("start", number(start))));
         xml.empty(element, &attributes);
     });
 }

@@ -2,7 +2,7 @@
 
 use amontons::scene::{builtin, parse};
 use amontons::simulation::catalogue::{Causality, Kind, Variability, fmu_variables};
-use amontons::simulation::{Variable, fingerprint, read_scene};
+use amontons::simulation::{Parameters, Variable, fingerprint};
 use std::ffi::CString;
 use tempfile::TempDir;
 
@@ -48,10 +48,11 @@ impl Scene {
         let real = |causality: Causality| {
             references(&|one: &&Variable| is_real(one.template.kind) && one.causality == causality)
         };
+        let start = Parameters::of(scene);
         Self {
             location: CString::new(location).expect("it has no zeros"),
             guid: CString::new(fingerprint(&text.into())).expect("it has no zeros"),
-            start: variables.iter().map(|one| read_scene(&scene, one).unwrap_or(0.0)).collect(),
+            start: variables.iter().map(|one| start.get(one).unwrap_or(0.0)).collect(),
             reals: references(&|one| is_real(one.template.kind)),
             integers: references(&|one| {
                 matches!(one.template.kind, Kind::Integer | Kind::Enumeration { .. })

@@ -25,10 +25,10 @@ fn running() -> Instance {
 }
 
 /// What an instance makes of its own bytes with a change in them.
-fn forged(instance: &Instance, change: impl FnOnce(&mut Record<'_>)) -> Result<(), Error> {
+fn forged(instance: &Instance, change: impl FnOnce(&mut Setup)) -> Result<(), Error> {
     let bytes = instance.serialize(&instance.save()).unwrap();
-    let mut record: Record<'_> = from_bytes(&bytes, &instance.guid).unwrap();
-    change(&mut record);
+    let mut record: Record = from_bytes(&bytes, &instance.guid).unwrap();
+    change(&mut record.0);
     instance.deserialize(&to_bytes(&record, &instance.guid)).map(|_| ())
 }
 
@@ -43,16 +43,16 @@ fn assert_refused(result: Result<(), Error>, words: &str) {
 fn a_phase_without_what_belongs_to_it_is_refused() {
     let (new, running) = (instance(), running());
     for phase in [Phase::StepComplete, Phase::Terminated] {
-        assert_refused(forged(&new, |record| record.phase = phase), "without a motion");
-        forged(&running, |record| record.phase = phase).unwrap();
+        assert_refused(forged(&new, |setup| setup.phase = phase), "without a motion");
+        forged(&running, |setup| setup.phase = phase).unwrap();
     }
     for phase in [Phase::Instantiated, Phase::InitializationMode] {
-        assert_refused(forged(&running, |record| record.phase = phase), "with a motion");
-        forged(&new, |record| record.phase = phase).unwrap();
+        assert_refused(forged(&running, |setup| setup.phase = phase), "with a motion");
+        forged(&new, |setup| setup.phase = phase).unwrap();
     }
     for instance in [&new, &running] {
-        forged(instance, |record| record.phase = Phase::Error).unwrap();
-        assert_refused(forged(instance, |record| record.phase = Phase::Poisoned), "Poisoned");
+        forged(instance, |setup| setup.phase = Phase::Error).unwrap();
+        assert_refused(forged(instance, |setup| setup.phase = Phase::Poisoned), "Poisoned");
     }
 }
 
@@ -61,12 +61,12 @@ fn a_phase_without_what_belongs_to_it_is_refused() {
 fn times_between_which_no_run_can_be_are_refused() {
     let running = running();
     for start in [f64::NAN, f64::INFINITY, 2.0] {
-        assert_refused(forged(&running, |record| record.start_time = start), "start time");
+        assert_refused(forged(&running, |setup| setup.start_time = start), "start time");
     }
     for stop in [f64::NAN, -1.0] {
-        assert_refused(forged(&running, |record| record.stop_time = Some(stop)), "stop time");
+        assert_refused(forged(&running, |setup| setup.stop_time = Some(stop)), "stop time");
     }
-    forged(&running, |record| record.stop_time = None).unwrap();
+    forged(&running, |setup| setup.stop_time = None).unwrap();
 }
 
 #[test]
@@ -79,7 +79,7 @@ fn a_reset_instance_is_as_good_as_a_new_one() {
     used.reset();
     let saved = |instance: &Instance| instance.serialize(&instance.save()).unwrap();
     assert_eq!(saved(&used), saved(&new));
-    assert!(!used.is_experiment_set_up && used.last_successful_time() == 0.0);
+    assert!(!used.setup.is_experiment_set_up && used.last_successful_time() == 0.0);
     for instance in [&mut used, &mut new] {
         instance.setup_experiment(None, 0.0, None).unwrap();
         instance.enter_initialization_mode().unwrap();

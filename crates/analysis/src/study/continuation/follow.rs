@@ -13,7 +13,7 @@ use crate::study::settling::settle;
 use crate::sweep::FRICTION;
 use amontons::Error;
 use amontons::scene::Scene;
-use amontons::simulation::{Progress, Simulation, Snapshot};
+use amontons::simulation::{Parameters, Progress, Simulation, Snapshot};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
 use std::ops::ControlFlow::{Break, Continue};
@@ -237,7 +237,7 @@ impl<'a> PlanRun<'a> {
 
     /// A motion at a value, from where it was.
     pub(super) fn resume(&self, friction: f64, progress: Progress) -> Result<Simulation, Error> {
-        Simulation::resume(Snapshot::new(self.scene(friction)?, progress))
+        Simulation::resume(Snapshot::new(Parameters::of(self.scene(friction)?), progress))
     }
 
     fn scene(&self, friction: f64) -> Result<Scene, Error> {

@@ -83,8 +83,8 @@ pub fn platforms(libraries: &[Library]) -> String {
 
 /// What went in: structure, variables, critical step of the values that act at the start.
 fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
-    let acting = simulation.acting();
-    let model = LumpedModel::from(acting);
+    let effective = simulation.scene();
+    let model = LumpedModel::from(effective);
     let kind = match &scene.structure {
         Structure::Ring(modules) => format!("ring of {} modules", modules.len()),
         Structure::Network(network) => {
@@ -107,8 +107,8 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     if let Some(selected) = simulation.selected() {
         say!("  chosen by      integrator.{}: {selected}", scene.selection);
     }
-    say!("  step           {:e} s", acting.step);
-    match acting.method {
+    say!("  step           {:e} s", effective.step);
+    match effective.method {
         Method::ForwardIncrement => {
             say!("  critical step  {}", critical_step(&model)?);
         }
