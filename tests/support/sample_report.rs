@@ -9,8 +9,6 @@ use amontons_pictures::report::{
 };
 use std::f64::consts::TAU;
 
-/// The title of the figure whose curve is y = x² at x = 0, 1, …, 50.
-pub const SQUARES: &str = "Squares, and a straight line";
 /// What HTML would take for markup.
 pub const HOSTILE: &str = "a < b & \"c\" 'd' </script><script>alert(1)</script> <!-- e";
 
@@ -39,7 +37,7 @@ fn figure(caption: &str, content: Content) -> Figure {
 fn squares() -> Chart {
     let x = || grid(50, [0.0, 50.0]);
     Chart {
-        title: SQUARES.into(),
+        title: "Squares, and a straight line".into(),
         x_label: "Number".into(),
         panels: vec![Panel {
             y_label: "Value".into(),
@@ -52,8 +50,6 @@ fn squares() -> Chart {
         ..Chart::default()
     }
 }
-
-pub const MARKED: &str = "Values that were found, with gaps";
 
 /// A curve with a gap and a point alone, all marked, over lanes of which one class is striped.
 pub fn marked() -> Chart {
@@ -72,7 +68,7 @@ pub fn marked() -> Chart {
         Class::of_states(&[ContactState::Slide, ContactState::Stick]),
     ];
     Chart {
-        title: MARKED.into(),
+        title: "Values that were found, with gaps".into(),
         x_label: "Number".into(),
         panels: vec![
             Panel { y_label: "Value".into(), series, ..Panel::default() },
@@ -145,10 +141,7 @@ fn envelope(t: f64) -> f64 {
     first + second
 }
 
-/// The velocity in the figure of this title.
-pub const TRANSIENT: &str = "Response to a small perturbation, µ = 1.96";
-
-pub fn wave(t: f64) -> f64 {
+fn wave(t: f64) -> f64 {
     envelope(t) * ((TAU * 219.0 * t).sin() + 0.5 * (TAU * 168.0 * t).sin())
 }
 
@@ -175,7 +168,7 @@ fn transient() -> Chart {
     };
     let class = |name: &str, colour| Class::plain(name.into(), colour);
     Chart {
-        title: TRANSIENT.into(),
+        title: "Response to a small perturbation, µ = 1.96".into(),
         x_label: "Time [s]".into(),
         panels: vec![
             Panel {

@@ -87,7 +87,7 @@ impl Browser {
     }
 
     /// Sends a command and waits for its result.
-    pub fn call(&mut self, method: &str, params: &Value) -> Value {
+    fn call(&mut self, method: &str, params: &Value) -> Value {
         self.count += 1;
         let mut command = json!({ "id": self.count, "method": method, "params": params });
         if !self.session.is_empty() {
@@ -104,14 +104,8 @@ impl Browser {
         }
     }
 
-    /// Opens a file in a window of this width and waits until it is drawn.
-    pub fn open(&mut self, path: &Path, width: u32) {
-        self.load(path, width);
-        self.settle();
-    }
-
     /// Opens a file in a window of this width.
-    pub fn load(&mut self, path: &Path, width: u32) {
+    pub fn open(&mut self, path: &Path, width: u32) {
         let size =
             json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600 });
         self.call("Emulation.setDeviceMetricsOverride", &size);
@@ -125,6 +119,7 @@ impl Browser {
         }
         let address = self.text("location.href");
         assert!(address.starts_with("file:"), "{address} in place of {}", path.display());
+        self.settle();
     }
 
     /// Waits for two frames: what watches sizes has then been told.
@@ -153,27 +148,6 @@ impl Browser {
     pub fn number(&mut self, expression: &str) -> f64 {
         let value = self.eval(expression);
         value.as_f64().unwrap_or_else(|| panic!("{expression} is {value}"))
-    }
-
-    /// Presses a key as a keyboard does.
-    pub fn key(&mut self, key: &str) {
-        for kind in ["keyDown", "keyUp"] {
-            let mut event = json!({ "type": kind, "key": key });
-            if key.chars().count() == 1 && kind == "keyDown" {
-                event["text"] = json!(key);
-            }
-            self.call("Input.dispatchKeyEvent", &event);
-        }
-    }
-
-    /// A mouse event at a place in the window.
-    pub fn mouse(&mut self, kind: &str, [x, y]: [f64; 2], clicks: u32) {
-        let button = if kind == "mouseMoved" { "none" } else { "left" };
-        let buttons = u32::from(kind != "mouseReleased");
-        let event = json!({
-            "type": kind, "x": x, "y": y, "button": button, "buttons": buttons, "clickCount": clicks,
-        });
-        self.call("Input.dispatchMouseEvent", &event);
     }
 
     /// Prefers the scheme `light` or `dark`.

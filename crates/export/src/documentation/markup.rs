@@ -1,6 +1,6 @@
 //! The frame of a page without scripts, and pictures in it.
 
-use amontons_pictures::report::{BASE_STYLE, add, text};
+use amontons_pictures::report::{BASE_STYLE, add, sheet, text};
 
 /// Of these pages, beside what all pages have. Pictures are drawn for white ground; their colours get those of the
 /// page's own scheme.
@@ -39,32 +39,11 @@ pub(super) fn paragraphs<T: AsRef<str>>(html: &mut String, all: &[T]) {
     }
 }
 
-/// A picture (SVG) in a box that scrolls where the page is narrower than the picture can be read.
+/// A picture (SVG) with its caption.
 pub(super) fn figure(html: &mut String, id: &str, svg: &str, caption: &str) {
-    add(
-        html,
-        format_args!(
-            "<figure>\n<div class=\"sheet\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{id}\">\n{}</div>\n\
-             <figcaption id=\"{id}\">{}</figcaption>\n</figure>\n",
-            inlined(svg),
-            text(caption)
-        ),
-    );
-}
-
-/// An SVG within HTML: its ground is the page's, and what is the same everywhere need not be said.
-fn inlined(svg: &str) -> String {
-    let (head, body) = svg.split_once("</desc>\n").unwrap_or(("", svg));
-    // The first element is the white ground.
-    let body = match body.split_once('\n') {
-        Some((ground, rest)) if ground.starts_with("<rect") => rest,
-        _ => body,
-    };
-    let body = body
-        .replace(" opacity=\"1\"", "")
-        .replace(" font-family=\"sans-serif\"", "")
-        .replace(" \"/>", "\"/>");
-    if head.is_empty() { body } else { format!("{head}</desc>\n{body}") }
+    html.push_str("<figure>\n");
+    sheet(html, id, svg);
+    add(html, format_args!("<figcaption id=\"{id}\">{}</figcaption>\n</figure>\n", text(caption)));
 }
 
 /// Facts as pairs of a word and a text.

@@ -45,9 +45,14 @@ impl Map {
         canvas::write(&MapLayout { map: &self.in_prefixed_units(), legend }, path)
     }
 
-    /// Refuses what [`write`](Self::write) could not draw.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        self.whole().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))
+    /// The text of an SVG, as [`write`](Self::write) writes it.
+    ///
+    /// # Errors
+    /// No cells, rows that differ in length, a cell of no class, or axes that do not ascend.
+    pub fn svg(&self) -> Result<String, Error> {
+        self.whole().map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
+        let legend = Legend::new(self.classes.iter().map(Class::entry));
+        canvas::svg_text(&MapLayout { map: &self.in_prefixed_units(), legend })
     }
 
     fn whole(&self) -> Result<(), Failure> {

@@ -22,9 +22,6 @@ mod palette;
 mod structure;
 mod units;
 
-pub(crate) use chart::shown;
-pub(crate) use colours::{COLOURS, scale};
-
 pub use chart::{Band, Chart, Lane, Mark, Marker, Panel, Raster, Series, Stretch, Style};
 pub use class::Class;
 pub use file::check_name;

@@ -7,21 +7,10 @@ use quick_xml::escape::escape;
 use std::fmt::Write as _;
 use uuid::Uuid;
 
-/// Of all pages: colours on light and dark ground, texts, tables, frames of figures.
+/// Of all pages: colours on light and dark ground, texts, tables, figures.
 pub const BASE_STYLE: &str = include_str!("page/base.css");
-/// Of reports: claims, and figures that answer.
+/// Of reports: the summary and the claims.
 const STYLE: &str = include_str!("page/page.css");
-/// A module is strict and its names are its own, so its parts need no wrapper.
-const SCRIPT: &str = concat!(
-    include_str!("page/numbers.js"),
-    include_str!("page/elements.js"),
-    include_str!("page/values.js"),
-    include_str!("page/layout.js"),
-    include_str!("page/painting.js"),
-    include_str!("page/reading.js"),
-    include_str!("page/figure.js"),
-    include_str!("page/page.js"),
-);
 
 /// Text as it stands between tags and in attributes.
 pub fn text(plain: &str) -> String {
@@ -32,16 +21,16 @@ pub fn text(plain: &str) -> String {
 /// Those of [`super::html`].
 pub(super) fn page(page: &Page) -> Result<String, Error> {
     let body = body(page)?;
-    // Only what bears the page's own mark runs. It is made from all there is on the page, so no text in it can know
-    // its own.
+    // Only the style that bears the page's own mark counts. The mark is made from all there is on the page, so no text
+    // in it can know its own.
     let nonce = Uuid::new_v5(&Uuid::NAMESPACE_OID, body.as_bytes()).simple().to_string();
     Ok(format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n\
-         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'nonce-{nonce}'; \
+         <meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; \
          style-src 'nonce-{nonce}'; img-src data:; base-uri 'none'; form-action 'none'\">\n\
          <meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n\
          <title>{}</title>\n<link rel=\"icon\" href=\"data:,\">\n<style nonce=\"{nonce}\">\n{BASE_STYLE}{STYLE}</style>\n\
-         </head>\n<body>\n{body}<script type=\"module\" nonce=\"{nonce}\">\n{SCRIPT}</script>\n</body>\n</html>\n",
+         </head>\n<body>\n{body}</body>\n</html>\n",
         text(&page.title),
     ))
 }
@@ -84,6 +73,33 @@ fn paragraphs(html: &mut String, all: &[String]) {
     for one in all {
         add(html, format_args!("<p>{}</p>\n", text(one)));
     }
+}
+
+/// A picture (SVG) in a box that scrolls where the page is narrower than the picture can be read. `label` is the id of
+/// the element that names it.
+pub fn sheet(html: &mut String, label: &str, svg: &str) {
+    add(
+        html,
+        format_args!(
+            "<div class=\"sheet\" tabindex=\"0\" role=\"region\" aria-labelledby=\"{label}\">\n{}</div>\n",
+            inlined(svg)
+        ),
+    );
+}
+
+/// An SVG within HTML: its ground is the page's, and what is the same everywhere need not be said.
+fn inlined(svg: &str) -> String {
+    let (head, body) = svg.split_once("</desc>\n").unwrap_or(("", svg));
+    // The first element is the white ground.
+    let body = match body.split_once('\n') {
+        Some((ground, rest)) if ground.starts_with("<rect") => rest,
+        _ => body,
+    };
+    let body = body
+        .replace(" opacity=\"1\"", "")
+        .replace(" font-family=\"sans-serif\"", "")
+        .replace(" \"/>", "\"/>");
+    if head.is_empty() { body } else { format!("{head}</desc>\n{body}") }
 }
 
 fn contents(page: &Page) -> String {

@@ -1,20 +1,18 @@
 //! Reports: one HTML page that needs nothing else, from plain data.
 //!
 //! A page has claims with their verdicts, figures and tables. It is one file that opens without a network; a
-//! [content security policy](https://www.w3.org/TR/CSP3/) in it forbids to load anything. Its figures are drawn by
-//! the page's own script (`page/*.js`) from the data in it: values at a crosshair, zoom along x, curves that can be
-//! switched off, for mouse, touch and keyboard. Without the script each figure has its data as a table.
+//! [content security policy](https://www.w3.org/TR/CSP3/) in it forbids to load or run anything. Each figure is an SVG
+//! in the colours of the reader's scheme, light or dark, and has its data as a table.
 //!
 //! One set of data gives one sequence of bytes.
 
-mod data;
 mod figure;
 mod listing;
 mod markup;
 mod summary;
 mod thin;
 
-pub use markup::{BASE_STYLE, add, plain_table, text};
+pub use markup::{BASE_STYLE, add, plain_table, sheet, text};
 pub use thin::envelope;
 
 use crate::picture::{Chart, Map};
@@ -144,8 +142,7 @@ impl Verdict {
 ///
 /// Pictures are thinned to what can be seen: of curves along x the lowest and the highest point in each of 2000 parts
 /// of the axis, of other curves (limit cycles in a phase plane) points that differ visibly, of dots one in each cell
-/// of a fine grid; 4000 points or a few more. Points with labels all stay. Values keep seven significant digits.
-/// Rasters keep 600 × 300 cells, the largest value of those that become one, in 255 steps of colour; maps 400 × 400.
+/// of a fine grid; 4000 points or a few more. Points with labels all stay.
 ///
 /// # Errors
 /// A figure with nothing to draw or with data that contradict each other, or a row of a table that has not as many

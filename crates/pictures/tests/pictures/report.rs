@@ -100,18 +100,13 @@ fn texts_are_never_markup() {
     let html = sample();
     assert!(!html.contains("alert(1)</script>"));
     assert!(!html.contains("<!--"));
-    assert_eq!(html.matches("<script").count(), html.matches("</script>").count());
-    // One script for each figure's data, and one that draws.
-    let figures: usize = page().sections.iter().map(|section| section.figures.len()).sum();
-    assert_eq!(html.matches("<script").count(), figures + 1);
+    assert!(!html.contains("<script"), "nothing runs");
     let mut page = page();
     let Content::Chart(chart) = &mut page.sections[0].figures[0].content else { unreachable!() };
     chart.panels[0].series[0].label = Some(HOSTILE.into());
     let with_label = amontons_pictures::report::html(&page).unwrap();
-    assert_eq!(with_label.matches("<script").count(), figures + 1, "texts in data neither");
-    let data = between(&with_label, "<script type=\"application/json\">", "</script>");
-    let data: serde_json::Value = serde_json::from_str(data[0]).unwrap();
-    assert_eq!(data["panels"][0]["series"][0]["label"], HOSTILE, "and they arrive as they were");
+    assert!(!with_label.contains("<script"), "texts in pictures neither");
+    assert!(with_label.contains(&*escape(HOSTILE)), "and they are shown as they are");
 }
 
 #[test]
@@ -135,23 +130,10 @@ fn the_same_data_give_the_same_page_of_a_size_that_opens_at_once() {
 }
 
 #[test]
-fn long_curves_are_thinned_and_numbers_are_short() {
+fn long_curves_are_thinned() {
     let html = sample();
-    for data in between(&html, "<script type=\"application/json\">", "</script>") {
-        let numbers =
-            data.split([',', '[', ']', ':', '}']).filter(|text| text.parse::<f64>().is_ok());
-        for number in numbers {
-            let digits = number.split('e').next().unwrap().trim_start_matches(['-', '0', '.']);
-            let count = digits.chars().filter(char::is_ascii_digit).count();
-            assert!(count <= 9, "{number}");
-        }
-        let data: serde_json::Value = serde_json::from_str(data).unwrap();
-        for panel in data["panels"].as_array().unwrap() {
-            for series in panel["series"].as_array().unwrap() {
-                let counts = ["x", "y"].map(|axis| series[axis].as_array().unwrap().len());
-                assert!(counts[0] == counts[1] && counts[0] < 4100, "{counts:?}");
-            }
-        }
+    for points in between(&html, " points=\"", "\"") {
+        assert!(points.split_whitespace().count() < 4100);
     }
     for table in between(&html, "<table>", "</table>") {
         assert!(table.matches("<tr>").count() <= 51, "with its head");

@@ -123,10 +123,4 @@ impl Chart {
             .map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))?;
         canvas::svg_text(&layout)
     }
-
-    /// Refuses what [`write`](Self::write) could not draw.
-    pub(crate) fn check(&self) -> Result<(), Error> {
-        let layout = Layout::of(self);
-        layout.map(drop).map_err(|failure| canvas::cannot_draw_titled(&self.title, &failure))
-    }
 }
