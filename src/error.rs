@@ -1,5 +1,6 @@
 //! The one error type of Amontons: opaque, with private kinds that grow with what can fail.
 
+use crate::decimal::to_significant;
 use std::fmt;
 use std::path::Path;
 
@@ -115,7 +116,7 @@ pub struct Rounded(pub f64);
 
 impl fmt::Display for Rounded {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        Short(format!("{:.9e}", self.0).parse().unwrap_or(self.0)).fmt(f)
+        Short(to_significant(self.0, 10)).fmt(f)
     }
 }
 

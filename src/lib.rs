@@ -4,6 +4,7 @@
 //!
 //! | module | what lives there |
 //! | --- | --- |
+//! | [`decimal`] | significant digits, and the series 1, 2, 5 |
 //! | [`error`] | the one error type |
 //! | [`contact`] | contact states and the Signorini–Coulomb law of one contact |
 //! | [`model`] | mass, stiffness, load and contacts; equilibrium; the linear model of a contact state |
@@ -19,6 +20,7 @@
 
 pub mod assembly;
 pub mod contact;
+pub mod decimal;
 pub mod error;
 pub mod fmi2;
 pub mod integrator;

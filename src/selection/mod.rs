@@ -16,6 +16,7 @@ mod signals;
 
 pub use cost::Cost;
 
+use crate::decimal::{one_two_five, to_significant};
 use crate::integrator::{EventDriven, Method};
 use crate::model::LumpedModel;
 use crate::scene::Scene;
@@ -35,6 +36,8 @@ const LONGEST: f64 = 0.2;
 const EVENTS_A_PERIOD: f64 = 2.0;
 /// Steps are the scene's output interval over 1, 2, 5, 10, … up to so much.
 const MOST_PARTS: f64 = 1e8;
+/// As equal parts of an interval steps are known to far fewer significant digits; beyond these is what rounding has left.
+const STEP_DIGITS: usize = 12;
 /// A run may have so many steps, which take some minutes.
 const MOST_STEPS: f64 = 1e9;
 
@@ -115,12 +118,6 @@ fn most_accurate(all: &[Selected]) -> Option<Selected> {
     all.iter().min_by(order).copied()
 }
 
-/// A step (s) without what rounding has left behind its digits: as an equal part of an interval it is known to
-/// far fewer.
-fn tidy(step: f64) -> f64 {
-    format!("{step:.11e}").parse().expect("a number as Rust writes it")
-}
-
 /// Is a step of the scheme below the critical one?
 fn is_below_critical(model: &LumpedModel, step: f64) -> bool {
     StepGuard::new(model, step).check(model).is_ok()
@@ -157,12 +154,9 @@ impl<'a> SelectionRule<'a> {
     fn steps(&self) -> impl Iterator<Item = (Method, f64)> + '_ {
         let interval = self.scene.experiment.output_interval;
         let most = (MOST_STEPS * interval / self.scene.experiment.stop_time).min(MOST_PARTS);
-        let powers = std::iter::successors(Some(1.0), |power| Some(10.0 * power));
-        let parts = powers.flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * power));
-        let steps: Vec<f64> = parts
-            .take_while(|parts| *parts <= most.max(1.0))
-            .map(|parts| tidy(interval / parts))
-            .collect();
+        let parts = one_two_five().take_while(|parts| *parts <= most.max(1.0));
+        let steps: Vec<f64> =
+            parts.map(|parts| to_significant(interval / parts, STEP_DIGITS)).collect();
         let longest = self.frequency.map_or(0.0, |frequency| LONGEST / frequency);
         let scheme = steps.clone().into_iter().filter(move |step| *step <= longest);
         let exact = steps.into_iter().filter(|_| self.takes_event_driven);

@@ -8,6 +8,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
     (
         "src",
         &[
+            "decimal",
             "error",
             "contact",
             "model",

@@ -1,6 +1,7 @@
 //! When runs are looked at, and the ladder of steps that goes with it.
 
 use amontons::Error;
+use amontons::decimal::one_two_five;
 use amontons::error::Short;
 use amontons::scene::{Method, Scene};
 
@@ -82,11 +83,10 @@ impl Grid {
 
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn ladder(&self, scene: &Scene, critical: Option<f64>) -> Vec<Rung> {
-        let divisors: Vec<u64> = divisors().collect();
         let dofs = scene.external_forces().count() as f64;
         let cost = if scene.network().is_some() { NETWORK * dofs } else { dofs };
         let work = |rung: &Rung| (rung.steps * self.intervals) as f64 * cost;
-        let rungs = |method| divisors.iter().map(move |&steps| self.rung(method, steps));
+        let rungs = |method| divisors().map(move |steps| self.rung(method, steps));
         let scheme = rungs(Method::ForwardIncrement)
             .filter(|rung| critical.is_some_and(|critical| rung.step <= critical))
             .take_while(|rung| work(rung) <= MOST_WORK)
@@ -95,10 +95,10 @@ impl Grid {
     }
 }
 
-/// 1, 2, 5, 10, …
+/// The numbers of steps in an interval: 1, 2, 5, 10, …
+#[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn divisors() -> impl Iterator<Item = u64> {
-    let all = (0..).flat_map(|power| [1, 2, 5].map(|digit| digit * 10_u64.pow(power)));
-    all.take(3 * SCHEME_ROWS)
+    one_two_five().take(3 * SCHEME_ROWS).map(|steps| steps as u64)
 }
 
 #[cfg(test)]

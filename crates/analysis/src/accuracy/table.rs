@@ -1,6 +1,7 @@
 //! The table of a study in words, without times: for the command line, and for the page in an FMU.
 
 use super::{Errors, Row, Study};
+use amontons::decimal::to_significant;
 use amontons::integrator::Statistics;
 use amontons::scene::Scene;
 
@@ -27,8 +28,7 @@ reference has.\ntimes: of events, where each contact goes through the same state
 /// A number to four digits, without zeros at its end.
 #[must_use]
 pub fn short(value: f64) -> String {
-    let rounded: f64 = format!("{value:.3e}").parse().expect("a number as Rust writes it");
-    format!("{rounded:e}")
+    format!("{:e}", to_significant(value, 4))
 }
 
 /// An error; one at the floor is not larger than that.

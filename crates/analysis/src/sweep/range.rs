@@ -5,6 +5,7 @@
 //! number it is written with a point there, as `0:10:2.0`. They are to read [`steps`] too from the next release on.
 
 use amontons::Error;
+use amontons::decimal::to_significant;
 
 /// The most values of a range.
 pub const MAX_VALUES: f64 = 1e6;
@@ -74,7 +75,7 @@ pub fn check_once(values: &[(String, f64)]) -> Result<(), Error> {
 /// A number without the last digits, which rounding made: 0.3, not 0.30000000000000004.
 #[must_use]
 pub fn decimal(value: f64) -> f64 {
-    format!("{value:.13e}").parse().unwrap_or(value)
+    to_significant(value, 14)
 }
 
 /// What stands in a range.

@@ -2,6 +2,7 @@
 //! and appendix B): a CSV of outputs, the options that lead to it, and a CSV of inputs.
 
 use amontons::Error;
+use amontons::decimal::one_two_five;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Parameters, Simulation, Variable, variables};
@@ -66,9 +67,8 @@ pub fn cross_check(scene: &Scene, watch: Watch<'_>) -> Result<Option<CrossCheck>
 fn spread(experiment: Experiment, outputs: usize) -> Experiment {
     let most = (MOST_BYTES / (NUMBER * (outputs + 1))) as f64 - 3.0;
     let intervals = experiment.stop_time / experiment.output_interval;
-    let mut factors =
-        (0..).flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * 10_f64.powi(power)));
-    let factor = factors.find(|factor| intervals / factor <= most).expect("factors have no end");
+    let factor = one_two_five().find(|factor| intervals / factor <= most);
+    let factor = factor.expect("factors have no end");
     Experiment { output_interval: factor * experiment.output_interval, ..experiment }
 }
 

@@ -3,6 +3,7 @@
 use super::{NAMED, can_squeal};
 use amontons::assembly::equilibrium;
 use amontons::contact::{ContactState, Joined};
+use amontons::decimal::to_significant;
 use amontons::model::LumpedModel;
 use amontons::scene::{Scene, Structure};
 use amontons_analysis::stability::Linearised;
@@ -219,8 +220,8 @@ impl Followed {
 /// the ends, and between two points that stay what is farther than a part of the curve's height from their line
 /// (Ramer, 1972; Douglas and Peucker, 1973).
 fn straightened(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
-    let seven = |value: f64| format!("{value:.6e}").parse().unwrap_or(value);
-    let points: Vec<[f64; 2]> = points.iter().map(|point| point.map(seven)).collect();
+    let seven = |point: &[f64; 2]| point.map(|value| to_significant(value, 7));
+    let points: Vec<[f64; 2]> = points.iter().map(seven).collect();
     let heights = points.iter().map(|[_, y]| *y);
     let [low, high] = heights
         .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], y| [low.min(y), high.max(y)]);

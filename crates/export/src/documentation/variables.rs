@@ -121,7 +121,7 @@ fn row(
 ) -> std::vec::IntoIter<String> {
     let variable = kind[0];
     let (unit, least) = match variable.template.kind {
-        Kind::Real { unit, min } => (unit.to_owned(), min.map(number)),
+        Kind::Real { unit, min } => (unit.to_owned(), min.map(|min| format!("{min:?}"))),
         Kind::Integer => ("integer".to_owned(), None),
         Kind::Boolean => ("Boolean".to_owned(), None),
         Kind::Enumeration { name } => (name.to_owned(), None),
@@ -155,13 +155,9 @@ fn starts(scene: &Scene, kind: &[&Variable]) -> String {
         // The one that no scene has.
         None if kind[0].template.kind == Kind::Boolean => STRICT.to_string(),
         None => String::new(),
-        Some([low, high]) if low == high => number(low),
-        Some([low, high]) => format!("{} to {}", number(low), number(high)),
+        Some([low, high]) if low == high => format!("{low:?}"),
+        Some([low, high]) => format!("{low:?} to {high:?}"),
     }
-}
-
-fn number(value: f64) -> String {
-    format!("{value:?}")
 }
 
 fn causality(causality: Causality) -> &'static str {

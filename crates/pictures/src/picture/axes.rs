@@ -2,6 +2,7 @@
 
 use super::canvas::{Canvas, Failure, Point};
 use super::palette::{GRID, INK};
+use amontons::decimal::to_significant;
 use plotters::backend::DrawingBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::ranged1d::{BoldPoints, DefaultFormatting, KeyPointHint, Ranged};
@@ -184,7 +185,7 @@ fn number(value: f64, [from, to]: [f64; 2]) -> String {
     let digits = largest.log10().floor() - finest.log10().floor();
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let digits = digits.clamp(0.0, 15.0) as usize;
-    let short = if value.abs() < finest { 0.0 } else { parsed(&format!("{value:.digits$e}")) };
+    let short = if value.abs() < finest { 0.0 } else { to_significant(value, digits + 1) };
     let text = if short == 0.0 || (1e-3..1e6).contains(&largest) {
         format!("{short}")
     } else {
@@ -195,13 +196,9 @@ fn number(value: f64, [from, to]: [f64; 2]) -> String {
 
 /// The number of which a tick is the decimal logarithm.
 fn power_of_ten(tick: f64) -> String {
-    let value = parsed(&format!("{:.0e}", 10_f64.powf(tick)));
+    let value = to_significant(10_f64.powf(tick), 1);
     let text = if (1e-3..1e5).contains(&value) { format!("{value}") } else { format!("{value:e}") };
     text.replace('-', "−")
-}
-
-fn parsed(number: &str) -> f64 {
-    number.parse().expect("a number as Rust writes it")
 }
 
 #[cfg(test)]

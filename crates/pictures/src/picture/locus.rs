@@ -2,6 +2,7 @@
 
 use super::units::unit_of;
 use super::{Chart, Mark, Panel, Series, prefixed, significant};
+use amontons::decimal::to_significant;
 use amontons_analysis::stability::locus::{Locus, Root};
 use std::f64::consts::TAU;
 
@@ -54,7 +55,7 @@ fn marks(loci: &[(Option<String>, &Locus)], x_label: &str) -> [Vec<Mark>; 2] {
     let mark = |x: f64, label: String| Mark { x, label: Some(label) };
     // The axis may have a prefix, so a value has its own unit.
     let value = |value: f64| match unit_of(x_label) {
-        Some((_, unit)) if unit != "–" => prefixed(rounded(value), unit),
+        Some((_, unit)) if unit != "–" => prefixed(to_significant(value, 5), unit),
         _ => significant(value, 5),
     };
     let critical = locus.crossings.iter().map(|c| mark(c.value, value(c.value)));
@@ -66,9 +67,4 @@ fn marks(loci: &[(Option<String>, &Locus)], x_label: &str) -> [Vec<Mark>; 2] {
     let mut critical: Vec<Mark> = critical.collect();
     critical.dedup_by(|a, b| a.label == b.label);
     [critical, merging.collect()]
-}
-
-/// To five significant digits.
-fn rounded(value: f64) -> f64 {
-    format!("{value:.4e}").parse().unwrap_or(value)
 }

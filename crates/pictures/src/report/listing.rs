@@ -2,6 +2,7 @@
 
 use super::Content;
 use crate::picture::{Chart, Lane, Map, Panel, Raster, Series};
+use amontons::decimal::to_significant;
 
 /// Rows of all tables of curves of a figure together.
 const ROWS: usize = 50;
@@ -208,7 +209,7 @@ fn taken(count: usize, most: usize) -> Vec<usize> {
 
 /// Five significant digits, with a minus sign that is one.
 fn number(value: f64) -> String {
-    let short: f64 = format!("{value:.4e}").parse().unwrap_or(value);
+    let short = to_significant(value, 5);
     let text = match short.abs() {
         _ if value.is_nan() => return "–".to_owned(),
         f64::INFINITY => "∞".to_owned(),

@@ -2,6 +2,7 @@
 
 use super::{ForceMark, Link, LinkKind, MassMark, SliderMark, Structure};
 use crate::picture::prefixed;
+use amontons::decimal::to_significant;
 use amontons::scene::{self, Module, Network, Scene, Shape};
 use std::f64::consts::FRAC_PI_2;
 
@@ -188,10 +189,6 @@ fn preloaded(scene: &Scene, stiffness: f64, preload: f64, driven: &str) -> (f64,
     (preload, format!("{stiffness}, {value}"))
 }
 
-fn four_digits(value: f64) -> f64 {
-    format!("{value:.3e}").parse().unwrap_or(value)
-}
-
 /// The arrows at a mass: one for its constant force, and one along each axis that signals drive. `angle` is that of the
 /// mass's first axis; of each axis there are the constant force, N, and the name of the input.
 fn forces(
@@ -204,7 +201,7 @@ fn forces(
     let [x, y] = [axes[0].0, axes[1].0];
     let mut found = Vec::new();
     if x != 0.0 || y != 0.0 {
-        let (size, way) = (four_digits((x * x + y * y).sqrt()), libm::atan2(y, x));
+        let (size, way) = (to_significant((x * x + y * y).sqrt(), 4), libm::atan2(y, x));
         let name = name.to_owned();
         found.push(ForceMark { name, label: prefixed(size, "N"), mass, angle: angle + way });
     }

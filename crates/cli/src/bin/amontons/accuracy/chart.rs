@@ -1,8 +1,9 @@
 //! The picture of `amontons accuracy`.
 
 use super::Report;
+use amontons::decimal::to_significant;
 use amontons::scene::Method;
-use amontons_analysis::accuracy::{Errors, Rung, short};
+use amontons_analysis::accuracy::{Errors, Rung};
 use amontons_pictures::picture::{Chart, Panel, Series, Style, prefixed};
 
 impl Report<'_> {
@@ -19,7 +20,7 @@ impl Report<'_> {
             Series {
                 label: Some(label.to_owned()),
                 points: rows.clone().map(|(_, point)| *point).collect(),
-                labels: rows.map(|(rung, _)| prefixed(parsed(&short(rung.step)), "s")).collect(),
+                labels: rows.map(|(rung, _)| prefixed(to_significant(rung.step, 4), "s")).collect(),
                 colour,
                 ..Series::default()
             }
@@ -50,8 +51,4 @@ impl Report<'_> {
             logarithmic: true,
         }
     }
-}
-
-fn parsed(number: &str) -> f64 {
-    number.parse().expect("a number as Rust writes it")
 }

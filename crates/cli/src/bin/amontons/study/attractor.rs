@@ -1,6 +1,7 @@
 //! Attractors as tables and legends have them.
 
 use crate::say::say;
+use amontons::decimal::to_significant;
 use amontons::scene::Scene;
 use amontons::simulation::variables;
 use amontons_analysis::study::{Ending, Kind, unit};
@@ -39,8 +40,7 @@ pub fn print(attractors: &[Ending], of: &str, unit: &str) {
 
 /// A value with its unit to four digits.
 pub fn four_digits(value: f64, unit: &str) -> String {
-    let rounded = format!("{value:.3e}").parse().unwrap_or(value);
-    prefixed(rounded, unit)
+    prefixed(to_significant(value, 4), unit)
 }
 
 /// The unit of a variable of a scene.

@@ -7,6 +7,7 @@ use super::folder::Folder;
 use super::{found, set_pace, watched};
 use crate::arguments::positive;
 use crate::interrupt::Interrupted;
+use amontons::decimal::to_significant;
 use amontons::error::Rounded;
 use amontons::scene::{Experiment, Scene};
 use amontons_analysis::study::transient::{
@@ -167,7 +168,7 @@ fn combination(finding: &Finding) -> Option<String> {
 fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Result<()> {
     let Transient { output, unit, interval, end, growth, findings, open, left_out, .. } = found;
     // Without the digits of a third.
-    let shown: f64 = format!("{interval:.4e}").parse().unwrap_or(*interval);
+    let shown = to_significant(*interval, 5);
     writeln!(out, "{}: {output} over {} s, each {shown:?} s", scene.name, Rounded(*end))?;
     match growth.dominant {
         Some(dominant) => writeln!(out, "strongest line: {dominant:.2} Hz")?,
@@ -355,6 +356,5 @@ fn growth_rate(phase: &Phase) -> String {
 /// With two digits, not below it.
 fn rounded_up(value: f64) -> f64 {
     let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
-    let rounded = (value / unit).ceil() * unit;
-    format!("{rounded:.1e}").parse().unwrap_or(rounded)
+    to_significant((value / unit).ceil() * unit, 2)
 }
