@@ -52,7 +52,7 @@ pub(crate) use check::{MAX_STEPS, count, least};
 pub use effects::Effects;
 pub use file::{SceneFile, SceneTables, parse, read};
 pub use lack::Lack;
-pub use nearest::nearest;
+pub use nearest::{did_you_mean, nearest};
 pub use network::{Damper, GROUND, MAX_PARTS, Mass, Network, RubbingPlace, Spring, direction};
 pub use problem::{MAX_PROBLEMS, Problem, and_more};
 pub use ring::{MAX_MODULES, Module};

@@ -1,7 +1,7 @@
 //! A value of a scene, by its variable's name.
 
 use amontons::Error;
-use amontons::scene::{Lack, Problem, Scene, nearest};
+use amontons::scene::{Lack, Problem, Scene, did_you_mean};
 use amontons::simulation::catalogue::Quantity;
 use amontons::simulation::{Variable, rule, variables, write_scene};
 use std::collections::HashSet;
@@ -38,10 +38,8 @@ pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     if let Some(Lack { reason, help }) = scene.lack(name) {
         return Err(Error::argument(format!("{name} cannot be set: {reason}; {help}")));
     }
-    if let Some(meant) = nearest(name, settable.iter().map(|variable| &*variable.name)) {
-        return Err(Error::argument(format!(
-            "there is no parameter or input {name}; did you mean {meant}?"
-        )));
+    if let Some(help) = did_you_mean(name, settable.iter().map(|variable| &*variable.name)) {
+        return Err(Error::argument(format!("there is no parameter or input {name}; {help}")));
     }
     let group = |name: &str| name.rsplit_once('.').map(|(group, _)| group.to_owned());
     let mut like: Vec<&str> = settable.iter().map(|variable| &*variable.name).collect();

@@ -26,7 +26,7 @@ pub use table::{COLUMNS, LEGEND, short};
 use amontons::Error;
 use amontons::integrator::Statistics;
 use amontons::model::LumpedModel;
-use amontons::scene::{Method, Scene, nearest};
+use amontons::scene::{Method, Scene, did_you_mean};
 use amontons::simulation::Simulation;
 use amontons::stability::{CriticalStep, critical_step};
 use run::AccuracyRun;
@@ -94,13 +94,11 @@ impl Row {
 pub fn dof_named(scene: &Scene, name: &str) -> Result<usize, Error> {
     let names = scene.dof_names();
     names.iter().position(|known| known == name).ok_or_else(|| {
-        let help = match nearest(name, names.iter().map(|name| &**name)) {
-            Some(near) => format!("did you mean {near}?"),
-            None => match names.first() {
-                Some(first) => format!("displacements are named as {first}"),
-                None => "it has none".to_owned(),
-            },
+        let example = || match names.first() {
+            Some(first) => format!("displacements are named as {first}"),
+            None => "it has none".to_owned(),
         };
+        let help = did_you_mean(name, names.iter().map(|name| &**name)).unwrap_or_else(example);
         Error::argument(format!("{} has no displacement {name}; {help}", scene.name))
     })
 }

@@ -5,7 +5,7 @@ use crate::stability::candidates::resting_state;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::model::LumpedModel;
-use amontons::scene::{Scene, Signal, nearest};
+use amontons::scene::{Scene, Signal, did_you_mean};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Variable, variables};
 use amontons::stability::{Spectrum, highest_frequency};
@@ -30,10 +30,8 @@ pub fn output(scene: &Scene, name: &str) -> Result<Variable, Error> {
     if let Some(place) = outputs.iter().position(|output| output.name == name) {
         return Ok(outputs.swap_remove(place));
     }
-    let help = match nearest(name, outputs.iter().map(|output| &*output.name)) {
-        Some(near) => format!("did you mean {near}?"),
-        None => "`amontons simulate` has them as columns".to_owned(),
-    };
+    let meant = did_you_mean(name, outputs.iter().map(|output| &*output.name));
+    let help = meant.unwrap_or_else(|| "`amontons simulate` has them as columns".to_owned());
     Err(Error::argument(format!("{} has no output {name}; {help}", scene.name)))
 }
 
