@@ -4,6 +4,7 @@
 //!
 //! | module | what lives there |
 //! | --- | --- |
+//! | [`numerics`] | bisection; the norm and the range of values |
 //! | [`decimal`] | significant digits, and the series 1, 2, 5 |
 //! | [`error`] | the one error type |
 //! | [`contact`] | contact states and the Signorini–Coulomb law of one contact |
@@ -25,6 +26,7 @@ pub mod error;
 pub mod fmi2;
 pub mod integrator;
 pub mod model;
+pub mod numerics;
 pub mod scene;
 pub mod selection;
 pub mod simulation;

@@ -3,6 +3,7 @@
 use super::banded::{self, Singular};
 use super::{Entry, LumpedModel, ring};
 use crate::Error;
+use crate::numerics::bisect;
 use serde::{Deserialize, Serialize};
 
 /// A static equilibrium with every contact closed.
@@ -128,7 +129,7 @@ impl LumpedModel {
         }
         let exists = |part: f64| solve(part).ok().filter(|found| found.pulled_contact().is_none());
         let below = (0..GRID).rev().map(|i| f64::from(i) / f64::from(GRID));
-        let Some(mut good) = below.into_iter().find(|&part| exists(part).is_some()) else {
+        let Some(known) = below.into_iter().find(|&part| exists(part).is_some()) else {
             let pulled = found.as_ref().ok().and_then(Equilibrium::pulled_contact);
             let (contact, force) = pulled.unwrap_or((0, 0.0));
             return Error::equilibrium(format!(
@@ -138,12 +139,8 @@ impl LumpedModel {
                 -force
             ));
         };
-        let start = exists(good).expect("just found");
-        let mut bad = 1.0;
-        for _ in 0..100 {
-            let middle = 0.5 * (good + bad);
-            if exists(middle).is_some() { good = middle } else { bad = middle }
-        }
+        let start = exists(known).expect("just found");
+        let [good, _] = bisect(known, 1.0, |part| exists(part).is_some());
         let last = exists(good).expect("an equilibrium exists on this side");
         let grown = last.normal_force.iter().zip(&start.normal_force);
         let grown = grown.map(|(last, start)| last / start).enumerate();

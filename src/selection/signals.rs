@@ -1,5 +1,6 @@
 //! What integrators make of values over time.
 
+use crate::numerics::range;
 use crate::scene::{Between, Method, Scene, Shape, Signal, Table};
 use std::f64::consts::TAU;
 
@@ -55,8 +56,8 @@ pub(super) fn error(
 
 /// The straight pieces of a table, from when to when (s), with the part of its range that each goes through.
 fn range_parts(table: &Table) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
-    let values = || table.points.iter().map(|point| point[1]);
-    let range = values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min);
+    let [least, most] = range(table.points.iter().map(|point| point[1]));
+    let range = most - least;
     let pieces = table.points.windows(2).filter(move |two| two[1][0] > two[0][0] && range > 0.0);
     pieces.map(move |two| (two[0][0], two[1][0], (two[1][1] - two[0][1]).abs() / range))
 }

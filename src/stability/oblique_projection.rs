@@ -14,6 +14,7 @@
 
 use crate::contact::{ContactState, all_states};
 use crate::model::{Contact, Direction};
+use crate::numerics::bisect;
 use nalgebra::{DMatrix, DVector};
 
 /// Up to this many contacts that share masses are looked at in all their states.
@@ -73,13 +74,9 @@ impl Coupling {
         let rises = |xi: f64| {
             own * xi * xi * xi + (2.0 * (own + shared) - own * room) * xi < (own + shared) * root
         };
-        let (mut low, mut high) = (0.0, root);
-        for _ in 0..100 {
-            let middle = 0.5 * (low + high);
-            if rises(middle) { low = middle } else { high = middle }
-        }
-        let bracket = room - root * low + low * low;
-        (1.0 + (own + shared + own * low * low) / (bracket * bracket)).sqrt()
+        let [xi, _] = bisect(0.0, root, rises);
+        let bracket = room - root * xi + xi * xi;
+        (1.0 + (own + shared + own * xi * xi) / (bracket * bracket)).sqrt()
     }
 }
 

@@ -8,6 +8,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
     (
         "src",
         &[
+            "numerics",
             "decimal",
             "error",
             "contact",

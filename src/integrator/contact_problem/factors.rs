@@ -1,5 +1,7 @@
 //! Linear equations that may be singular: elimination with complete pivots.
 
+use crate::numerics::max_norm;
+
 /// A pivot below this part of the largest is rounding: its row depends on others.
 const DEPENDENT: f64 = 1e-12;
 
@@ -63,7 +65,7 @@ impl Factors {
         let Self { size, entries, rows, columns, orientation, .. } = self;
         let size = *size;
         let entries = &mut entries[..size * size];
-        let largest = entries.iter().fold(0.0, |largest, entry| f64::max(largest, entry.abs()));
+        let largest = max_norm(entries);
         self.rank = 0;
         *orientation = 1.0;
         for step in 0..size {

@@ -1,12 +1,13 @@
 //! Instants at which velocities end or jump: slips that stop, and impacts.
 
 use super::ledger::{Strike, Witness};
-use super::rounding::{NOISE, THROWN, largest, least_hop};
+use super::rounding::{NOISE, THROWN, least_hop};
 use super::watch::Event;
 use super::{Drive, EventDriven, Motion, StepFailure};
 use crate::contact::ContactState;
 use crate::integrator::contact_problem::Freedom;
 use crate::integrator::dynamics::Dynamics;
+use crate::numerics::max_norm;
 
 impl<W: Witness> EventDriven<W> {
     /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
@@ -123,7 +124,7 @@ impl<W: Witness> EventDriven<W> {
             };
             problem.free[i] = [contact.normal.dot(&motion.velocity), tangential];
         }
-        let nothing = NOISE * speed.max(largest(&self.surface));
+        let nothing = NOISE * speed.max(max_norm(&self.surface));
         let closed = |i: &usize| self.closed[*i] != ContactState::Detached;
         if (0..contacts.len()).filter(closed).all(|i| problem.free[i][0] >= -nothing) {
             problem.forces.fill([0.0; 2]);

@@ -2,10 +2,11 @@
 
 use super::EventDriven;
 use super::ledger::Witness;
-use super::rounding::{DIFFERENCE, NOISE, largest};
+use super::rounding::{DIFFERENCE, NOISE};
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Motion};
 use crate::model::Contact;
+use crate::numerics::max_norm;
 
 /// A motion goes on in a state until its forces miss the law by more than rounding, which is this often
 /// [`NOISE`] at a limit that they stay at.
@@ -96,7 +97,7 @@ impl<W: Witness> EventDriven<W> {
 
     /// The fastest velocity, m/s, also where all stand.
     fn fastest(&self, motion: &Motion, drive: &Drive) -> f64 {
-        largest(&motion.velocity).max(self.thrown(drive))
+        max_norm(&motion.velocity).max(self.thrown(drive))
     }
 
     /// `true` if a contact of those that hold more directions than there are touches while its masses stand, whatever its surface
@@ -110,7 +111,7 @@ impl<W: Witness> EventDriven<W> {
         let strained = self.shortest * self.thrown(drive);
         let still = NOISE * self.fastest(motion, drive);
         normal.dot(&motion.displacement).abs()
-            <= NOISE * largest(&motion.displacement).max(strained)
+            <= NOISE * max_norm(&motion.displacement).max(strained)
             && normal.dot(&motion.velocity).abs() <= still
             && tangent.dot(&motion.velocity).abs() <= still
     }

@@ -5,6 +5,7 @@ use super::ledger::Witness;
 use crate::integrator::Motion;
 use crate::integrator::dynamics::Dynamics;
 use crate::model::{Direction, SparseMatrix};
+use crate::numerics::max_norm;
 
 /// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
 pub(super) const NOISE: f64 = 1e-13;
@@ -37,7 +38,7 @@ pub(super) fn least_hop(landings: u32) -> f64 {
 impl<W: Witness> EventDriven<W> {
     /// The fastest velocity, m/s, which others are nothing beside.
     pub(super) fn speed(&self, motion: &Motion) -> f64 {
-        largest(&motion.velocity).max(self.slowest())
+        max_norm(&motion.velocity).max(self.slowest())
     }
 
     /// Where all stand, m/s: what is thrown off with [`THROWN`] of it is back within the last digit of a step.
@@ -100,9 +101,4 @@ pub(super) fn shortest(dynamics: &Dynamics) -> f64 {
     };
     let largest = (0..dynamics.acceleration.len()).map(square).fold(0.0, f64::max);
     if largest > 0.0 { 1.0 / largest.sqrt() } else { 0.0 }
-}
-
-/// The largest of some values, by size: of velocities, the fastest.
-pub(super) fn largest(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }

@@ -1,6 +1,7 @@
 //! The cycle in which a run ends: amplitude and frequency of one displacement over the last half.
 
 use crate::spectral::cycles;
+use amontons::numerics::range;
 
 /// How well the search finds a peak, in cycles: it is flat to rounding over the root of that.
 const FLAT: f64 = 1e-7;
@@ -48,13 +49,8 @@ impl Cycle {
 
 /// Half of what lies between the smallest and the largest value, turns between the values included.
 pub(crate) fn half_range(values: &[f64]) -> f64 {
-    let (mut least, mut most) = (f64::INFINITY, f64::NEG_INFINITY);
-    for &value in values {
-        (least, most) = (least.min(value), most.max(value));
-    }
-    for turn in values.windows(5).filter_map(turn) {
-        (least, most) = (least.min(turn), most.max(turn));
-    }
+    let turns = values.windows(5).filter_map(turn);
+    let [least, most] = range(values.iter().copied().chain(turns));
     0.5 * (most - least)
 }
 

@@ -26,6 +26,7 @@ pub use table::{COLUMNS, LEGEND, short};
 use amontons::Error;
 use amontons::integrator::Statistics;
 use amontons::model::LumpedModel;
+use amontons::numerics::max_norm;
 use amontons::scene::{Method, Scene, did_you_mean};
 use amontons::simulation::Simulation;
 use amontons::stability::{CriticalStep, critical_step};
@@ -203,8 +204,7 @@ impl Study {
         let model = LumpedModel::from(effective);
         let critical = critical_step(&model);
         let grid = Grid::of(scene, critical.as_ref().ok().map(|critical| critical.step))?;
-        let size =
-            start.reference().displacement.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+        let size = max_norm(&start.reference().displacement);
         let found = converge(scene, grid, REST * size, watch)?;
         let Some(Converged { coarser, reference, step, scale }) = found else { return Ok(None) };
         let dof = dof.unwrap_or_else(|| reference.most_moving());

@@ -2,6 +2,7 @@
 
 use super::transform::powers;
 use super::window::{Window, sum, weighted};
+use amontons::numerics::max_norm;
 use serde::Serialize;
 
 /// Low side lobes matter more than narrow lines: a faint line beside a strong one is what is looked for.
@@ -45,8 +46,8 @@ pub fn lines(history: &[f64], interval: f64, floor: f64) -> Lines {
     let size = (FINENESS * count).next_power_of_two();
     let weights = WINDOW.weights(count);
     let values = weighted(history, &weights);
-    let largest = history.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
-    let moving = values.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+    let largest = max_norm(history);
+    let moving = max_norm(&values);
     // Written so that what is not a number rests too.
     if !(moving > REST * largest && moving.is_finite()) {
         return Lines { resolution, ..Lines::default() };

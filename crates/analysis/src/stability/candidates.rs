@@ -3,13 +3,14 @@
 
 use super::growth::growth;
 use super::linearised::Linearised;
-use super::locus::{Crossing, Locus, between, growing, locus};
+use super::locus::{Crossing, Locus, growing, locus};
 use super::parallel;
 use super::reach::{Reach, reach};
 use super::states::StateClasses;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::model::{Contact, LumpedModel};
+use amontons::numerics::bisect;
 use amontons::scene::Scene;
 
 /// What a range of µ holds.
@@ -238,12 +239,8 @@ pub fn equilibrium_ranges(
         if there[0] == there[1] {
             continue;
         }
-        let (mut low, mut high) = (pair[0], pair[1]);
-        while let Some(middle) = between(low, high) {
-            let side =
-                if has_equilibrium(middle).is_ok() == there[0] { &mut low } else { &mut high };
-            *side = middle;
-        }
+        let is_as_below = |value| has_equilibrium(value).is_ok() == there[0];
+        let [low, high] = bisect(pair[0], pair[1], is_as_below);
         match start.take() {
             Some(start) => ranges.push([start, low]),
             None => start = Some(high),

@@ -3,8 +3,9 @@
 //! Only modes that grow are followed, from one value to the next by their eigenvalues: the many that decay may cross
 //! each other unseen, which makes this a hundred times as quick as a root locus for a ring of eight modules.
 
-use super::locus::{Root, between};
+use super::locus::Root;
 use amontons::Error;
+use amontons::numerics::middle;
 use std::f64::consts::TAU;
 
 /// Eigenvalues that whose frequencies differ by less than this part of their size from one value to the next are one mode's.
@@ -55,7 +56,7 @@ impl GrowthFollower<'_> {
     fn follow_to(&mut self, value: f64, next: &[Root]) -> Result<(), Error> {
         let pairs = self.pairs(next);
         let is_whole = pairs.len() == self.now.len() && pairs.len() == next.len();
-        if !is_whole && let Some(middle) = between(self.value, value) {
+        if !is_whole && let Some(middle) = middle(self.value, value) {
             let found = (self.growing)(middle)?;
             self.follow_to(middle, &found)?;
             return self.follow_to(value, next);

@@ -25,8 +25,7 @@ pub fn is_same(a: &Ending, b: &Ending) -> bool {
         })
     };
     let has_extents = |part: f64| {
-        let largest = |ending: &Ending| ending.extents.iter().copied().fold(0.0, f64::max);
-        let margin = part * largest(a).max(largest(b));
+        let margin = part * a.largest_extent().max(b.largest_extent());
         a.extents.len() == b.extents.len()
             && a.extents.iter().zip(&b.extents).all(|(a, b)| (a - b).abs() <= margin)
     };

@@ -58,8 +58,7 @@ pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
     if is_unbounded(a) {
         return 0.0;
     }
-    let largest = |ending: &Ending| ending.extents.iter().copied().fold(0.0, f64::max);
-    let seen = SEEN * largest(a).max(largest(b));
+    let seen = SEEN * a.largest_extent().max(b.largest_extent());
     let log = |a: f64, b: f64| if a > 0.0 && b > 0.0 { libm::log(a / b).abs() } else { 0.0 };
     let extents = a.extents.iter().zip(&b.extents).filter(|(a, b)| a.max(**b) >= seen);
     let extents = extents.map(|(a, b)| log(*a, *b)).fold(0.0, f64::max);

@@ -168,6 +168,11 @@ pub struct Ending {
 }
 
 impl Ending {
+    /// The largest of its [`extents`](Self::extents), m; 0 without any.
+    pub(super) fn largest_extent(&self) -> f64 {
+        self.extents.iter().copied().fold(0.0, f64::max)
+    }
+
     /// `true` if it had settled, or was seen to leave rest or to come to it.
     #[must_use]
     pub fn is_known(&self) -> bool {

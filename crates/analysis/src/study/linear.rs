@@ -5,6 +5,7 @@ use crate::stability::Linearised;
 use crate::stability::candidates::resting_state;
 use amontons::contact::ContactState;
 use amontons::model::{Contact, LumpedModel};
+use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 use amontons::stability::Spectrum;
@@ -97,16 +98,15 @@ pub(super) fn deflection(simulation: &Simulation) -> f64 {
 pub(super) fn is_far(simulation: &Simulation) -> bool {
     const FAR: f64 = 1e6;
     let scene = simulation.scene();
-    let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
-    let at_rest = largest(&simulation.reference().displacement);
-    if at_rest == 0.0 || largest(simulation.displacement()) <= FAR * at_rest {
+    let at_rest = max_norm(&simulation.reference().displacement);
+    if at_rest == 0.0 || max_norm(simulation.displacement()) <= FAR * at_rest {
         return false;
     }
     let contacts = LumpedModel::from(scene).contacts;
     let speed = |contact: &Contact| contact.surface_velocity.abs();
     // Without sticking only the direction of a surface's velocity matters.
     let speeds = contacts.iter().filter(|_| scene.effects.sticking).map(speed);
-    largest(simulation.velocity()) > FAR * speeds.fold(0.0, f64::max)
+    max_norm(simulation.velocity()) > FAR * speeds.fold(0.0, f64::max)
 }
 
 /// `true` where no contact can stick, open or slip the other way, so that motions are linear at any size.

@@ -9,6 +9,7 @@ use super::{Journal, Watch};
 use crate::stability::parallel::collect;
 use crate::sweep::range::decimal;
 use amontons::Error;
+use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 use serde::Serialize;
@@ -85,7 +86,7 @@ pub fn perturbation(
     for &amplitude in &direction.amplitudes {
         Simulation::new(starting_from(scene, &[(&name, amplitude)])?, 0.0)?;
     }
-    let largest = direction.amplitudes.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+    let largest = max_norm(&direction.amplitudes);
     let width = |[a, b]: [f64; 2]| {
         direction.resolution * f64::max(a.abs(), b.abs()).max(SMALLEST * largest)
     };

@@ -1,6 +1,7 @@
 //! A small push out of an equilibrium, or off a cycle.
 
 use amontons::model::{Contact, LumpedModel};
+use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 use serde::Serialize;
@@ -56,7 +57,7 @@ impl Push {
 
     /// Gives so small a part of it.
     pub(crate) fn give_part(&self, simulation: &mut Simulation, part: f64) {
-        let fastest = simulation.velocity().iter().fold(0.0, |most, v| f64::max(most, v.abs()));
+        let fastest = max_norm(simulation.velocity());
         simulation.push(self.dof, part * self.velocity.max(SMALL * fastest));
     }
 }

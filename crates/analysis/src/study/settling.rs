@@ -25,6 +25,7 @@ use crate::spectral::lines;
 use crate::sweep::steady::{ROUNDING, mixture};
 use amontons::Error;
 use amontons::integrator::Statistics;
+use amontons::numerics::max_norm;
 use amontons::scene::Method;
 use amontons::simulation::{Simulation, Variable};
 
@@ -187,7 +188,6 @@ impl Settling {
         let may_rest = has_states_of_rest(simulation);
         let may_be_linear = !self.pulled && may_rest && has_linear_friction(simulation.scene());
         self.linear = !changed && may_be_linear;
-        let largest = |x: &[f64]| x.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
         let mixture = std::mem::take(&mut self.mixture);
         let still = self.seen.still(changed);
         let course = self.seen.judge(
@@ -195,8 +195,8 @@ impl Settling {
             changed,
             self.is_last(),
             Surroundings {
-                largest: largest(simulation.displacement()),
-                at_rest: largest(&simulation.reference().displacement).max(self.deflection),
+                largest: max_norm(simulation.displacement()),
+                at_rest: max_norm(&simulation.reference().displacement).max(self.deflection),
                 is_driven: simulation.is_driven_on(),
                 is_repeated: is_repeated(simulation, still * self.look.window),
                 is_far: is_far(simulation),
@@ -296,7 +296,7 @@ impl Settling {
                     ending.fading = lasting.fading;
                 }
             }
-            let largest = ending.extents.iter().copied().fold(0.0, f64::max);
+            let largest = ending.largest_extent();
             if unit(&self.output) == "m" && ending.amplitude <= ROUNDING * largest {
                 ending.amplitude = 0.0;
             }

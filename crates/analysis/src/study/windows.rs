@@ -330,6 +330,7 @@ fn near(line: &Line, window: &Lines, part: f64) -> Option<f64> {
 #[allow(clippy::cast_precision_loss)]
 mod tests {
     use super::*;
+    use amontons::numerics::max_norm;
     use std::f64::consts::TAU;
 
     const FREE: Surroundings<'static> = Surroundings {
@@ -358,7 +359,7 @@ mod tests {
         let mut windows = Windows::new(ROWS, INTERVAL);
         (0..MOST).find_map(|window| {
             let mixture = over(window, &motion);
-            let largest = mixture.iter().fold(0.0, |most, x| f64::max(most, x.abs()));
+            let largest = max_norm(&mixture);
             let around = Surroundings { largest, ..FREE };
             match windows.judge(mixture, changes, false, around) {
                 Trend::Open => None,

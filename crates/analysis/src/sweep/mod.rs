@@ -15,6 +15,7 @@ use crate::accuracy::Cycle;
 use crate::assign::assign;
 use crate::stability::parallel::collect;
 use amontons::Error;
+use amontons::numerics::max_norm;
 use amontons::scene::{Experiment, Scene};
 use amontons::simulation::catalogue::Kind;
 use amontons::simulation::{Simulation, Variable, variables};
@@ -187,8 +188,7 @@ fn run(
 
 /// The size of a motion, m, below which rounding moves what rests.
 fn smallest(simulation: &Simulation) -> f64 {
-    let displacement = &simulation.reference().displacement;
-    ROUNDING * displacement.iter().fold(0.0, |most, x| f64::max(most, x.abs()))
+    ROUNDING * max_norm(&simulation.reference().displacement)
 }
 
 /// What is kept of a run.

@@ -5,6 +5,7 @@ use amontons::assembly::equilibrium;
 use amontons::contact::{ContactState, Joined};
 use amontons::decimal::to_significant;
 use amontons::model::LumpedModel;
+use amontons::numerics::range;
 use amontons::scene::{Scene, Structure};
 use amontons_analysis::stability::Linearised;
 use amontons_analysis::stability::candidates::equilibrium_ranges;
@@ -222,9 +223,7 @@ impl Followed {
 fn straightened(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let seven = |point: &[f64; 2]| point.map(|value| to_significant(value, 7));
     let points: Vec<[f64; 2]> = points.iter().map(seven).collect();
-    let heights = points.iter().map(|[_, y]| *y);
-    let [low, high] = heights
-        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], y| [low.min(y), high.max(y)]);
+    let [low, high] = range(points.iter().map(|[_, y]| *y));
     let near = 1e-3 * (high - low);
     let mut kept = vec![false; points.len()];
     let mut open = vec![(0, points.len() - 1)];

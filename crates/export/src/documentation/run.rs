@@ -3,6 +3,7 @@
 use super::can_squeal;
 use amontons::Error;
 use amontons::model::LumpedModel;
+use amontons::numerics::range;
 use amontons::scene::{Experiment, Scene};
 use amontons::selection::Cost;
 use amontons::simulation::catalogue::{Causality, Quantity};
@@ -111,11 +112,8 @@ fn shown(outputs: &[Variable], rows: &[(f64, Vec<f64>)]) -> (Vec<Variable>, Vec<
     let is = |quantity: Quantity| move |v: &Variable| v.template.quantity == quantity;
     let displacements = outputs.iter().filter(|v| is(Quantity::Displacement)(v)).count();
     let span = |column: usize| {
-        let values = rows.iter().map(|(_, values)| values[column]);
-        let reach = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], value| {
-            [low.min(value), high.max(value)]
-        });
-        reach[1] - reach[0]
+        let [low, high] = range(rows.iter().map(|(_, values)| values[column]));
+        high - low
     };
     let spans: Vec<f64> = (0..displacements).map(span).collect();
     let most = (1..displacements).fold(0, |most, i| if spans[i] > spans[most] { i } else { most });

@@ -3,6 +3,7 @@
 use super::canvas::{Canvas, Failure, Point};
 use super::palette::{GRID, INK};
 use amontons::decimal::to_significant;
+use amontons::numerics;
 use plotters::backend::DrawingBackend;
 use plotters::chart::ChartBuilder;
 use plotters::coord::ranged1d::{BoldPoints, DefaultFormatting, KeyPointHint, Ranged};
@@ -157,11 +158,8 @@ pub(super) fn ticks(range: [f64; 2], most: usize) -> Vec<(f64, String)> {
 
 /// From the smallest to the largest finite value, and what there is to show where they are one.
 pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
-    let found = values.filter(|value| value.is_finite()).fold(None, |range, value| {
-        let [from, to] = range.unwrap_or([value; 2]);
-        Some([f64::min(from, value), f64::max(to, value)])
-    });
-    found.map(|[from, to]| {
+    let [from, to] = numerics::range(values.filter(|value| value.is_finite()));
+    (from <= to).then(|| {
         // Closer values than these are one for the ticks, too.
         if to - from > 1e-9 * from.abs().max(to.abs()) {
             return [from, to];

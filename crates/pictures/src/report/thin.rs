@@ -2,6 +2,7 @@
 
 use crate::picture::{Series, Style};
 use amontons::decimal::to_significant;
+use amontons::numerics::range;
 
 /// Parts of the x axis of which a curve keeps its lowest and its highest point. A screen has fewer columns.
 const BINS: f64 = 2000.0;
@@ -52,12 +53,8 @@ impl Scaled {
         let scale = |value: f64| if logarithmic { value.log10() } else { value };
         let mut points: Vec<Point> = points.iter().map(|point| point.map(scale)).collect();
         for axis in [0, 1] {
-            let finite =
-                || points.iter().map(|point| point[axis]).filter(|value| value.is_finite());
-            let (low, high) = (
-                finite().fold(f64::INFINITY, f64::min),
-                finite().fold(f64::NEG_INFINITY, f64::max),
-            );
+            let values = points.iter().map(|point| point[axis]);
+            let [low, high] = range(values.filter(|value| value.is_finite()));
             let span = if high > low { high - low } else { 1.0 };
             points.iter_mut().for_each(|point| point[axis] = (point[axis] - low) / span);
         }

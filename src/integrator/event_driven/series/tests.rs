@@ -1,5 +1,6 @@
 use super::*;
 use crate::model::{Contact, LumpedModel, SparseMatrix};
+use crate::numerics::max_norm;
 use crate::scene::builtin;
 use proptest::prelude::*;
 
@@ -89,10 +90,6 @@ fn all_pairs() -> impl Iterator<Item = [ContactState; 2]> {
     ContactState::ALL.into_iter().flat_map(|a| ContactState::ALL.map(|b| [a, b]))
 }
 
-fn size(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
-}
-
 /// Equal but for the rounding of values of this size.
 fn is_close(a: &[f64], b: &[f64], size: f64) -> bool {
     a.iter().zip(b).all(|(a, b)| (a - b).abs() <= 1e-11 * size)
@@ -149,8 +146,9 @@ proptest! {
                 ends.push([x, v, forces]);
             }
             // A contact force is what is left of the forces that act on the masses: their rounding is in it.
-            let acting = size(&case.drive.force);
-            let scales = [size(&ends[0][0]), size(&ends[0][1]), acting.max(size(&ends[0][2]))];
+            let acting = max_norm(&case.drive.force);
+            let [x, v, forces] = ends[0].each_ref().map(|values| max_norm(values));
+            let scales = [x, v, acting.max(forces)];
             for ((full, sparse), size) in ends[0].iter().zip(&ends[1]).zip(scales) {
                 prop_assert!(is_close(full, sparse, size), "{:?}: {:?} {:?}", states, full, sparse);
             }

@@ -2,7 +2,7 @@
 
 use super::follow::Evaluate;
 use super::{Approach, Coalescence, Crossing, Root};
-use amontons::Error;
+use amontons::{Error, numerics};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
@@ -19,7 +19,7 @@ pub(super) fn locate_coalescence(
         Ok(nearest(evaluate(value)?, from.1 + (to.1 - from.1) * part))
     };
     let (mut low, mut high) = (from.0, to.0);
-    while let Some(middle) = between(low, high) {
+    while let Some(middle) = numerics::middle(low, high) {
         if at(middle)?.is_real() == merge { low = middle } else { high = middle }
     }
     let value = 0.5 * (low + high);
@@ -36,7 +36,7 @@ pub(super) fn locate_crossing(
     [from, to]: [BranchPoint; 2],
 ) -> Result<Crossing, Error> {
     let (mut low, mut high) = (from, to);
-    while let Some(middle) = between(low.0, high.0) {
+    while let Some(middle) = numerics::middle(low.0, high.0) {
         let point = on_branch(evaluate, [low, high], middle)?;
         let side = if point.1.grows() == from.1.grows() { &mut low } else { &mut high };
         *side = point;
@@ -173,12 +173,6 @@ fn golden_section<P: Copy>(
         }
     }
     Ok(middle)
-}
-
-/// The middle of an interval, until none is left.
-pub(in crate::stability) fn between(low: f64, high: f64) -> Option<f64> {
-    let middle = 0.5 * (low + high);
-    (low < middle && middle < high).then_some(middle)
 }
 
 fn nearest(roots: Vec<Root>, expected: Complex<f64>) -> Root {

@@ -25,7 +25,6 @@ use amontons::stability::symmetry::{SymmetrySector, all_stiffness_eigenvalues};
 use nalgebra::Complex;
 use std::cmp::Ordering;
 
-pub(super) use events::between;
 use follow::{FollowedRoots, follow};
 
 /// One eigenvalue of a contact state.

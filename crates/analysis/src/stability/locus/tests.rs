@@ -2,6 +2,7 @@
 
 use super::*;
 use amontons::model::SparseMatrix;
+use amontons::numerics::bisect;
 use amontons::scene::builtin;
 use std::f64::consts::TAU;
 
@@ -70,12 +71,9 @@ fn coalescences_are_where_the_discriminant_of_the_symmetric_halves_vanishes() {
     let found = over_friction(&of_set("set1"), &grid(3.5, 0.005));
     // Modes 5 and 6 move the modules out of phase, modes 3 and 4 in phase (Fig. 2c).
     for (coalescence, links) in found.coalescences.iter().zip([4.0, 0.0]) {
-        let (mut low, mut high) = (coalescence.value - 0.01, coalescence.value + 0.01);
+        let [low, high] = [-0.01, 0.01].map(|step| coalescence.value + step);
         assert!(discriminant(links, low) > 0.0 && discriminant(links, high) < 0.0);
-        while high - low > 1e-12 {
-            let middle = 0.5 * (low + high);
-            if discriminant(links, middle) > 0.0 { low = middle } else { high = middle }
-        }
+        let [low, _] = bisect(low, high, |mu| discriminant(links, mu) > 0.0);
         assert!((coalescence.value - low).abs() < 1e-9, "{coalescence:?} {low}");
     }
 }

@@ -3,6 +3,7 @@
 use super::findings::{Jump, Point, Way};
 use crate::study::difference::{OTHER_EXTENT, are_two, distance, is_exact};
 use crate::study::ending::{Ending, Kind};
+use amontons::numerics::range;
 use amontons::simulation::Progress;
 
 /// A value of µ with the state that its motion has ended in.
@@ -158,8 +159,7 @@ impl Followed {
 
     /// The lowest and the highest value that it has passed.
     pub(super) fn extent(&self) -> [f64; 2] {
-        let passed = || self.passed.iter().map(|reached| reached.point.friction);
-        [passed().fold(f64::INFINITY, f64::min), passed().fold(f64::NEG_INFINITY, f64::max)]
+        range(self.passed.iter().map(|reached| reached.point.friction))
     }
 
     /// `true` of a way, which passes its jumps.

@@ -2,9 +2,9 @@
 
 use super::growth::STRAIGHT;
 use super::linear::FINEST;
-use super::rows::most;
 use super::straight::{Fit, pieces};
 use crate::study::basis::Members;
+use amontons::numerics::max_norm;
 use nalgebra::{Complex, DVector};
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -115,7 +115,7 @@ impl Members {
         };
         let strongest = (0..count).max_by(|&a, &b| size(a).total_cmp(&size(b)))?;
         let sizes: Vec<f64> = (0..dofs).map(|dof| at(strongest, dof).norm()).collect();
-        let largest = most(&sizes);
+        let largest = max_norm(&sizes);
         let dof = sizes.iter().position(|size| *size >= largest * (1.0 - 1e-9))?;
         let shape =
             sizes.iter().map(|size| if largest > 0.0 { size / largest } else { 0.0 }).collect();

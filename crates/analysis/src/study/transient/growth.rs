@@ -8,6 +8,7 @@ use super::bands::{Band, Bands, Combination};
 use super::straight::{Fit, pieces};
 use crate::accuracy::half_range;
 use crate::spectral::cycles;
+use amontons::numerics::max_norm;
 use serde::Serialize;
 use std::f64::consts::LN_10;
 use std::ops::Range;
@@ -93,7 +94,7 @@ pub fn growth(history: &[f64], interval: f64, spans: &[[f64; 2]], known: Vec<Pha
         found.sort();
         return found;
     };
-    let floor = ROUNDING * history.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
+    let floor = ROUNDING * max_norm(history);
     let envelope = envelope(history, interval, 1.0 / frequency);
     let mut found = Growth { dominant, envelope, phases: known, ..Growth::default() };
     for window in WINDOWS.map(|periods| periods / frequency) {

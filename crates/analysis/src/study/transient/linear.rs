@@ -12,11 +12,12 @@
 
 use super::curve::Curve;
 use super::growth::{Phase, ROUNDING};
-use super::rows::{Drives, Explained, Level, Rows, most};
+use super::rows::{Drives, Explained, Level, Rows};
 use super::trace::Trace;
 use crate::stability::Linearised;
 use crate::study::basis::{Basis, scheme_step};
 use amontons::contact::ContactState;
+use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use nalgebra::Complex;
 use std::collections::HashMap;
@@ -117,7 +118,7 @@ impl Follower {
         Self {
             here,
             names: scene.dof_names(),
-            largest: most(equilibrium),
+            largest: max_norm(equilibrium),
             interval,
             step: scheme_step(scene),
             drives: Drives::of(&scene.signals),
@@ -358,7 +359,7 @@ impl Basis {
         let levels: Vec<f64> = kept
             .iter()
             .map(|kept| {
-                level = f64::max(level, most(&kept[..kept.len() / 2]));
+                level = f64::max(level, max_norm(&kept[..kept.len() / 2]));
                 level
             })
             .collect();

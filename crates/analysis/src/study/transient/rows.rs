@@ -1,6 +1,7 @@
 //! The rows of a run by stretches of time in which no contact changes its state and no signal has an edge.
 
 use amontons::contact::ContactState;
+use amontons::numerics::max_norm;
 use amontons::scene::{Shape, Signal};
 
 /// So many rows are kept of a stretch at most, and of a longer one as many of every other, every fourth one, ….
@@ -88,7 +89,7 @@ impl Rows {
     /// The largest velocity of a degree of freedom in the last row that is kept, m/s.
     pub(super) fn fastest(&self) -> f64 {
         let last = self.levels.last().and_then(|level| level.kept.last());
-        last.map_or(0.0, |kept| most(&kept[kept.len() / 2..]))
+        last.map_or(0.0, |kept| max_norm(&kept[kept.len() / 2..]))
     }
 
     pub(super) fn push(&mut self, row: usize, displacement: &[f64], velocity: &[f64]) {
@@ -104,9 +105,4 @@ impl Rows {
             coarsest.kept.push([displacement, velocity].concat());
         }
     }
-}
-
-/// The largest modulus.
-pub(super) fn most(values: &[f64]) -> f64 {
-    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }

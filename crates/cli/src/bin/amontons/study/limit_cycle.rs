@@ -6,6 +6,7 @@ use super::{heading, interrupted, kinds, over, prepared, prepared_again, watched
 use crate::arguments::Values;
 use crate::say::say;
 use amontons::contact::ContactState;
+use amontons::numerics::range;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::{
@@ -305,11 +306,8 @@ impl Told<'_> {
             });
         }
         if is_tangential {
-            let across = || orbits.iter().flat_map(|points| points.iter().map(|point| point[0]));
-            let ends = [
-                across().fold(f64::INFINITY, f64::min),
-                across().fold(f64::NEG_INFINITY, f64::max),
-            ];
+            let across = orbits.iter().flat_map(|points| points.iter().map(|point| point[0]));
+            let ends = range(across);
             let mut velocities: Vec<f64> =
                 portrait.orbits.iter().map(|contact| contact.slider_velocity).collect();
             velocities.dedup();

@@ -12,6 +12,7 @@ pub mod transient;
 
 use crate::interrupt::{self, Interrupted};
 use amontons::error::Rounded;
+use amontons::numerics::range;
 use amontons::scene::{Method, Scene, Selection, Source};
 use amontons::selection::select;
 use amontons_analysis::assign::assign;
@@ -135,10 +136,7 @@ fn heading(runs: &[(&Scene, &Look)]) -> String {
 
 /// The one value that all have, or the least and the largest: `0.5 to 50`.
 fn over(values: impl Iterator<Item = f64>) -> String {
-    let [least, most] = values.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], value| {
-        [least.min(value), most.max(value)]
-    });
-    let [least, most] = [least, most].map(|value| Rounded(value).to_string());
+    let [least, most] = range(values).map(|value| Rounded(value).to_string());
     if least == most { least } else { format!("{least} to {most}") }
 }
 

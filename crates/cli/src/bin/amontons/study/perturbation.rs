@@ -6,6 +6,7 @@ use super::folder::Folder;
 use super::{heading, interrupted, prepared, watched};
 use crate::arguments::{Values, values};
 use crate::say::say;
+use amontons::numerics::range;
 use amontons::scene::Scene;
 use amontons_analysis::study::perturbation::{
     Direction, Perturbations, Run, Threshold, perturbation,
@@ -229,8 +230,7 @@ pub fn thinned(rows: &[f64], interval: f64) -> Vec<[f64; 2]> {
     const STRETCHES: usize = 2000;
     let length = rows.len().div_ceil(STRETCHES);
     let stretches = rows.chunks_exact(length).enumerate().flat_map(|(place, stretch)| {
-        let low = stretch.iter().fold(f64::INFINITY, |low, value| low.min(*value));
-        let high = stretch.iter().fold(f64::NEG_INFINITY, |high, value| high.max(*value));
+        let [low, high] = range(stretch.iter().copied());
         let time = |part: f64| ((place as f64 + part) * length as f64) * interval;
         [[time(0.0), low], [time(0.5), high]]
     });

@@ -2,6 +2,7 @@
 
 use super::most_telling;
 use amontons::contact::ContactState;
+use amontons::numerics::max_norm;
 use amontons::scene::Scene;
 use amontons_analysis::study::transient::{Band, Finding, Phase, Transient};
 use amontons_pictures::picture::{Chart, Class, Lane, Panel, Raster, Series, Stretch, Style};
@@ -55,8 +56,7 @@ fn history(found: &Transient) -> Panel {
 
 /// Logarithms to base ten, with the fitted lines.
 fn amplitudes(found: &Transient) -> Option<Panel> {
-    let largest = found.history.iter().fold(0.0, |most, value| f64::max(most, value.abs()));
-    let floor = ROUNDING * largest;
+    let floor = ROUNDING * max_norm(&found.history);
     let logarithms = |points: &[[f64; 2]]| {
         let logarithm = |[time, amplitude]: &[f64; 2]| {
             [*time, if *amplitude > floor { amplitude.log10() } else { f64::NAN }]

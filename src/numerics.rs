@@ -1,0 +1,50 @@
+//! Bisection, and the norm and the range of values.
+
+/// ‖x‖∞: the largest magnitude of some values, in their unit; 0 of none. What is not a number counts as nothing.
+#[must_use]
+pub fn max_norm(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
+}
+
+/// The smallest and the largest of some values, in their unit; `[∞, −∞]` of none. What is not a number counts as nothing.
+pub fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
+    let nothing = [f64::INFINITY, f64::NEG_INFINITY];
+    values.into_iter().fold(nothing, |[least, most], value| [least.min(value), most.max(value)])
+}
+
+/// The middle of an interval; `None` where no double lies between its ends.
+#[must_use]
+pub fn middle(low: f64, high: f64) -> Option<f64> {
+    let middle = 0.5 * (low + high);
+    (low < middle && middle < high).then_some(middle)
+}
+
+/// The two neighbouring doubles between which a condition changes that holds at `low` and not at `high`, which is above: the last
+/// at which it holds, then the first at which it does not. Of several changes it is one.
+pub fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> [f64; 2] {
+    while let Some(middle) = middle(low, high) {
+        if holds(middle) { low = middle } else { high = middle }
+    }
+    [low, high]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn what_is_not_a_number_has_no_part_in_a_norm_or_a_range() {
+        let values = [1.0, f64::NAN, -3.0, 2.0];
+        assert_eq!((max_norm(&values), range(values)), (3.0, [-3.0, 2.0]));
+        assert_eq!((max_norm(&[]), range([])), (0.0, [f64::INFINITY, f64::NEG_INFINITY]));
+    }
+
+    #[test]
+    fn a_change_is_found_between_neighbouring_doubles() {
+        for change in [0.3, 1e-200, 1.0] {
+            let [below, above] = bisect(0.0, 1.0, |x| x < change);
+            assert_eq!((below, above), (change.next_down(), change));
+        }
+        assert_eq!(bisect(0.0, 1.0, |x| x > 2.0), [0.0, f64::from_bits(1)]);
+    }
+}
