@@ -26,6 +26,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
         "crates/analysis/src",
         &[
             "output",
+            "statistics",
             "spectral",
             "assign",
             "instant",

@@ -5,6 +5,7 @@
 //! | module | what it finds |
 //! | --- | --- |
 //! | [`output`] | files of results that appear whole or not at all |
+//! | `statistics` | statistics of values |
 //! | [`spectral`] | spectra of histories |
 //! | [`assign`] | a value of a scene, by its variable's name |
 //! | [`instant`] | what an analysis at one instant says of the signals that it leaves out |
@@ -27,6 +28,7 @@ pub mod instant;
 pub mod output;
 pub mod spectral;
 pub mod stability;
+mod statistics;
 pub mod study;
 pub mod sweep;
 pub mod warning;

@@ -2,6 +2,7 @@
 
 use super::Watch;
 use super::grid::{Grid, Rung};
+use crate::statistics::{place_of_largest, variance};
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::integrator::Statistics;
@@ -91,23 +92,17 @@ impl AccuracyRun {
     /// All displacements about their means, root mean square, m.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn deviation(&self) -> f64 {
-        let squares = (0..self.dofs).map(|dof| self.variance(dof));
-        (squares.sum::<f64>() / self.dofs.max(1) as f64).sqrt()
+        (self.variances().iter().sum::<f64>() / self.dofs.max(1) as f64).sqrt()
     }
 
-    #[allow(clippy::cast_precision_loss)]
-    fn variance(&self, dof: usize) -> f64 {
-        let history = self.history(dof);
-        let count = history.len() as f64;
-        let mean = history.iter().fold(0.0, |sum, x| sum + x) / count;
-        history.iter().fold(0.0, |sum, x| sum + (x - mean) * (x - mean)) / count
+    /// Of each displacement, m².
+    fn variances(&self) -> Vec<f64> {
+        (0..self.dofs).map(|dof| variance(&self.history(dof))).collect()
     }
 
     /// The degree of freedom that moves most.
     pub(super) fn most_moving(&self) -> usize {
-        let variances: Vec<f64> = (0..self.dofs).map(|dof| self.variance(dof)).collect();
-        // Of equal ones the first.
-        (0..self.dofs).rev().max_by(|&a, &b| variances[a].total_cmp(&variances[b])).unwrap_or(0)
+        place_of_largest(&self.variances()).unwrap_or(0)
     }
 
     /// All displacements against those of another run, root mean square, m.

@@ -2,6 +2,7 @@
 //! fade.
 
 use crate::spectral::{Line, Lines};
+use crate::statistics::mean;
 
 /// Lines of more than this part of the strongest one tell the kinds of motion apart. Weaker ones may be high
 /// multiples, as kinks have them, which rows this far apart show at another frequency.
@@ -49,14 +50,9 @@ pub(super) fn beat(found: &Lines) -> f64 {
 
 /// Has the [`beat`] of a motion fallen through the last three of four equal parts of the windows that were looked at? Then it
 /// may end in one with a period, however slowly.
-#[allow(clippy::cast_precision_loss)]
 pub(super) fn is_fading(beats: &[f64]) -> bool {
     let part = beats.len() / 4;
-    let means: Vec<f64> = beats
-        .rchunks_exact(part.max(1))
-        .take(3)
-        .map(|part| part.iter().sum::<f64>() / part.len() as f64)
-        .collect();
+    let means: Vec<f64> = beats.rchunks_exact(part.max(1)).take(3).map(mean).collect();
     let [last, middle, first] = means[..] else { return false };
     part > 0 && last < middle && middle < first && last < (1.0 - FADED) * first
 }

@@ -3,6 +3,7 @@
 use super::beat::has_two_frequencies;
 use super::linear::GrowthRate;
 use crate::spectral::{Line, Lines, Window, lines};
+use crate::statistics::{mean, variance};
 use crate::sweep::steady::{ROUNDING, STANDING, is_steady, tends_to_zero, weighted_deviation};
 
 /// Lines of more than this part of the strongest one must be the same.
@@ -246,11 +247,14 @@ fn is_calm(seen: &[SeenWindow]) -> bool {
 }
 
 /// Does the size of a motion vary less and less? Then it may come to stay, and the motion to one with a period.
-#[allow(clippy::cast_precision_loss)]
 fn varies_less(sizes: &[f64]) -> bool {
     const LESS: f64 = 0.8;
-    let parts: Vec<f64> =
-        sizes.rchunks_exact((sizes.len() / 4).max(1)).take(3).map(deviation).collect();
+    let parts: Vec<f64> = sizes
+        .rchunks_exact((sizes.len() / 4).max(1))
+        .take(3)
+        .map(variance)
+        .map(f64::sqrt)
+        .collect();
     let [last, middle, first] = parts[..] else { return true };
     last < middle && middle < first && last < LESS * first
 }
@@ -269,14 +273,6 @@ fn grows_evenly(sizes: &[f64]) -> bool {
 /// Does a motion grow that nothing can stop, since its contacts cannot change their states?
 fn is_unbounded(around: Surroundings<'_>) -> bool {
     around.stays_linear && (around.growth)().is_some_and(GrowthRate::is_growing)
-}
-
-/// From the mean, root mean square.
-#[allow(clippy::cast_precision_loss)]
-fn deviation(values: &[f64]) -> f64 {
-    let count = values.len() as f64;
-    let mean = values.iter().fold(0.0, |sum, x| sum + x) / count;
-    (values.iter().fold(0.0, |sum, x| sum + (x - mean) * (x - mean)) / count).sqrt()
 }
 
 /// Does a motion decay to rest? No contact changes its state any more, and the limit of its size, by Aitken's
@@ -307,12 +303,10 @@ fn goes_one_way(amplitudes: &[f64]) -> bool {
 }
 
 /// Has the size, though it varies, no trend over the last `windows`?
-#[allow(clippy::cast_precision_loss)]
 fn has_no_trend(sizes: &[f64], windows: usize) -> bool {
     let Some(first) = sizes.len().checked_sub(windows) else { return false };
     let (a, b) = sizes[first..].split_at(windows / 2);
-    let mean = |part: &[f64]| part.iter().sum::<f64>() / part.len() as f64;
-    let spread = deviation(&sizes[first..]);
+    let spread = variance(&sizes[first..]).sqrt();
     let rises = sizes[first..].windows(2).filter(|two| two[1] > two[0]).count();
     // A drift goes one way, what varies goes both.
     (mean(a) - mean(b)).abs() <= spread

@@ -14,6 +14,7 @@ pub use possible::Possible;
 use crate::accuracy::Cycle;
 use crate::assign::assign;
 use crate::stability::parallel::collect;
+use crate::statistics::place_of_largest;
 use amontons::Error;
 use amontons::numerics::max_norm;
 use amontons::scene::{Experiment, Scene};
@@ -224,9 +225,8 @@ impl RunRecord {
         let rests = self.displacements.rest(least);
         let size = |amplitude: f64| if rests { 0.0 } else { amplitude };
         let amplitudes: Vec<f64> = self.passage.amplitudes().map(size).collect();
-        let largest =
-            (0..amplitudes.len()).rev().max_by(|&a, &b| amplitudes[a].total_cmp(&amplitudes[b]));
-        let cycle = largest.map(|i| Cycle::over(&self.histories[i], interval));
+        let cycle =
+            place_of_largest(&amplitudes).map(|i| Cycle::over(&self.histories[i], interval));
         let rows = self.histories.first().map_or(0, Vec::len);
         let window = rows as f64 * interval;
         let is_clear = |frequency: &f64| !rests && frequency * window >= FEWEST_PERIODS;

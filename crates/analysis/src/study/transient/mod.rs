@@ -34,6 +34,7 @@ use super::look::{ROWS_A_PERIOD, frequencies, output};
 use super::{Watch, unit};
 use crate::spectral::Spectrogram;
 use crate::stability::Linearised;
+use crate::statistics::{place_of_largest, variance};
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::error::Short;
@@ -349,16 +350,8 @@ impl Record {
 
     /// The output with the largest variance, of equal ones the first, and its history.
     fn most_moving(&mut self) -> (Variable, Vec<f64>) {
-        let variance = |history: &Vec<f64>| {
-            let count = history.len().max(1) as f64;
-            let mean = history.iter().sum::<f64>() / count;
-            history.iter().map(|value| (value - mean) * (value - mean)).sum::<f64>() / count
-        };
-        let variances: Vec<f64> = self.histories.iter().map(variance).collect();
-        let most = (0..variances.len())
-            .rev()
-            .max_by(|&a, &b| variances[a].total_cmp(&variances[b]))
-            .expect("a scene has something that moves");
+        let variances: Vec<f64> = self.histories.iter().map(|values| variance(values)).collect();
+        let most = place_of_largest(&variances).expect("a scene has something that moves");
         (self.outputs.swap_remove(most), self.histories.swap_remove(most))
     }
 }
