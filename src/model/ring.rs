@@ -10,28 +10,44 @@ use super::{Contact, LumpedModel, SparseMatrix};
 
 /// Degrees of freedom of a module.
 pub const MODULE_DOFS: usize = 4;
+/// Places of x3 and x4, along the tangent and the normal of the contact, in a module.
+pub(crate) const TANGENT: usize = 2;
+pub(crate) const NORMAL: usize = 3;
+
+/// Has a model as many modules as contacts, at least one, with contact i between the slider and mass m2 of module i?
+pub(crate) fn has_contacts_in_place(model: &LumpedModel) -> bool {
+    let count = model.contacts.len();
+    let mut contacts = model.contacts.iter().enumerate();
+    count > 0
+        && model.dofs() == MODULE_DOFS * count
+        && contacts.all(|(i, contact)| {
+            contact.tangent.as_unit() == Some(MODULE_DOFS * i + TANGENT)
+                && contact.normal.as_unit() == Some(MODULE_DOFS * i + NORMAL)
+        })
+}
+
+/// Have all contacts one friction and one velocity of their surfaces?
+pub(crate) fn has_equal_contacts(model: &LumpedModel) -> bool {
+    let conditions = |contact: &Contact| (contact.friction, contact.surface_velocity);
+    model.contacts.windows(2).all(|two| conditions(&two[0]) == conditions(&two[1]))
+}
+
+/// Has a matrix the same entries, to the last bit, where each degree of freedom takes the place of another one?
+pub(crate) fn is_invariant(matrix: &SparseMatrix, place: &dyn Fn(usize) -> usize) -> bool {
+    matrix.entries().all(|(i, j, value)| matrix.get(place(i), place(j)) == value)
+}
 
 /// One module that moves as all of them do, if the model is a ring of more than one module that
 /// nothing tells apart but their masses: its links to the others, which then do not strain, are
 /// left out. As the order of assembly leaves no trace, equal modules have equal doubles.
 pub(super) fn one_of_equal_modules(model: &LumpedModel) -> Option<LumpedModel> {
-    let (dofs, count) = (model.dofs(), model.contacts.len());
-    if count < 2 || dofs != MODULE_DOFS * count {
+    if model.contacts.len() < 2 || !has_contacts_in_place(model) {
         return None;
     }
-    let first = &model.contacts[0];
-    let in_place = |(i, contact): (usize, &Contact)| {
-        contact.tangent.as_unit() == Some(MODULE_DOFS * i + 2)
-            && contact.normal.as_unit() == Some(MODULE_DOFS * i + 3)
-            && (contact.friction, contact.surface_velocity)
-                == (first.friction, first.surface_velocity)
-    };
-    let next = |dof: usize| (dof + MODULE_DOFS) % dofs;
-    let is_turned =
-        model.stiffness.entries().all(|(i, j, k)| model.stiffness.get(next(i), next(j)) == k);
+    let next = |dof: usize| (dof + MODULE_DOFS) % model.dofs();
     let load = &model.load[..MODULE_DOFS];
-    let equal = model.contacts.iter().enumerate().all(in_place)
-        && is_turned
+    let equal = has_equal_contacts(model)
+        && is_invariant(&model.stiffness, &next)
         && model.load.chunks_exact(MODULE_DOFS).all(|other| other == load);
     equal.then(|| {
         let rows = (0..MODULE_DOFS)
@@ -42,7 +58,7 @@ pub(super) fn one_of_equal_modules(model: &LumpedModel) -> Option<LumpedModel> {
             damping: model.damping,
             dampers: SparseMatrix::zero(MODULE_DOFS),
             load: load.to_vec(),
-            contacts: vec![first.clone()],
+            contacts: vec![model.contacts[0].clone()],
             law: model.law,
         }
     })

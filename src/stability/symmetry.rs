@@ -3,7 +3,7 @@
 use super::reduced_problem::stiffness_eigenvalues;
 use crate::Error;
 use crate::contact::ContactState;
-use crate::model::ring::MODULE_DOFS;
+use crate::model::ring::{self, MODULE_DOFS};
 use crate::model::{LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
@@ -24,14 +24,7 @@ impl Symmetry {
     pub fn of(model: &LumpedModel) -> Self {
         let dofs = model.dofs();
         let count = dofs / MODULE_DOFS;
-        let Some(first) = model.contacts.first() else { return Self::None };
-        let first = (first.friction, first.surface_velocity);
-        let in_place = model.contacts.iter().enumerate().all(|(i, contact)| {
-            contact.tangent.as_unit() == Some(MODULE_DOFS * i + 2)
-                && contact.normal.as_unit() == Some(MODULE_DOFS * i + 3)
-                && (contact.friction, contact.surface_velocity) == first
-        });
-        let is_ring = model.contacts.len() == count && dofs == MODULE_DOFS * count && in_place;
+        let is_ring = ring::has_contacts_in_place(model) && ring::has_equal_contacts(model);
         // Slopes of µ(v) act with the normal force of each contact, which loads make different.
         let has_slopes = !model.law.friction.info().is_constant();
         let is_damped = has_slopes || !model.dampers.is_empty();
@@ -43,10 +36,8 @@ impl Symmetry {
             let (module, place) = (dof / MODULE_DOFS, dof % MODULE_DOFS);
             MODULE_DOFS * (count - 1 - module) + place
         };
-        let keeps = |to: &dyn Fn(usize) -> usize| {
-            [&model.mass, &model.stiffness].into_iter().all(|matrix| {
-                matrix.entries().all(|(i, j, value)| matrix.get(to(i), to(j)) == value)
-            })
+        let keeps = |place: &dyn Fn(usize) -> usize| {
+            ring::is_invariant(&model.mass, place) && ring::is_invariant(&model.stiffness, place)
         };
         if keeps(&turned) && keeps(&reflected) { Self::Ring } else { Self::None }
     }

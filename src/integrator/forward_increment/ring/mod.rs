@@ -5,9 +5,9 @@ mod step;
 use crate::contact::{ContactForce, ContactLaw, ContactState, FrictionLaw, Law, UnderLaw};
 use crate::integrator::Kernel;
 use crate::integrator::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
-use crate::model::ring::MODULE_DOFS;
-use crate::model::{Contact, Damping, LumpedModel};
-use step::{Block, NORMAL, Scheme, TANGENT, Vector, linked, set_effective};
+use crate::model::ring::{MODULE_DOFS, NORMAL, TANGENT, has_contacts_in_place};
+use crate::model::{Damping, LumpedModel};
+use step::{Block, Scheme, Vector, linked, set_effective};
 
 /// Forward increment Lagrange multipliers on a ring of modules.
 pub struct RingForwardIncrement {
@@ -129,14 +129,7 @@ impl Rings {
 fn blocks(model: &LumpedModel) -> Option<Vec<Block>> {
     let mass = model.mass.as_diagonal()?;
     let count = model.contacts.len();
-    if count == 0 || model.dofs() != MODULE_DOFS * count || !model.dampers.is_empty() {
-        return None;
-    }
-    let in_place = |(i, contact): (usize, &Contact)| {
-        contact.tangent.as_unit() == Some(MODULE_DOFS * i + TANGENT)
-            && contact.normal.as_unit() == Some(MODULE_DOFS * i + NORMAL)
-    };
-    if !model.contacts.iter().enumerate().all(in_place) {
+    if !has_contacts_in_place(model) || !model.dampers.is_empty() {
         return None;
     }
     let mut blocks: Vec<Block> = mass

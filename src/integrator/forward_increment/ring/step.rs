@@ -16,13 +16,8 @@
 use crate::contact::{ContactState, FrictionLaw};
 use crate::integrator::{Drive, Motion};
 use crate::model::Damping;
-use crate::model::ring::MODULE_DOFS;
+use crate::model::ring::{MODULE_DOFS, NORMAL, TANGENT};
 use std::marker::PhantomData;
-
-/// The tangential degree of freedom of a module.
-pub(super) const TANGENT: usize = 2;
-/// The normal degree of freedom of a module.
-pub(super) const NORMAL: usize = 3;
 
 /// One value for each degree of freedom of a module.
 pub(super) type Vector = [f64; MODULE_DOFS];
