@@ -25,6 +25,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
     (
         "crates/analysis/src",
         &[
+            "watch",
             "output",
             "statistics",
             "spectral",

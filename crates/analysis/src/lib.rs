@@ -4,6 +4,7 @@
 //!
 //! | module | what it finds |
 //! | --- | --- |
+//! | [`watch`] | progress of long work, and its end before it is done |
 //! | [`output`] | files of results that appear whole or not at all |
 //! | `statistics` | statistics of values |
 //! | [`spectral`] | spectra of histories |
@@ -32,3 +33,4 @@ mod statistics;
 pub mod study;
 pub mod sweep;
 pub mod warning;
+pub mod watch;

@@ -17,6 +17,7 @@ mod grid;
 mod run;
 mod table;
 
+use crate::watch::Watch;
 pub use cycle::Cycle;
 pub(crate) use cycle::half_range;
 pub use grid::{Grid, Rung};
@@ -31,7 +32,6 @@ use amontons::scene::{Method, Scene, did_you_mean};
 use amontons::simulation::Simulation;
 use amontons::stability::{CriticalStep, critical_step};
 use run::AccuracyRun;
-use std::ops::ControlFlow;
 
 /// Two runs that agree this well, in parts of the amplitude, need no shorter step.
 const CONVERGED: f64 = 1e-10;
@@ -45,9 +45,6 @@ const REST: f64 = 1e-13;
 const OUT_OF_PHASE: f64 = 0.5;
 /// Errors closer to the floor than this give no order.
 const ABOVE_FLOOR: f64 = 10.0;
-
-/// Told how far a run is, from 0 to 1; says whether to go on.
-pub type Watch<'a> = &'a mut dyn FnMut(f64) -> ControlFlow<()>;
 
 /// How far two runs are apart; `None` where there is nothing to compare.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -141,7 +138,7 @@ fn converge(
         let rung = grid.rung(Method::EventDriven, 3 << halvings);
         let steps = (rung.steps * grid.intervals) as f64;
         let is_last = 2.0 * steps * scene.external_forces().count() as f64 > MOST_WORK;
-        match AccuracyRun::of(scene, grid, rung, &mut *watch) {
+        match AccuracyRun::of(scene, grid, rung, watch) {
             Ok(None) => return Ok(None),
             Ok(Some(reference)) => {
                 if let Some(coarser) = before.take() {

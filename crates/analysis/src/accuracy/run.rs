@@ -1,8 +1,8 @@
 //! One run over a grid: all displacements, and when which contact changes its state.
 
-use super::Watch;
 use super::grid::{Grid, Rung};
 use crate::statistics::{place_of_largest, variance};
+use crate::watch::Watch;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::integrator::Statistics;
@@ -49,7 +49,7 @@ impl AccuracyRun {
         let mut displacements = simulation.displacement().to_vec();
         let dofs = displacements.len();
         for interval in 0..grid.intervals {
-            if watch(interval as f64 / grid.intervals as f64).is_break() {
+            if watch.ends_after(interval as f64 / grid.intervals as f64) {
                 return Ok(None);
             }
             let first = interval * rung.steps;

@@ -70,24 +70,4 @@ pub use portrait::{Orbit, Portrait};
 pub use push::Push;
 pub use visit::Visited;
 
-use std::ops::ControlFlow;
-
-/// What a study asks and tells while it is at work, from any of its threads.
-#[derive(Clone, Copy)]
-pub struct Watch<'a> {
-    /// Asked often: whether to go on. After the first `Break` a study ends with what is done.
-    pub go_on: &'a (dyn Fn() -> ControlFlow<()> + Sync),
-    /// Told now and then: how much of the work is done, from 0 to 1.
-    pub progress: &'a (dyn Fn(f64) + Sync),
-}
-
-impl Watch<'_> {
-    /// One that never ends a study and looks at nothing.
-    pub const IDLE: Watch<'static> =
-        Watch { go_on: &|| ControlFlow::Continue(()), progress: &|_| {} };
-
-    /// Has the study been ended?
-    pub(crate) fn is_over(&self) -> bool {
-        (self.go_on)().is_break()
-    }
-}
+pub use crate::watch::Watch;

@@ -15,6 +15,7 @@ use crate::accuracy::Cycle;
 use crate::assign::assign;
 use crate::stability::parallel::collect;
 use crate::statistics::place_of_largest;
+use crate::watch::Watch;
 use amontons::Error;
 use amontons::numerics::max_norm;
 use amontons::scene::{Experiment, Scene};
@@ -24,7 +25,6 @@ use observed::{frequencies_in_motion, interval};
 use passage::Passage;
 use quarters::Quarters;
 use std::fmt;
-use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicU64, Ordering};
 use steady::ROUNDING;
 
@@ -130,7 +130,7 @@ pub fn sweep(
     name: &str,
     values: &[f64],
     view: &View,
-    watch: &(dyn Fn(f64) -> ControlFlow<()> + Sync),
+    watch: Watch<'_>,
 ) -> Result<Vec<Option<Result<Summary, Error>>>, Error> {
     let with = |value: &f64| {
         let mut scene = scene.clone();
@@ -157,17 +157,13 @@ pub fn sweep(
     let count = |scene: &Scene| scene.experiment.row_times().count();
     let (done, all) = (AtomicU64::new(0), scenes.iter().map(count).sum::<usize>());
     #[allow(clippy::cast_precision_loss)]
-    let watch = || watch(done.fetch_add(1, Ordering::Relaxed) as f64 / all as f64);
-    let outcome = |i: usize| Ok(run(&scenes[i], view, &watch).transpose());
+    let row_ends = || watch.ends_after(done.fetch_add(1, Ordering::Relaxed) as f64 / all as f64);
+    let outcome = |i: usize| Ok(run(&scenes[i], view, &row_ends).transpose());
     collect(scenes.len(), &outcome, &|_| {})
 }
 
-/// Runs a scene to its stop time; `None` if the watch ended the run.
-fn run(
-    scene: &Scene,
-    view: &View,
-    watch: &dyn Fn() -> ControlFlow<()>,
-) -> Result<Option<Summary>, Error> {
+/// Runs a scene to its stop time; `None` if the run `is_over` before, which is asked before each row.
+fn run(scene: &Scene, view: &View, is_over: &dyn Fn() -> bool) -> Result<Option<Summary>, Error> {
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
     let experiment = &scene.experiment;
     let begin = view.begin(experiment);
@@ -176,7 +172,7 @@ fn run(
     let rows = experiment.row_times().filter(is_seen).count();
     let mut record = RunRecord::new(view, rows, simulation.scene());
     for row in experiment.row_times() {
-        if watch().is_break() {
+        if is_over() {
             return Ok(None);
         }
         simulation.advance_to(row.0)?;

@@ -5,8 +5,8 @@ use amontons::contact::ContactState;
 use amontons::scene::{Method, Preset, Scene, Selection, builtin, parse};
 use amontons::simulation::Simulation;
 use amontons_analysis::accuracy::{Row, Rung, Study, dof_named};
+use amontons_analysis::watch::Watch;
 use serde_json::Value;
-use std::ops::ControlFlow;
 use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
@@ -37,11 +37,11 @@ fn set1(stop: f64) -> Scene {
 }
 
 fn study(scene: &Scene) -> Study {
-    Study::new(scene, None, &mut |_| ControlFlow::Continue(())).unwrap().unwrap()
+    Study::new(scene, None, Watch::IDLE).unwrap().unwrap()
 }
 
 fn row(study: &Study, rung: Rung) -> Row {
-    study.row(rung, &mut |_| ControlFlow::Continue(())).unwrap().unwrap()
+    study.row(rung, Watch::IDLE).unwrap().unwrap()
 }
 
 fn scheme(study: &Study) -> Vec<Rung> {

@@ -308,13 +308,12 @@ fn a_range_narrower_than_two_resolutions_is_told() {
 fn said_error(scene: &Scene, step: f64) -> f64 {
     let mut scene = scene.clone();
     scene.experiment.stop_time = 1.0;
-    let mut on = |_| Continue(());
-    let study = Study::new(&scene, None, &mut on).unwrap().unwrap();
+    let study = Study::new(&scene, None, Watch::IDLE).unwrap().unwrap();
     let is_it = |rung: &amontons_analysis::accuracy::Rung| {
         rung.method == Method::ForwardIncrement && (rung.step / step - 1.0).abs() < 1e-9
     };
     let rung = study.ladder().into_iter().find(is_it).expect("the ladder has it");
-    study.row(rung, &mut on).unwrap().unwrap().errors.amplitude.unwrap()
+    study.row(rung, Watch::IDLE).unwrap().unwrap().errors.amplitude.unwrap()
 }
 
 #[test]

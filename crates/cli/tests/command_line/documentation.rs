@@ -3,12 +3,14 @@
 use crate::program::{assert_refused, folder, run, text};
 use amontons::scene::{BUILTIN, Scene, builtin, parse};
 use amontons::simulation::catalogue::fmu_variables;
+use amontons_analysis::watch::Watch;
 use amontons_export::documentation::{cross_check, reference_run};
 use amontons_pictures::picture::Structure;
 use std::fs;
 use std::io::{Cursor, Read};
 use std::ops::ControlFlow::{Break, Continue};
 use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
 
 const PROGRAM: &str = env!("CARGO_BIN_EXE_amontons");
 
@@ -365,7 +367,7 @@ fn a_ring_too_large_for_pictures_and_eigenvalues_says_so() {
 }
 
 fn whole(scene: &Scene) -> amontons_export::documentation::ReferenceRun {
-    reference_run(scene, &mut |_| Continue(())).unwrap().unwrap()
+    reference_run(scene, Watch::IDLE).unwrap().unwrap()
 }
 
 /// An operation is about a nanosecond: a degree of freedom of a ring takes 2.1 of them a step.
@@ -391,12 +393,14 @@ fn a_long_experiment_is_run_as_far_as_a_count_goes_and_that_is_said() {
     let fine = over("6.0", "1e-5");
     assert!(!fine.whole && fine.rows.len() == 100_001 && fine.rows[100_000].0 == 1.0);
     // A person may end it.
-    let mut heard = 0;
-    let ended = reference_run(&builtin("set1").unwrap().scene(), &mut |_| {
-        heard += 1;
-        if heard > 3 { Break(()) } else { Continue(()) }
-    });
-    assert!(ended.unwrap().is_none() && heard == 4);
+    let heard = AtomicU32::new(0);
+    let progress = |_| {
+        heard.fetch_add(1, Ordering::Relaxed);
+    };
+    let go_on = || if heard.load(Ordering::Relaxed) > 3 { Break(()) } else { Continue(()) };
+    let watch = Watch { go_on: &go_on, progress: &progress };
+    let ended = reference_run(&builtin("set1").unwrap().scene(), watch);
+    assert!(ended.unwrap().is_none() && heard.into_inner() == 4);
 }
 
 #[test]
@@ -455,6 +459,6 @@ fn the_files_of_a_cross_check_keep_its_rules() {
     assert_refused(&output, 1, &["there is no folder no"]);
     // Without inputs there is nothing to give.
     let text = format!("{FREE}[inputs]\nforces = \"none\"\n");
-    let none = cross_check(&parse("free", &text).unwrap(), &mut |_| Continue(()));
+    let none = cross_check(&parse("free", &text).unwrap(), Watch::IDLE);
     assert_eq!(none.unwrap().unwrap().inputs, None);
 }

@@ -6,9 +6,8 @@ use amontons::decimal::one_two_five;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Parameters, Simulation, Variable, variables};
-use amontons_analysis::accuracy::Watch;
+use amontons_analysis::watch::Watch;
 use std::fmt::Write as _;
-use std::ops::ControlFlow;
 
 /// The largest CSV that the rules allow, bytes.
 const MOST_BYTES: usize = 1_000_000;
@@ -51,7 +50,7 @@ pub fn cross_check(scene: &Scene, watch: Watch<'_>) -> Result<Option<CrossCheck>
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
     row(&mut simulation, 0.0, &outputs, &mut reference)?;
     for (time, _) in experiment.row_times() {
-        if watch(time / experiment.stop_time) == ControlFlow::Break(()) {
+        if watch.ends_after(time / experiment.stop_time) {
             return Ok(None);
         }
         simulation.advance_to(time)?;

@@ -8,8 +8,7 @@ use amontons::scene::{Experiment, Scene};
 use amontons::selection::Cost;
 use amontons::simulation::catalogue::{Causality, Quantity};
 use amontons::simulation::{Simulation, Variable, variables};
-use amontons_analysis::accuracy::Watch;
-use std::ops::ControlFlow;
+use amontons_analysis::watch::Watch;
 
 /// The operations, as [`Cost`] counts them, that a run in an export may take: some tenths of a second, with exact
 /// motion of few parts one or two. They are counted and not timed, so that an FMU is the same on each machine.
@@ -49,7 +48,7 @@ pub fn reference_run(scene: &Scene, watch: Watch<'_>) -> Result<Option<Reference
     let mut rows = vec![(0.0, read(&mut simulation, &outputs)?)];
     let mut failure = None;
     for (place, (time, _)) in experiment.row_times().enumerate() {
-        if place % 64 == 0 && watch(time / experiment.stop_time) == ControlFlow::Break(()) {
+        if place % 64 == 0 && watch.ends_after(time / experiment.stop_time) {
             return Ok(None);
         }
         let advanced = simulation.advance_to(time).and_then(|()| read(&mut simulation, &outputs));

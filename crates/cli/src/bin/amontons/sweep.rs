@@ -1,7 +1,7 @@
 //! `amontons simulate --sweep`.
 
 use crate::arguments::Simulate;
-use crate::interrupt::{self, Interrupted};
+use crate::interrupt::{Interrupted, watched};
 use crate::simulate::is_broken_pipe;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::selection::select;
@@ -45,14 +45,8 @@ pub fn run(
     let window = arguments.window.unwrap_or(scene.experiment.stop_time / 4.0);
     let view = View { outputs, window };
     let mut file = arguments.output.as_deref().map(Pending::create).transpose()?;
-    interrupt::listen();
-    let progress = Progress::in_parts("the runs");
-    let outcomes = sweep(scene, name, values, &view, &|passed| {
-        progress.set_part(passed);
-        interrupt::stopped()
-    });
-    progress.finish();
-    let outcomes = outcomes?;
+    let bar = Progress::in_parts("the runs");
+    let outcomes = watched(&bar, |watch| sweep(scene, name, values, &view, watch))?;
     let is_complete = outcomes.iter().all(Option::is_some);
     if let Some(Err(error)) = outcomes[0].as_ref().filter(|_| outcomes.iter().all(has_failed)) {
         return Err(error.clone().into());

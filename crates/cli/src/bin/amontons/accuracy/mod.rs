@@ -9,6 +9,7 @@ use amontons::scene::Method;
 use amontons::simulation::Simulation;
 use amontons_analysis::accuracy::{Row, Rung, Study, assign, dof_named, short};
 use amontons_analysis::sweep::range::check_once;
+use amontons_analysis::watch::Watch;
 use amontons_cli::progress::Progress;
 use amontons_export::scene;
 use amontons_pictures::picture;
@@ -91,11 +92,8 @@ impl Report<'_> {
             let start = REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done / whole;
             bar.say(&format!("{}, step {} s", rung.method, short(rung.step)));
             // One run for the errors, three for the time.
-            let row = self.study.row(*rung, &mut |passed| {
-                bar.set_part(start + 0.25 * part * passed);
-                stopped()
-            });
-            match row {
+            let progress = |passed: f64| bar.set_part(start + 0.25 * part * passed);
+            match self.study.row(*rung, Watch { go_on: &stopped, progress: &progress }) {
                 Ok(None) => return Break(()),
                 Ok(Some(row)) => {
                     let before = self.rows.last().map(|timed: &Timed| timed.row);

@@ -3,6 +3,7 @@
 use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, stopped};
 use amontons::scene::Scene;
 use amontons_analysis::accuracy::{Row, Rung, short};
+use amontons_analysis::watch::Watch;
 use amontons_export::documentation::accuracy_page;
 use std::error::Error;
 
@@ -19,11 +20,9 @@ pub fn page(scene: &Scene) -> Result<String, Box<dyn Error>> {
     let share = (1.0 - REFERENCE_SHARE) / ladder.len().max(1) as f64;
     let (mut rows, mut notes): (Vec<(Row, Option<f64>)>, _) = (Vec::new(), Vec::new());
     for (start, rung) in ladder.into_iter().enumerate() {
-        let row = study.row(rung, &mut |passed| {
-            bar.set_part(REFERENCE_SHARE + share * (start as f64 + passed));
-            stopped()
-        });
-        match row {
+        let progress =
+            |passed: f64| bar.set_part(REFERENCE_SHARE + share * (start as f64 + passed));
+        match study.row(rung, Watch { go_on: &stopped, progress: &progress }) {
             Ok(None) => return Err(Interrupted.into()),
             Ok(Some(row)) => {
                 let order = rows.last().and_then(|(before, _)| study.order(before, &row));

@@ -1,8 +1,9 @@
 //! What an export writes beside the FMU, and what it puts into the FMU for people.
 
-use crate::interrupt::{self, Interrupted, stopped};
+use crate::interrupt::{self, Interrupted};
 use amontons::scene::Scene;
 use amontons_analysis::output::Pending;
+use amontons_analysis::watch::Watch;
 use amontons_cli::progress::Progress;
 use amontons_export::documentation::{CrossCheck, ReferenceRun, cross_check, reference_run};
 use std::error::Error;
@@ -25,20 +26,12 @@ pub fn check(scene: &Scene) -> Result<CrossCheck, Box<dyn Error>> {
     watched("the cross-check's run", |watch| cross_check(scene, watch))
 }
 
-type Watched<'a> = &'a mut dyn FnMut(f64) -> std::ops::ControlFlow<()>;
-
 fn watched<T>(
     what: &str,
-    work: impl FnOnce(Watched<'_>) -> Result<Option<T>, amontons::Error>,
+    work: impl FnOnce(Watch<'_>) -> Result<Option<T>, amontons::Error>,
 ) -> Result<T, Box<dyn Error>> {
-    interrupt::listen();
-    let bar = Progress::in_parts(what);
-    let done = work(&mut |passed| {
-        bar.set_part(passed);
-        stopped()
-    });
-    bar.finish();
-    done?.ok_or_else(|| Interrupted.into())
+    let done = interrupt::watched(&Progress::in_parts(what), work)?;
+    done.ok_or_else(|| Interrupted.into())
 }
 
 /// Files of a cross-check with their names, for an FMU at this path.

@@ -144,7 +144,7 @@ fn over(values: impl Iterator<Item = f64>) -> String {
 fn watched<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
-    watched_under(&Progress::in_parts("the study"), work)
+    interrupt::watched(&Progress::in_parts("the study"), work)
 }
 
 /// Runs work under a bar that shows how far it is but no time left: some pieces of such work take many times as long as
@@ -152,17 +152,7 @@ fn watched<T>(
 fn watched_unevenly<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
-    watched_under(&Progress::in_uneven_parts("the study"), work)
-}
-
-fn watched_under<T>(
-    bar: &Progress,
-    work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
-) -> Result<T, amontons::Error> {
-    let progress = |part: f64| bar.set_part(part);
-    let result = work(Watch { go_on: &interrupt::stopped, progress: &progress });
-    bar.finish();
-    result
+    interrupt::watched(&Progress::in_uneven_parts("the study"), work)
 }
 
 /// What a person is told who has ended a study.

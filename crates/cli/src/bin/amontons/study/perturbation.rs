@@ -59,9 +59,7 @@ pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
     folder.draw("perturbation", &endings(&scene, &direction, &look, &found))?;
     if let Some(threshold) = found.thresholds.first() {
         match watched(|watch| {
-            histories(&scene, &direction, &look, (&found, threshold), &|| {
-                (watch.go_on)().is_break()
-            })
+            histories(&scene, &direction, &look, (&found, threshold), &|| watch.is_over())
         })? {
             Some(chart) => folder.draw("histories", &chart)?,
             None => return Err(interrupted(&folder)),

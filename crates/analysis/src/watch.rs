@@ -1,0 +1,31 @@
+//! Progress of long work, and its end before it is done.
+
+use std::ops::ControlFlow;
+
+/// What long work asks and tells while it is at work, from any of its threads.
+#[derive(Clone, Copy)]
+pub struct Watch<'a> {
+    /// Asked often: whether to go on. After the first `Break` the work ends with what is done.
+    pub go_on: &'a (dyn Fn() -> ControlFlow<()> + Sync),
+    /// Told now and then: how much of the work is done, from 0 to 1.
+    pub progress: &'a (dyn Fn(f64) + Sync),
+}
+
+impl Watch<'_> {
+    /// One that never ends the work and looks at nothing.
+    pub const IDLE: Watch<'static> =
+        Watch { go_on: &|| ControlFlow::Continue(()), progress: &|_| {} };
+
+    /// Has the work been ended?
+    #[must_use]
+    pub fn is_over(&self) -> bool {
+        (self.go_on)().is_break()
+    }
+
+    /// Tells that a part of the work, from 0 to 1, is done. `true` if the work has been ended.
+    #[must_use]
+    pub fn ends_after(&self, part: f64) -> bool {
+        (self.progress)(part);
+        self.is_over()
+    }
+}
