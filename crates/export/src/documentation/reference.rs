@@ -7,12 +7,12 @@ use amontons::scene::Scene;
 use amontons::simulation::Variable;
 use amontons::simulation::catalogue::Kind;
 use amontons_pictures::picture::{Chart, Panel, Series};
-use amontons_pictures::report::{add, envelope, plain_table, text};
+use amontons_pictures::report::{add, envelope, evenly_spaced, plain_table, text};
 
 /// Parts of the time of which a curve keeps its lowest and its highest point: a picture 900 px wide has no more.
 const PARTS: f64 = 700.0;
-/// The table has rows at so many equal parts of the run.
-const INTERVALS: usize = 8;
+/// Rows of the table, at equal parts of the run.
+const TABLE_ROWS: usize = 9;
 
 /// Are values those of the start, but for rounding?
 fn is_still(values: &[f64], start: &[f64]) -> bool {
@@ -59,7 +59,7 @@ pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error
     }
     let columns: Vec<String> =
         std::iter::once("time [s]".to_owned()).chain(run.variables.iter().map(label)).collect();
-    let cells = table_rows(rows.len()).map(|place| {
+    let cells = evenly_spaced(rows.len(), TABLE_ROWS).into_iter().map(|place| {
         let (time, values) = &rows[place];
         let values = run.variables.iter().zip(values).map(|(variable, value)| match variable {
             Variable { template, .. } if matches!(template.kind, Kind::Real { .. }) => {
@@ -86,15 +86,6 @@ pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error
         ),
     );
     Ok(html)
-}
-
-/// The places of the rows in the table: equal parts of the run, first and last included.
-fn table_rows(count: usize) -> impl Iterator<Item = usize> {
-    let last = count - 1;
-    let parts = INTERVALS.min(last).max(1);
-    let mut places: Vec<usize> = (0..=parts).map(|part| part * last / parts).collect();
-    places.dedup();
-    places.into_iter()
 }
 
 /// A variable with its unit.

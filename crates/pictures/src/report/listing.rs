@@ -1,6 +1,7 @@
 //! The data of a figure as tables, for those who cannot see it drawn: some 50 rows, evenly taken.
 
 use super::Content;
+use super::thin::evenly_spaced;
 use crate::picture::{Chart, Lane, Map, Panel, Raster, Series};
 use amontons::decimal::to_significant;
 
@@ -87,7 +88,7 @@ fn of_curves(chart: &Chart, group: &[(&Panel, &Series)], rows: usize) -> Listing
     head.extend(group.iter().map(|(panel, series)| name(panel, series)));
     head.extend(labelled.map(|_| "Label".to_owned()));
     let count = group[0].1.points.len();
-    let rows = taken(count, rows).into_iter().map(|place| {
+    let rows = evenly_spaced(count, rows).into_iter().map(|place| {
         let mut row = vec![number(group[0].1.points[place][0])];
         row.extend(group.iter().map(|(_, series)| number(series.points[place][1])));
         row.extend(
@@ -111,7 +112,7 @@ fn of_raster(chart: &Chart, panel: &Panel, raster: &Raster) -> Listing {
     };
     let value =
         |row: usize, column: usize| raster.rows[row].get(column).copied().unwrap_or(f64::NAN);
-    let rows = taken(columns, ROWS).into_iter().map(|column| {
+    let rows = evenly_spaced(columns, ROWS).into_iter().map(|column| {
         let finite = (0..raster.rows.len()).filter(|&row| value(row, column).is_finite());
         let most = finite.max_by(|&a, &b| value(a, column).total_cmp(&value(b, column)));
         let x = number(middle(raster.x, column, columns));
@@ -165,10 +166,10 @@ fn of_map(map: &Map) -> Listing {
     let at = |[from, to]: [f64; 2], place: usize, count: usize| {
         number(from + (to - from) * place as f64 / (count.max(2) - 1) as f64)
     };
-    let across = taken(counts[1], MAP[1]);
+    let across = evenly_spaced(counts[1], MAP[1]);
     let mut head = vec![format!("{} \\ {}", map.y_label, map.x_label)];
     head.extend(across.iter().map(|&column| at(map.x, column, counts[1])));
-    let rows = taken(counts[0], MAP[0]).into_iter().rev().map(|row| {
+    let rows = evenly_spaced(counts[0], MAP[0]).into_iter().rev().map(|row| {
         let class = |column: &usize| map.classes[map.cells[row][*column]].name.clone();
         std::iter::once(at(map.y, row, counts[0])).chain(across.iter().map(class)).collect()
     });
@@ -201,12 +202,6 @@ fn notes(chart: &Chart) -> Vec<String> {
     notes
 }
 
-/// Places evenly apart, with the first and the last.
-fn taken(count: usize, most: usize) -> Vec<usize> {
-    let most = most.min(count);
-    (0..most).map(|place| place * (count - 1) / (most - 1).max(1)).collect()
-}
-
 /// Five significant digits, with a minus sign that is one.
 fn number(value: f64) -> String {
     let short = to_significant(value, 5);
@@ -231,13 +226,5 @@ mod tests {
         assert_eq!(number(2.5e-7), "2.5e−7");
         assert_eq!(number(-0.0), "0");
         assert_eq!([number(f64::NAN), number(f64::NEG_INFINITY)], ["–", "−∞"]);
-    }
-
-    #[test]
-    fn rows_are_taken_from_the_first_to_the_last() {
-        assert_eq!(taken(3, 50), [0, 1, 2]);
-        assert_eq!(taken(101, 3), [0, 50, 100]);
-        assert!(taken(0, 50).is_empty());
-        assert_eq!(taken(7, 1), [0]);
     }
 }

@@ -13,7 +13,7 @@ mod summary;
 mod thin;
 
 pub use markup::{BASE_STYLE, add, plain_table, sheet, text};
-pub use thin::envelope;
+pub use thin::{envelope, evenly_spaced};
 
 use crate::picture::{Chart, Map};
 use amontons::Error;

@@ -31,6 +31,13 @@ pub fn envelope(points: &[Point], bins: f64) -> Vec<Point> {
     kept.into_iter().map(|place| points[place].map(rounded)).collect()
 }
 
+/// Up to `most` of `count` places, from 0: evenly apart, with the first and, of two or more, the last; ascending.
+#[must_use]
+pub fn evenly_spaced(count: usize, most: usize) -> Vec<usize> {
+    let kept = most.min(count);
+    (0..kept).map(|place| place * (count - 1) / (kept - 1).max(1)).collect()
+}
+
 /// Does x never go back?
 pub(super) fn is_ascending(points: &[Point]) -> bool {
     let mut finite = points.iter().map(|[x, _]| *x).filter(|x| x.is_finite());
@@ -168,6 +175,14 @@ impl Part {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn places_are_taken_from_the_first_to_the_last() {
+        assert_eq!(evenly_spaced(3, 50), [0, 1, 2]);
+        assert_eq!(evenly_spaced(101, 3), [0, 50, 100]);
+        assert!(evenly_spaced(0, 50).is_empty());
+        assert_eq!(evenly_spaced(7, 1), [0]);
+    }
 
     fn series(points: Vec<Point>, style: Style) -> Series {
         Series { points, style, ..Series::default() }
