@@ -7,14 +7,18 @@
 #![no_main]
 #![allow(unsafe_code)]
 
+#[path = "../../tests/support/c.rs"]
+mod c;
+
 use amontons::scene::{Method, Source, builtin, parse};
 use amontons::simulation::catalogue::Kind;
 use amontons::simulation::{fingerprint, variables};
 use amontons_export::scene::set_integrator;
+use c::*;
 use libfuzzer_sys::fuzz_target;
 use std::cell::{Cell, RefCell};
 use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
-use std::ptr::{null, null_mut};
+use std::ptr::null_mut;
 use std::time::Duration;
 
 const OK: c_int = 0;
@@ -25,74 +29,6 @@ const ERROR: c_int = 3;
 /// step that is refused after the most power series (ring12 with energy) takes 1.5 s in a release and 35 s here, where
 /// each branch is watched and each sum checked.
 const MOST_TIME: Duration = Duration::from_secs(60);
-
-unsafe extern "C" {
-    fn fmi2Instantiate(
-        name: *const c_char,
-        kind: c_int,
-        guid: *const c_char,
-        resources: *const c_char,
-        callbacks: *const Callbacks,
-        visible: c_int,
-        logging_on: c_int,
-    ) -> *mut c_void;
-    fn fmi2SetupExperiment(
-        it: *mut c_void,
-        tolerance_defined: c_int,
-        tolerance: f64,
-        start: f64,
-        stop_defined: c_int,
-        stop: f64,
-    ) -> c_int;
-    fn fmi2EnterInitializationMode(it: *mut c_void) -> c_int;
-    fn fmi2ExitInitializationMode(it: *mut c_void) -> c_int;
-    fn fmi2Reset(it: *mut c_void) -> c_int;
-    fn fmi2DoStep(it: *mut c_void, now: f64, size: f64, no_return: c_int) -> c_int;
-    fn fmi2GetReal(it: *mut c_void, which: *const c_uint, count: usize, values: *mut f64) -> c_int;
-    fn fmi2GetInteger(
-        it: *mut c_void,
-        which: *const c_uint,
-        count: usize,
-        values: *mut c_int,
-    ) -> c_int;
-    fn fmi2GetRealStatus(it: *mut c_void, kind: c_int, value: *mut f64) -> c_int;
-    fn fmi2GetFMUstate(it: *mut c_void, state: *mut *mut c_void) -> c_int;
-    fn fmi2SetFMUstate(it: *mut c_void, state: *mut c_void) -> c_int;
-    fn fmi2FreeFMUstate(it: *mut c_void, state: *mut *mut c_void) -> c_int;
-    fn fmi2SerializedFMUstateSize(it: *mut c_void, state: *mut c_void, size: *mut usize) -> c_int;
-    fn fmi2SerializeFMUstate(
-        it: *mut c_void,
-        state: *mut c_void,
-        bytes: *mut c_char,
-        size: usize,
-    ) -> c_int;
-    fn fmi2DeSerializeFMUstate(
-        it: *mut c_void,
-        bytes: *const c_char,
-        size: usize,
-        state: *mut *mut c_void,
-    ) -> c_int;
-}
-
-/// A logger takes a format and what goes into it, which here is always one string: as many arguments as are
-/// passed in registers, where those of a variadic function are too.
-type Logger = unsafe extern "C" fn(
-    *mut c_void,
-    *const c_char,
-    c_int,
-    *const c_char,
-    *const c_char,
-    *const c_char,
-);
-
-#[repr(C)]
-struct Callbacks {
-    logger: Option<Logger>,
-    allocate: *const c_void,
-    free: *const c_void,
-    finished: *const c_void,
-    environment: *mut c_void,
-}
 
 thread_local! {
     static SUBJECTS: RefCell<Vec<Subject>> = RefCell::new(subjects());
@@ -191,7 +127,7 @@ impl Subject {
             let before = self.save();
             let mut state = null_mut();
             let mut status = refusable(|| {
-                fmi2DeSerializeFMUstate(it, bytes.as_ptr().cast(), bytes.len(), &raw mut state)
+                fmi2DeSerializeFMUstate(it, bytes.as_ptr(), bytes.len(), &raw mut state)
             });
             if status == OK {
                 status = refusable(|| fmi2SetFMUstate(it, state));
@@ -278,7 +214,7 @@ impl Subject {
             }
             assert_eq!(fmi2SerializedFMUstateSize(self.it, state, &raw mut size), OK);
             let mut bytes = vec![0_u8; size];
-            let start = bytes.as_mut_ptr().cast();
+            let start = bytes.as_mut_ptr();
             assert_eq!(fmi2SerializeFMUstate(self.it, state, start, size), OK);
             assert_eq!(fmi2FreeFMUstate(self.it, &raw mut state), OK);
             Some(bytes)
@@ -290,7 +226,7 @@ impl Subject {
         let mut state = null_mut();
         // SAFETY: FMI's calls on a live instance, with an array as long as said.
         unsafe {
-            let start = own.as_ptr().cast();
+            let start = own.as_ptr();
             assert_eq!(fmi2DeSerializeFMUstate(self.it, start, own.len(), &raw mut state), OK);
             assert_eq!(fmi2SetFMUstate(self.it, state), OK);
             assert_eq!(fmi2FreeFMUstate(self.it, &raw mut state), OK);
@@ -399,9 +335,8 @@ fn subjects() -> Vec<Subject> {
 fn subject(source: &Source, folder: &std::path::Path, step: f64) -> Subject {
     static CALLBACKS: Shared = Shared(Callbacks {
         logger: Some(log),
-        allocate: null(),
-        free: null(),
-        finished: null(),
+        memory: [None; 2],
+        step_finished: None,
         environment: null_mut(),
     });
     let all = variables(&parse("scene", &source.text).expect("the scene is right"));
@@ -415,7 +350,8 @@ fn subject(source: &Source, folder: &std::path::Path, step: f64) -> Subject {
     // SAFETY: FMI's calls in FMI's order; every string is terminated.
     unsafe {
         let (guid, location) = (guid.as_ptr(), location.as_ptr());
-        let it = fmi2Instantiate(c"one".as_ptr(), 1, guid, location, &raw const CALLBACKS.0, 0, 0);
+        let callbacks = &raw const CALLBACKS.0;
+        let it = fmi2Instantiate(c"one".as_ptr(), 1, guid, location, callbacks, 0, 0);
         assert!(!it.is_null());
         assert_eq!(fmi2SetupExperiment(it, 0, 0.0, 0.0, 0, 0.0), OK);
         assert_eq!(fmi2EnterInitializationMode(it), OK);

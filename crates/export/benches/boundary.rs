@@ -11,14 +11,19 @@
 
 #![allow(unsafe_code)] // The FMU's functions are C's.
 
+#[allow(dead_code)] // Not all of them are timed.
+#[path = "../tests/lifecycle/library.rs"]
+mod library;
+
 use amontons::scene::{Builtin, builtin, parse};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Variable, fingerprint, variables};
 use amontons_export::package;
-use libloading::{Library, Symbol};
-use std::ffi::{CString, c_char, c_int, c_uint, c_void};
+use library::{Fmi, Handle};
+use std::ffi::{CString, c_uint};
 use std::io::Cursor;
 use std::path::Path;
+use std::ptr;
 use std::time::{Duration, Instant};
 use tempfile::TempDir;
 
@@ -125,7 +130,7 @@ fn nanoseconds(time: Duration) -> f64 {
 /// An FMU, unpacked and loaded.
 struct Fmu {
     folder: TempDir,
-    library: Library,
+    library: Fmi,
     guid: CString,
     variables: Vec<Variable>,
     step: f64,
@@ -141,8 +146,7 @@ impl Fmu {
         let mut archive = zip::ZipArchive::new(Cursor::new(bytes)).expect("it is an archive");
         archive.extract(folder.path()).expect("there is room");
         let path = folder.path().join("binaries/linux64").join(format!("{name}.so"));
-        // SAFETY: loading it runs no code of its own.
-        let library = unsafe { Library::new(path) }.expect("it was just made");
+        let library = Fmi::load(path.to_str().expect("it is text"));
         let guid = CString::new(fingerprint(&text.into())).expect("it has no zeros");
         Self {
             folder,
@@ -173,66 +177,31 @@ impl Fmu {
     fn instantiate(&self, push: Option<&str>) -> Instance<'_> {
         let location = |folder: &Path| format!("file://{}", folder.join("resources").display());
         let location = CString::new(location(self.folder.path())).expect("it has no zeros");
-        // SAFETY: the functions have FMI's types, all strings are terminated and outlive the call.
-        let component = unsafe {
-            let instantiate: Symbol<'_, Instantiate> = self.library.get("fmi2Instantiate").unwrap();
-            let callbacks = std::ptr::null();
-            instantiate(c"one".as_ptr(), 1, self.guid.as_ptr(), location.as_ptr(), callbacks, 0, 0)
-        };
+        let fmi = &self.library;
+        let (guid, location, callbacks) = (self.guid.as_ptr(), location.as_ptr(), ptr::null());
+        // SAFETY: all strings are terminated and outlive the call.
+        let component =
+            unsafe { (fmi.fmi2Instantiate)(c"one".as_ptr(), 1, guid, location, callbacks, 0, 0) };
         assert!(!component.is_null(), "the FMU cannot be instantiated");
-        let function = |name: &str| {
-            // SAFETY: so FMI has it.
-            let found: Symbol<'_, Alone> = unsafe { self.library.get(name) }.unwrap();
-            // SAFETY: the instance lives.
-            assert_eq!(unsafe { found(component) }, 0, "{name}");
-        };
-        // SAFETY: these have FMI's types too.
-        let mut instance = unsafe {
-            let setup: Symbol<'_, SetupExperiment> =
-                self.library.get("fmi2SetupExperiment").unwrap();
-            assert_eq!(setup(component, 0, 0.0, 0.0, 0, 0.0), 0);
-            Instance {
-                component,
-                do_step: self.library.get("fmi2DoStep").unwrap(),
-                get_real: self.library.get("fmi2GetReal").unwrap(),
-                set_real: self.library.get("fmi2SetReal").unwrap(),
-                free: self.library.get("fmi2FreeInstance").unwrap(),
-                step: self.step,
-                steps: 0,
-            }
-        };
-        function("fmi2EnterInitializationMode");
+        let mut instance = Instance { fmi, component, step: self.step, steps: 0 };
+        // SAFETY: the instance lives.
+        unsafe {
+            assert_eq!((fmi.fmi2SetupExperiment)(component, 0, 0.0, 0.0, 0, 0.0), 0);
+            assert_eq!((fmi.fmi2EnterInitializationMode)(component), 0);
+        }
         if let Some(name) = push {
             instance.set(&[self.reference(name)], &[0.01]);
         }
-        function("fmi2ExitInitializationMode");
+        // SAFETY: the instance lives.
+        assert_eq!(unsafe { (fmi.fmi2ExitInitializationMode)(component) }, 0);
         instance
     }
 }
 
-type Instantiate = unsafe extern "C" fn(
-    *const c_char,
-    c_int,
-    *const c_char,
-    *const c_char,
-    *const c_void,
-    c_int,
-    c_int,
-) -> *mut c_void;
-type SetupExperiment = unsafe extern "C" fn(*mut c_void, c_int, f64, f64, c_int, f64) -> c_int;
-type Alone = unsafe extern "C" fn(*mut c_void) -> c_int;
-type DoStep = unsafe extern "C" fn(*mut c_void, f64, f64, c_int) -> c_int;
-type GetReal = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *mut f64) -> c_int;
-type SetReal = unsafe extern "C" fn(*mut c_void, *const c_uint, usize, *const f64) -> c_int;
-type Free = unsafe extern "C" fn(*mut c_void);
-
 /// A running instance, and how many internal steps it has taken.
 struct Instance<'a> {
-    component: *mut c_void,
-    do_step: Symbol<'a, DoStep>,
-    get_real: Symbol<'a, GetReal>,
-    set_real: Symbol<'a, SetReal>,
-    free: Symbol<'a, Free>,
+    fmi: &'a Fmi,
+    component: Handle,
     step: f64,
     steps: u32,
 }
@@ -243,7 +212,7 @@ impl Instance<'_> {
         let now = f64::from(self.steps) * self.step;
         // SAFETY: the instance lives, and the function is FMI's.
         let status =
-            unsafe { (self.do_step)(self.component, now, f64::from(steps) * self.step, 1) };
+            unsafe { (self.fmi.fmi2DoStep)(self.component, now, f64::from(steps) * self.step, 1) };
         assert_eq!(status, 0, "the step failed");
         self.steps += steps;
     }
@@ -252,7 +221,8 @@ impl Instance<'_> {
         let (places, count) = (references.as_ptr(), references.len());
         assert_eq!(count, values.len());
         // SAFETY: as in a step; there is room for as many values.
-        let status = unsafe { (self.get_real)(self.component, places, count, values.as_mut_ptr()) };
+        let status =
+            unsafe { (self.fmi.fmi2GetReal)(self.component, places, count, values.as_mut_ptr()) };
         assert_eq!(status, 0, "the values cannot be read");
     }
 
@@ -260,7 +230,8 @@ impl Instance<'_> {
         let (places, count) = (references.as_ptr(), references.len());
         assert_eq!(count, values.len());
         // SAFETY: as in a step; there are as many values.
-        let status = unsafe { (self.set_real)(self.component, places, count, values.as_ptr()) };
+        let status =
+            unsafe { (self.fmi.fmi2SetReal)(self.component, places, count, values.as_ptr()) };
         assert_eq!(status, 0, "the values cannot be set");
     }
 }
@@ -268,6 +239,6 @@ impl Instance<'_> {
 impl Drop for Instance<'_> {
     fn drop(&mut self) {
         // SAFETY: it is not used again.
-        unsafe { (self.free)(self.component) }
+        unsafe { (self.fmi.fmi2FreeInstance)(self.component) }
     }
 }
