@@ -1,6 +1,7 @@
 //! Axes: ranges, ticks and the frame that charts and maps have in common.
 
 use super::canvas::{Canvas, Failure, Point};
+use super::number::typeset;
 use super::palette::{GRID, INK};
 use amontons::decimal::to_significant;
 use amontons::numerics;
@@ -184,19 +185,13 @@ fn number(value: f64, [from, to]: [f64; 2]) -> String {
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     let digits = digits.clamp(0.0, 15.0) as usize;
     let short = if value.abs() < finest { 0.0 } else { to_significant(value, digits + 1) };
-    let text = if short == 0.0 || (1e-3..1e6).contains(&largest) {
-        format!("{short}")
-    } else {
-        format!("{short:e}")
-    };
-    text.replace('-', "−")
+    typeset(short, short == 0.0 || (1e-3..1e6).contains(&largest))
 }
 
 /// The number of which a tick is the decimal logarithm.
 fn power_of_ten(tick: f64) -> String {
     let value = to_significant(10_f64.powf(tick), 1);
-    let text = if (1e-3..1e5).contains(&value) { format!("{value}") } else { format!("{value:e}") };
-    text.replace('-', "−")
+    typeset(value, (1e-3..1e5).contains(&value))
 }
 
 #[cfg(test)]

@@ -17,7 +17,7 @@ mod locus;
 mod map;
 mod mode_shapes;
 mod moving;
-mod number;
+pub(crate) mod number;
 mod palette;
 mod structure;
 mod units;

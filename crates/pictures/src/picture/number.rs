@@ -17,6 +17,12 @@ pub fn significant(value: f64, digits: usize) -> String {
     }
 }
 
+/// A number with a minus sign that is one and, unless it is written in full, a power of ten: "0.3", "−2.5e−7".
+pub(crate) fn typeset(value: f64, in_full: bool) -> String {
+    let text = if in_full { format!("{}", value + 0.0) } else { format!("{value:e}") };
+    text.replace('-', "−")
+}
+
 /// A value to six digits, as "55 kN/m"; tenths of a unit as "0.3 kg".
 #[must_use]
 pub fn prefixed(value: f64, unit: &str) -> String {

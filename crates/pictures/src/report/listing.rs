@@ -2,6 +2,7 @@
 
 use super::Content;
 use super::thin::evenly_spaced;
+use crate::picture::number::typeset;
 use crate::picture::{Chart, Lane, Map, Panel, Raster, Series};
 use amontons::decimal::to_significant;
 
@@ -205,14 +206,12 @@ fn notes(chart: &Chart) -> Vec<String> {
 /// Five significant digits, with a minus sign that is one.
 fn number(value: f64) -> String {
     let short = to_significant(value, 5);
-    let text = match short.abs() {
-        _ if value.is_nan() => return "–".to_owned(),
+    match short {
         f64::INFINITY => "∞".to_owned(),
-        size if size == 0.0 || (1e-4..1e6).contains(&size) => format!("{}", short + 0.0),
-        _ => format!("{short:e}"),
-    };
-    let sign = if short < 0.0 && short.is_infinite() { "−" } else { "" };
-    format!("{sign}{}", text.replace('-', "−"))
+        f64::NEG_INFINITY => "−∞".to_owned(),
+        _ if short.is_nan() => "–".to_owned(),
+        _ => typeset(short, short == 0.0 || (1e-4..1e6).contains(&short.abs())),
+    }
 }
 
 #[cfg(test)]
