@@ -26,6 +26,7 @@ const PACKAGES: [(&str, &[&str]); 4] = [
         "crates/analysis/src",
         &[
             "watch",
+            "record",
             "output",
             "statistics",
             "spectral",

@@ -5,6 +5,7 @@
 //! | module | what it finds |
 //! | --- | --- |
 //! | [`watch`] | progress of long work, and its end before it is done |
+//! | [`record`] | a run of an experiment, row by row |
 //! | [`output`] | files of results that appear whole or not at all |
 //! | `statistics` | statistics of values |
 //! | [`spectral`] | spectra of histories |
@@ -27,6 +28,7 @@ pub mod effects;
 pub mod inputs;
 pub mod instant;
 pub mod output;
+pub mod record;
 pub mod spectral;
 pub mod stability;
 mod statistics;

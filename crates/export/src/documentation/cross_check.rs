@@ -6,6 +6,7 @@ use amontons::decimal::one_two_five;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::simulation::catalogue::{Causality, Kind};
 use amontons::simulation::{Parameters, Simulation, Variable, variables};
+use amontons_analysis::record::record_rows;
 use amontons_analysis::watch::Watch;
 use std::fmt::Write as _;
 
@@ -49,12 +50,11 @@ pub fn cross_check(scene: &Scene, watch: Watch<'_>) -> Result<Option<CrossCheck>
     let mut reference = header(&outputs);
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
     row(&mut simulation, 0.0, &outputs, &mut reference)?;
-    for (time, _) in experiment.row_times() {
-        if watch.ends_after(time / experiment.stop_time) {
-            return Ok(None);
-        }
-        simulation.advance_to(time)?;
-        row(&mut simulation, time, &outputs, &mut reference)?;
+    let is_whole = record_rows(&mut simulation, experiment, watch, |simulation, time, _| {
+        row(simulation, time, &outputs, &mut reference)
+    })?;
+    if !is_whole {
+        return Ok(None);
     }
     let inputs: Vec<&Variable> = of(Causality::Input).collect();
     let inputs = (!inputs.is_empty()).then(|| held(scene, &inputs));

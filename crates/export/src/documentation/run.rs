@@ -8,6 +8,7 @@ use amontons::scene::{Experiment, Scene};
 use amontons::selection::Cost;
 use amontons::simulation::catalogue::{Causality, Quantity};
 use amontons::simulation::{Simulation, Variable, variables};
+use amontons_analysis::record::record_rows;
 use amontons_analysis::watch::Watch;
 
 /// The operations, as [`Cost`] counts them, that a run in an export may take: some tenths of a second, with exact
@@ -46,20 +47,15 @@ pub fn reference_run(scene: &Scene, watch: Watch<'_>) -> Result<Option<Reference
     let (experiment, whole) = affordable(simulation.scene(), scene.experiment);
     let outputs = outputs(scene);
     let mut rows = vec![(0.0, read(&mut simulation, &outputs)?)];
-    let mut failure = None;
-    for (place, (time, _)) in experiment.row_times().enumerate() {
-        if place % 64 == 0 && watch.ends_after(time / experiment.stop_time) {
-            return Ok(None);
-        }
-        let advanced = simulation.advance_to(time).and_then(|()| read(&mut simulation, &outputs));
-        match advanced {
-            Ok(values) => rows.push((time, values)),
-            Err(error) => {
-                failure = Some(error);
-                break;
-            }
-        }
-    }
+    let recorded = record_rows(&mut simulation, experiment, watch, |simulation, time, _| {
+        rows.push((time, read(simulation, &outputs)?));
+        Ok(())
+    });
+    let failure = match recorded {
+        Ok(true) => None,
+        Ok(false) => return Ok(None),
+        Err(error) => Some(error),
+    };
     let (variables, rows) = shown(&outputs, &rows);
     Ok(Some(ReferenceRun { experiment, whole, variables, rows, failure }))
 }

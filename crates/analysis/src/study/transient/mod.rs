@@ -32,6 +32,7 @@ pub use stretches::{StateTimeline, Stretch};
 use super::basis::scheme_step;
 use super::look::{ROWS_A_PERIOD, frequencies, output};
 use super::{Watch, unit};
+use crate::record::record_rows;
 use crate::spectral::Spectrogram;
 use crate::stability::Linearised;
 use crate::statistics::{place_of_largest, variance};
@@ -55,8 +56,6 @@ const MOST_KEPT: f64 = 2e7;
 const ABOVE_HIGHEST: f64 = 1.5;
 const SPECTRA: usize = 400;
 const LONGER: f64 = 2.0;
-/// Rows between two questions whether to go on.
-const ROWS_AT_ONCE: usize = 64;
 
 /// An eigenvalue of a contact state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
@@ -310,20 +309,10 @@ impl Record {
         watch: Watch<'_>,
     ) -> Result<bool, Error> {
         self.note(simulation)?;
-        for (row, (time, is_whole)) in experiment.row_times().enumerate() {
-            if row.is_multiple_of(ROWS_AT_ONCE) {
-                (watch.progress)(time / experiment.stop_time);
-                if watch.is_over() {
-                    return Ok(false);
-                }
-            }
-            simulation.advance_to(time)?;
+        record_rows(simulation, experiment, watch, |simulation, _, is_whole| {
             // A last row that closes no whole interval would be out of step with the others.
-            if is_whole {
-                self.note(simulation)?;
-            }
-        }
-        Ok(true)
+            if is_whole { self.note(simulation) } else { Ok(()) }
+        })
     }
 
     fn note(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
