@@ -13,21 +13,15 @@ pub(super) struct Archive {
 
 impl Archive {
     /// An empty archive whose entries all carry `date`, or the earliest that a zip can hold.
-    pub(super) fn new(date: Option<Date>) -> Result<Self, Error> {
-        let time = match date {
-            Some(d) => {
-                DateTime::from_date_and_time(d.year, d.month, d.day, d.hour, d.minute, d.second)
-                    .map_err(|error| failed(&error))?
-            }
-            None => DateTime::default(),
-        };
+    pub(super) fn new(date: Option<&Date>) -> Self {
+        let time = date.map_or_else(DateTime::default, |date| date.in_archive);
         let options = SimpleFileOptions::default()
             .compression_method(CompressionMethod::Deflated)
             .last_modified_time(time)
             // Whatever system this is: the bytes are to be the same.
             .system(System::Unix)
             .unix_permissions(0o644);
-        Ok(Self { writer: ZipWriter::new(Cursor::new(Vec::new())), options })
+        Self { writer: ZipWriter::new(Cursor::new(Vec::new())), options }
     }
 
     pub(super) fn add(&mut self, name: &str, content: &[u8]) -> Result<(), Error> {

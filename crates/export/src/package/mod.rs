@@ -40,7 +40,8 @@ pub fn fmu(
     libraries: &[Library],
 ) -> Result<Vec<u8>, Error> {
     let date = Date::from_environment()?;
-    let mut archive = Archive::new(date)?;
+    let mut archive = Archive::new(date.as_ref());
+    let date = date.as_ref().map(|date| date.text.as_str());
     archive.add("modelDescription.xml", model_description(scene, source, date).as_bytes())?;
     for Library { platform, extension, bytes } in libraries {
         let name = identifier(&scene.name);

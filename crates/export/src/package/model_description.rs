@@ -1,6 +1,5 @@
 //! `modelDescription.xml` (FMI 2.0.4, section 2.2), elements in the order of the schema.
 
-use super::date::Date;
 use crate::feedthrough::feedthrough;
 use amontons::fmi2::{CATEGORIES, STRICT};
 use amontons::scene::{Scene, Selection, Source};
@@ -26,9 +25,10 @@ pub fn identifier(name: &str) -> String {
     identifier
 }
 
-/// The model description of a scene; `source` is what it was read from, word for word.
+/// The model description of a scene; `source` is what it was read from, word for word;
+/// `date` is when it is made, as XML Schema writes a time in UTC.
 #[must_use]
-pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> String {
+pub fn model_description(scene: &Scene, source: &Source, date: Option<&str>) -> String {
     let mut xml = Xml(Writer::new_with_indent(Vec::new(), b' ', 2));
     let variables = fmu_variables(scene);
     let mut root = vec![
@@ -43,7 +43,7 @@ pub fn model_description(scene: &Scene, source: &Source, date: Option<Date>) -> 
         ("numberOfEventIndicators", "0".to_owned()),
     ];
     if let Some(date) = date {
-        root.insert(7, ("generationDateAndTime", date.to_string()));
+        root.insert(7, ("generationDateAndTime", date.to_owned()));
     }
     xml.declaration();
     xml.nest("fmiModelDescription", &root, |xml| {
