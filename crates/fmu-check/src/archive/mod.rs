@@ -6,6 +6,7 @@ pub(super) use reader::{Archive, Entry};
 
 use super::report::Report;
 use super::rules::Rule;
+use rawzip::CompressionMethod;
 use std::collections::HashMap;
 use std::io;
 
@@ -59,7 +60,7 @@ pub(super) fn examine(archive: &Archive, report: &mut Report) -> bool {
         return false;
     }
     for entry in &archive.entries {
-        let readable = matches!(entry.method, 0 | 8) && entry.flags & 1 == 0;
+        let readable = is_readable(entry.method) && !entry.is_encrypted;
         if readable && let Err(error) = archive.unpack(entry, &mut io::sink()) {
             report.add(Rule::ZipDamaged, &entry.name, error);
         }
@@ -79,16 +80,16 @@ fn header(entry: &Entry, report: &mut Report) {
         let message = format!("needs version {major}.{minor} of zip; FMI allows 2.0");
         report.add(Rule::ZipVersion, &entry.name, message);
     }
-    if entry.flags & 1 != 0 {
+    if entry.is_encrypted {
         report.add(Rule::ZipMethod, &entry.name, "is encrypted");
-    } else if !matches!(entry.method, 0 | 8) {
+    } else if !is_readable(entry.method) {
         let message = format!(
             "is compressed by method {}; FMI allows deflate (8) and none (0)",
-            entry.method
+            entry.method.as_u16()
         );
         report.add(Rule::ZipMethod, &entry.name, message);
     }
-    if entry.flags & 8 != 0 {
+    if entry.has_data_descriptor {
         let message = "has its sizes in a data descriptor behind the content; write them into the local header";
         report.add(Rule::ZipDataDescriptor, &entry.name, message);
     }
@@ -98,6 +99,10 @@ fn header(entry: &Entry, report: &mut Report) {
             if kind == 0o120_000 { "a symbolic link" } else { "neither a file nor a folder" };
         report.add(Rule::ZipLink, &entry.name, format!("is {what}; pack the file itself"));
     }
+}
+
+fn is_readable(method: CompressionMethod) -> bool {
+    matches!(method, CompressionMethod::STORE | CompressionMethod::DEFLATE)
 }
 
 fn name(entry: &Entry, report: &mut Report) {

@@ -1,47 +1,123 @@
-//! A zip archive header by header: what libraries smooth over (names twice, local headers that say
-//! something else) is what is looked for here.
+//! A zip archive header by header: what most libraries smooth over (names twice, local headers that
+//! say something else) is what is looked for here. rawzip tells of both headers as they are.
 
 use crate::Error;
 use flate2::read::DeflateDecoder;
+use rawzip::extra_fields::{ExtraFieldId, ExtraFields};
+use rawzip::{
+    CompressionMethod, CreatorSystem, ErrorKind, ZipArchive, ZipArchiveEntryWayfinder,
+    ZipFileHeaderRecord, ZipSliceArchive,
+};
 use std::collections::HashMap;
 use std::io::{self, Read, Write};
 
-const END: &[u8] = b"PK\x05\x06";
-const END_64: &[u8] = b"PK\x06\x06";
-const LOCATOR_64: &[u8] = b"PK\x06\x07";
-const CENTRAL: &[u8] = b"PK\x01\x02";
-const LOCAL: &[u8] = b"PK\x03\x04";
 /// More entries than any FMU has.
-pub(super) const MOST_ENTRIES: u64 = 200_000;
+const MOST_ENTRIES: u64 = 200_000;
 
 /// One entry as the central directory has it, and what its local header says.
 pub(crate) struct Entry {
     /// Its name; bytes that are not UTF-8 are replaced.
     pub(crate) name: String,
     pub(super) is_utf8: bool,
-    pub(super) flags: u16,
-    pub(super) method: u16,
+    pub(super) is_encrypted: bool,
+    pub(super) has_data_descriptor: bool,
+    pub(super) method: CompressionMethod,
     /// The greater one of both headers, in tenths.
-    pub(super) version: u16,
+    pub(super) version: u8,
     /// Unix's file type and permissions, where a Unix made the archive.
     pub(super) mode: Option<u32>,
     pub(super) zip64: bool,
-    crc: u32,
     pub(super) packed: u64,
     pub(crate) size: u64,
-    /// Where the content begins, or what is wrong with the local header.
-    content: Result<usize, String>,
+    /// Where the content is, or what is wrong with the local header.
+    content: Result<ZipArchiveEntryWayfinder, String>,
 }
 
 impl Entry {
+    fn new(archive: &ZipSliceArchive<Vec<u8>>, central: &ZipFileHeaderRecord<'_>) -> Self {
+        let name = central.file_path();
+        let made_by_unix = central.version_made_by().creator_system() == CreatorSystem::UNIX;
+        let mut entry = Self {
+            name: String::from_utf8_lossy(name.as_bytes()).into_owned(),
+            is_utf8: std::str::from_utf8(name.as_bytes()).is_ok(),
+            is_encrypted: central.flags().is_encrypted(),
+            has_data_descriptor: central.flags().has_data_descriptor(),
+            method: central.compression_method(),
+            version: version(archive, central.central_directory_offset() + 6),
+            mode: made_by_unix.then_some(central.external_attributes() >> 16),
+            zip64: is_zip64(central.extra_fields()),
+            packed: central.compressed_size_hint(),
+            size: central.uncompressed_size_hint(),
+            content: Ok(central.wayfinder()),
+        };
+        if let Err(message) = entry.add_local_header(archive, central) {
+            entry.content = Err(message);
+        }
+        entry
+    }
+
+    fn add_local_header(
+        &mut self,
+        archive: &ZipSliceArchive<Vec<u8>>,
+        central: &ZipFileHeaderRecord<'_>,
+    ) -> Result<(), String> {
+        let content =
+            archive.get_entry(central.wayfinder()).map_err(|error| match error.kind() {
+                ErrorKind::Eof => "its header or its content lies outside the archive",
+                _ => "it has no local header",
+            })?;
+        let local = content.local_header();
+        if local.file_path() != central.file_path() {
+            let other = String::from_utf8_lossy(local.file_path().as_bytes()).into_owned();
+            return Err(format!("its local header names another file: {other}"));
+        }
+        if local.compression_method() != self.method {
+            return Err("its two headers state two ways of compression".to_owned());
+        }
+        self.version = self.version.max(version(archive, central.local_header_offset() + 4));
+        self.is_encrypted |= local.flags().is_encrypted();
+        self.has_data_descriptor |= local.flags().has_data_descriptor();
+        self.zip64 |= is_zip64(local.extra_fields());
+        // With a data descriptor the local header has no sizes.
+        let stated = (local.crc32(), local.uncompressed_size_hint());
+        if !local.flags().has_data_descriptor()
+            && !self.zip64
+            && stated != (central.crc32(), self.size)
+        {
+            return Err("its two headers state two sizes or checksums".to_owned());
+        }
+        Ok(())
+    }
+
     pub(crate) fn is_folder(&self) -> bool {
         self.name.ends_with('/')
     }
 }
 
+/// The version of zip that an entry needs, which rawzip reads and does not tell.
+fn version(archive: &ZipSliceArchive<Vec<u8>>, at: u64) -> u8 {
+    bytes_at(archive, at).map_or(0, |[version]| version)
+}
+
+/// `false` where the directory has another size than is stated. rawzip accepts that, importers do not.
+fn is_directory_as_stated(archive: &ZipSliceArchive<Vec<u8>>) -> bool {
+    let end = archive.eocd_offset();
+    let is_zip64 = bytes_at(archive, end.wrapping_sub(20)) == Some(*b"PK\x06\x07");
+    let size = bytes_at(archive, end + 12).map(u32::from_le_bytes);
+    is_zip64 || size.is_some_and(|size| archive.directory_offset() + u64::from(size) == end)
+}
+
+fn bytes_at<const N: usize>(archive: &ZipSliceArchive<Vec<u8>>, at: u64) -> Option<[u8; N]> {
+    archive.get_ref().get(usize::try_from(at).ok()?..)?.first_chunk().copied()
+}
+
+fn is_zip64(mut fields: ExtraFields<'_>) -> bool {
+    fields.any(|(id, _)| id == ExtraFieldId::ZIP64)
+}
+
 /// An archive in memory.
 pub(crate) struct Archive {
-    bytes: Vec<u8>,
+    archive: ZipSliceArchive<Vec<u8>>,
     pub(crate) entries: Vec<Entry>,
     /// The first entry of each name.
     places: HashMap<String, usize>,
@@ -55,28 +131,31 @@ impl Archive {
     pub(crate) fn read(bytes: Vec<u8>) -> Result<Self, Error> {
         let damaged =
             || Error::new("not an FMU: the zip archive's directory is damaged or cut off");
-        let end = end(&bytes).ok_or_else(|| Error::new("not an FMU: it is not a zip archive"))?;
-        let count = end.count;
+        let archive = ZipArchive::from_slice(bytes)
+            .map_err(|_| Error::new("not an FMU: it is not a zip archive"))?;
+        let count = archive.entries_hint();
         if count > MOST_ENTRIES {
             return Err(Error::new(format!("not an FMU: it states {count} entries")));
         }
+        if !is_directory_as_stated(&archive) {
+            return Err(damaged());
+        }
+        let mut headers = archive.entries();
         let mut entries = Vec::new();
-        let mut at = end.directory;
         for _ in 0..count {
-            let (entry, next) = central(&bytes, at, end.shift).ok_or_else(damaged)?;
-            entries.push(entry);
-            at = next;
+            let header = headers.next().and_then(Result::ok).ok_or_else(damaged)?;
+            entries.push(Entry::new(&archive, &header));
         }
         let mut places = HashMap::new();
         for (place, entry) in entries.iter().enumerate() {
             places.entry(entry.name.clone()).or_insert(place);
         }
-        Ok(Self { bytes, entries, places })
+        Ok(Self { archive, entries, places })
     }
 
     /// The archive's own size in bytes.
     pub(super) fn len(&self) -> u64 {
-        self.bytes.len() as u64
+        self.archive.get_ref().len() as u64
     }
 
     /// The entry of this name.
@@ -89,31 +168,18 @@ impl Archive {
     /// # Errors
     /// Its size, checksum or local header do not fit; what was unpacked until then is written.
     pub(crate) fn unpack(&self, entry: &Entry, to: &mut dyn Write) -> Result<(), String> {
-        let start = entry.content.clone()?;
-        let content = usize::try_from(entry.packed)
-            .ok()
-            .and_then(|packed| self.bytes.get(start..start.checked_add(packed)?))
-            .ok_or("its content is cut off")?;
-        // One byte more than stated is enough to know.
-        let limit = entry.size.saturating_add(1);
-        let mut sum = Sum { to, hasher: crc32fast::Hasher::new(), size: 0 };
-        let copied = match entry.method {
-            0 => io::copy(&mut content.take(limit), &mut sum),
-            8 => io::copy(&mut DeflateDecoder::new(content).take(limit), &mut sum),
-            method => return Err(format!("its compression (method {method}) is not known")),
+        let place = entry.content.clone()?;
+        let content = self.archive.get_entry(place).map_err(|error| error.to_string())?;
+        let mut unpacked: Box<dyn Read> = match entry.method {
+            CompressionMethod::STORE => Box::new(content.data()),
+            CompressionMethod::DEFLATE => Box::new(DeflateDecoder::new(content.data())),
+            method => {
+                return Err(format!("its compression (method {}) is not known", method.as_u16()));
+            }
         };
-        copied.map_err(|error| format!("it does not unpack: {error}"))?;
-        if sum.size != entry.size {
-            let more = if sum.size > entry.size { "more" } else { "fewer" };
-            return Err(format!(
-                "it unpacks to {more} than the {} bytes that it states",
-                entry.size
-            ));
-        }
-        let crc = sum.hasher.finalize();
-        if crc != entry.crc {
-            return Err(format!("its checksum is {crc:08x}, stated is {:08x}", entry.crc));
-        }
+        // The reader fails as soon as there is more than the stated size.
+        io::copy(&mut content.verifying_reader(&mut unpacked), to)
+            .map_err(|error| explain(&error))?;
         Ok(())
     }
 
@@ -131,148 +197,16 @@ impl Archive {
     }
 }
 
-/// Sums up what is written on its way.
-struct Sum<'a> {
-    to: &'a mut dyn Write,
-    hasher: crc32fast::Hasher,
-    size: u64,
-}
-
-impl Write for Sum<'_> {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        let written = self.to.write(bytes)?;
-        self.hasher.update(&bytes[..written]);
-        self.size += written as u64;
-        Ok(written)
-    }
-
-    fn flush(&mut self) -> io::Result<()> {
-        self.to.flush()
-    }
-}
-
-// ---- Headers ----
-
-struct End {
-    count: u64,
-    directory: usize,
-    /// What stands before the archive in the file.
-    shift: usize,
-}
-
-fn end(bytes: &[u8]) -> Option<End> {
-    let first = bytes.len().saturating_sub(22 + 0xffff);
-    let at = (first..=bytes.len().checked_sub(22)?).rev().find(|&at| {
-        bytes[at..].starts_with(END)
-            && at + 22 + usize::from(short(bytes, at + 20).unwrap_or(0)) <= bytes.len()
-    })?;
-    let mut place = at;
-    let mut count = u64::from(short(bytes, at + 10)?);
-    let mut size = u64::from(long(bytes, at + 12)?);
-    let mut offset = u64::from(long(bytes, at + 16)?);
-    let locator = at.checked_sub(20).filter(|&locator| bytes[locator..].starts_with(LOCATOR_64));
-    if let Some(locator) = locator {
-        place = usize::try_from(wide(bytes, locator + 8)?).ok()?;
-        bytes.get(place..)?.starts_with(END_64).then_some(())?;
-        count = wide(bytes, place + 32)?;
-        size = wide(bytes, place + 40)?;
-        offset = wide(bytes, place + 48)?;
-    }
-    let stated = usize::try_from(offset.checked_add(size)?).ok()?;
-    let shift = place.checked_sub(stated)?;
-    Some(End { count, directory: usize::try_from(offset).ok()? + shift, shift })
-}
-
-fn central(bytes: &[u8], at: usize, shift: usize) -> Option<(Entry, usize)> {
-    bytes.get(at..)?.starts_with(CENTRAL).then_some(())?;
-    let name_end = at + 46 + usize::from(short(bytes, at + 28)?);
-    let extra_end = name_end + usize::from(short(bytes, at + 30)?);
-    let next = extra_end + usize::from(short(bytes, at + 32)?);
-    let raw = bytes.get(at + 46..name_end)?;
-    let extra = bytes.get(name_end..extra_end)?;
-    let mut packed = u64::from(long(bytes, at + 20)?);
-    let mut size = u64::from(long(bytes, at + 24)?);
-    let mut offset = u64::from(long(bytes, at + 42)?);
-    let mut zip64 = false;
-    if let Some(field) = field_64(extra) {
-        zip64 = true;
-        let mut values = field.as_chunks::<8>().0.iter().map(|value| u64::from_le_bytes(*value));
-        for value in [&mut size, &mut packed, &mut offset] {
-            if *value == u64::from(u32::MAX) {
-                *value = values.next()?;
-            }
+fn explain(error: &io::Error) -> String {
+    let source = error.get_ref().and_then(|source| source.downcast_ref::<rawzip::Error>());
+    match source.map(rawzip::Error::kind) {
+        Some(ErrorKind::InvalidSize { expected, actual }) => {
+            let more = if actual > expected { "more" } else { "fewer" };
+            format!("it unpacks to {more} than the {expected} bytes that it states")
         }
-    }
-    let made_by_unix = short(bytes, at + 4)? >> 8 == 3;
-    let mut entry = Entry {
-        name: String::from_utf8_lossy(raw).into_owned(),
-        is_utf8: std::str::from_utf8(raw).is_ok(),
-        flags: short(bytes, at + 8)?,
-        method: short(bytes, at + 10)?,
-        version: short(bytes, at + 6)? & 0xff,
-        mode: made_by_unix.then_some(long(bytes, at + 38)? >> 16),
-        zip64,
-        crc: long(bytes, at + 16)?,
-        packed,
-        size,
-        content: Err(String::new()),
-    };
-    entry.content = match usize::try_from(offset).ok().and_then(|offset| offset.checked_add(shift))
-    {
-        Some(start) => local(bytes, start, raw, &mut entry),
-        None => Err("its place is outside the archive".to_owned()),
-    };
-    Some((entry, next))
-}
-
-/// Where the content begins behind the local header.
-fn local(bytes: &[u8], at: usize, name: &[u8], entry: &mut Entry) -> Result<usize, String> {
-    let read = || {
-        bytes.get(at..)?.starts_with(LOCAL).then_some(())?;
-        let name_end = at + 30 + usize::from(short(bytes, at + 26)?);
-        let content = name_end + usize::from(short(bytes, at + 28)?);
-        Some((bytes.get(at + 30..name_end)?, bytes.get(name_end..content)?, content))
-    };
-    let (local_name, extra, content) = read().ok_or("it has no local header")?;
-    let number = |offset| short(bytes, at + offset).unwrap_or(0);
-    if local_name != name {
-        let other = String::from_utf8_lossy(local_name);
-        return Err(format!("its local header names another file: {other}"));
-    }
-    if number(8) != entry.method {
-        return Err("its two headers state two ways of compression".to_owned());
-    }
-    entry.version = entry.version.max(number(4) & 0xff);
-    entry.flags |= number(6);
-    entry.zip64 |= field_64(extra).is_some();
-    // With a data descriptor the local header has no sizes.
-    let stated = (long(bytes, at + 14), long(bytes, at + 22).map(u64::from));
-    if number(6) & 8 == 0 && !entry.zip64 && stated != (Some(entry.crc), Some(entry.size)) {
-        return Err("its two headers state two sizes or checksums".to_owned());
-    }
-    Ok(content)
-}
-
-/// The zip64 field among the extra fields.
-fn field_64(mut extra: &[u8]) -> Option<&[u8]> {
-    while let (Some(id), Some(length)) = (short(extra, 0), short(extra, 2)) {
-        let field = extra.get(4..4 + usize::from(length))?;
-        if id == 1 {
-            return Some(field);
+        Some(ErrorKind::InvalidChecksum { expected, actual }) => {
+            format!("its checksum is {actual:08x}, stated is {expected:08x}")
         }
-        extra = &extra[4 + field.len()..];
+        _ => format!("it does not unpack: {error}"),
     }
-    None
-}
-
-fn short(bytes: &[u8], at: usize) -> Option<u16> {
-    Some(u16::from_le_bytes(bytes.get(at..at.checked_add(2)?)?.try_into().ok()?))
-}
-
-fn long(bytes: &[u8], at: usize) -> Option<u32> {
-    Some(u32::from_le_bytes(bytes.get(at..at.checked_add(4)?)?.try_into().ok()?))
-}
-
-fn wide(bytes: &[u8], at: usize) -> Option<u64> {
-    Some(u64::from_le_bytes(bytes.get(at..at.checked_add(8)?)?.try_into().ok()?))
 }

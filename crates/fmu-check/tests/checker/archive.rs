@@ -156,7 +156,10 @@ fn contents_that_lie_in_one_place_are_not_unpacked() {
 
 #[test]
 fn what_is_no_archive_is_no_fmu() {
-    for bytes in [&b""[..], b"PK", b"not a zip archive", &sound_bytes()[..5000]] {
+    let mut size_of_directory = sound_bytes();
+    put(&mut size_of_directory, b"PK\x05\x06", 14, 1);
+    for bytes in [&b""[..], b"PK", b"not a zip archive", &sound_bytes()[..5000], &size_of_directory]
+    {
         assert_eq!(check(bytes, &[]), (2, String::new()));
     }
 }

@@ -9,7 +9,6 @@ mod marks;
 mod raster;
 
 pub use band::Band;
-pub(crate) use lanes::shown;
 pub use lanes::{Lane, Stretch};
 pub use marker::Marker;
 pub use raster::Raster;
