@@ -1,3 +1,7 @@
-//! Code that the programs `amontons` and `amontons-stability` share.
+//! Code that the programs `amontons` and `amontons-stability` and the examples share.
 
+pub mod charts;
+pub mod exit;
+pub mod interrupt;
 pub mod progress;
+pub mod say;

@@ -1,8 +1,10 @@
-//! The report of the paper's experiments, as its reader gets it.
+//! The example that reproduces the paper: its report, as its reader gets it.
 
 use crate::browser::Browser;
 use crate::program::{assert_refused, folder, run, text};
 use std::fs;
+use std::path::Path;
+use std::process::{Command, Output};
 
 /// What the paper says and does not come out; each has its reason on the page, or says that it is not known.
 const DIFFERING: [&str; 6] = [
@@ -31,11 +33,26 @@ const HOLDING: [&str; 12] = [
     "comes from the states with one contact stuck",
 ];
 
+/// Runs the example in a folder. Cargo, which builds it only for a whole test run, is asked to do so.
+fn paper(folder: &Path) -> Output {
+    let programs = Path::new(env!("CARGO_BIN_EXE_amontons")).parent().unwrap();
+    let mut build = Command::new(env!("CARGO"));
+    build.args(["build", "--locked", "--package", "amontons-cli", "--example", "paper"]);
+    build.arg("--target-dir").arg(programs.parent().unwrap());
+    if !cfg!(debug_assertions) {
+        build.arg("--release");
+    }
+    let built = build.current_dir(env!("CARGO_MANIFEST_DIR")).output().unwrap();
+    assert!(built.status.success(), "{}", text(&built.stderr));
+    let program = programs.join("examples/paper");
+    run(program.to_str().unwrap(), folder, &["-o", "report"])
+}
+
 #[test]
 #[ignore = "long: all of the paper's runs"]
 fn the_papers_claims_hold_but_for_those_whose_difference_is_told() {
     let folder = folder();
-    let output = run(env!("CARGO_BIN_EXE_amontons"), folder.path(), &["paper", "-o", "report"]);
+    let output = paper(folder.path());
     let told = text(&output.stdout);
     assert!(output.status.success(), "{told} {}", text(&output.stderr));
     let with = |verdict: &str| -> Vec<&str> {
@@ -67,8 +84,7 @@ fn the_papers_claims_hold_but_for_those_whose_difference_is_told() {
         assert_eq!(browser.complaints, Vec::<String>::new());
         let is_narrow = "document.documentElement.scrollWidth <= window.innerWidth";
         assert_eq!(browser.eval(is_narrow), true, "at {width} px");
-        let drawn =
-            "[...document.querySelectorAll('figure')].every(f => f.querySelector('svg path'))";
+        let drawn = "[...document.querySelectorAll('figure')].every(f => f.querySelector('svg polyline, svg circle, svg image'))";
         assert_eq!(browser.eval(drawn), true, "at {width} px");
     }
 }
@@ -77,7 +93,7 @@ fn the_papers_claims_hold_but_for_those_whose_difference_is_told() {
 fn a_page_that_cannot_be_written_is_refused_before_the_work() {
     let folder = folder();
     fs::write(folder.path().join("report"), "a file").unwrap();
-    let output = run(env!("CARGO_BIN_EXE_amontons"), folder.path(), &["paper", "-o", "report"]);
+    let output = paper(folder.path());
     assert_refused(&output, 1, &["report"]);
     assert_eq!(fs::read_to_string(folder.path().join("report")).unwrap(), "a file");
 }

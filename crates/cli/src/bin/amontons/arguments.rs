@@ -44,8 +44,6 @@ pub enum Command {
     /// Run the library of an unpacked FMU; `check` calls this
     #[command(name = fmu_check::COMMAND, hide = true)]
     RunLibrary(fmu_check::command::LibraryRun),
-    /// Compute the paper's figures and tables, its claims beside what comes out, as one HTML page
-    Paper(crate::paper::Paper),
     /// List the built-in scenes, show one to start from, draw any, or print the schema of scene files
     Scenes {
         #[command(subcommand)]

@@ -1,6 +1,6 @@
 //! `amontons check`: the command of the program `fmu-check`, with the progress and the Ctrl-C of the other commands.
 
-use crate::interrupt::{self, Interrupted};
+use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
 use fmu_check::command::{self, Arguments, Failed};
 use std::error::Error;

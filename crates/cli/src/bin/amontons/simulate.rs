@@ -1,7 +1,6 @@
 //! `amontons simulate`.
 
 use crate::arguments::Simulate;
-use crate::interrupt::{self, Interrupted};
 use crate::{scenes, sweep};
 use amontons::error::Short;
 use amontons::scene::{Experiment, Scene};
@@ -11,6 +10,7 @@ use amontons_analysis::assign::assign;
 use amontons_analysis::inputs::{Inputs, is_close};
 use amontons_analysis::output::{Pending, check_inputs_stay};
 use amontons_analysis::sweep::range::check_once;
+use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
 use amontons_export::scene;
 use std::error::Error;

@@ -1,13 +1,13 @@
 //! `amontons simulate --sweep`.
 
 use crate::arguments::Simulate;
-use crate::interrupt::{Interrupted, watched};
 use crate::simulate::is_broken_pipe;
 use amontons::scene::{Experiment, Scene, Selection};
 use amontons::selection::select;
 use amontons_analysis::output::Pending;
 use amontons_analysis::sweep::observed::output;
 use amontons_analysis::sweep::{Doubt, ENERGIES, Possible, Summary, View, sweep};
+use amontons_cli::interrupt::{Interrupted, watched};
 use amontons_cli::progress::Progress;
 use amontons_export::documentation::counted;
 use std::error::Error;

@@ -4,12 +4,13 @@ mod chart;
 mod output;
 
 use crate::arguments::{Accuracy, Format};
-use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, stopped};
+use crate::reference::{self, REFERENCE_SHARE};
 use amontons::scene::Method;
 use amontons::simulation::Simulation;
 use amontons_analysis::accuracy::{Row, Rung, Study, assign, dof_named, short};
 use amontons_analysis::sweep::range::check_once;
 use amontons_analysis::watch::Watch;
+use amontons_cli::interrupt::{self, Interrupted, stopped};
 use amontons_cli::progress::Progress;
 use amontons_export::scene;
 use amontons_pictures::picture;
@@ -54,8 +55,8 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     scene.experiment.stop_time = arguments.stop_time.unwrap_or(scene.experiment.stop_time);
     let dof = arguments.of.as_deref().map(|name| dof_named(&scene, name)).transpose()?;
     interrupt::listen();
-    let bar = interrupt::reference();
-    let study = interrupt::study(&scene, dof, &bar)?;
+    let bar = reference::reference();
+    let study = reference::study(&scene, dof, &bar)?;
     let mut report =
         Report { arguments, study, rows: Vec::new(), notes: Vec::new(), complete: false };
     report.complete = report.climb(&bar).is_continue();

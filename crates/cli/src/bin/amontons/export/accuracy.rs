@@ -1,9 +1,10 @@
 //! The page on accuracy in an FMU's documentation, from runs of the scene.
 
-use crate::interrupt::{self, Interrupted, REFERENCE_SHARE, stopped};
+use crate::reference::{self, REFERENCE_SHARE};
 use amontons::scene::Scene;
 use amontons_analysis::accuracy::{Row, Rung, short};
 use amontons_analysis::watch::Watch;
+use amontons_cli::interrupt::{self, Interrupted, stopped};
 use amontons_export::documentation::accuracy_page;
 use std::error::Error;
 
@@ -13,8 +14,8 @@ use std::error::Error;
 /// The scene cannot be run, or the user has ended the command ([`Interrupted`]).
 pub fn page(scene: &Scene) -> Result<String, Box<dyn Error>> {
     interrupt::listen();
-    let bar = interrupt::reference();
-    let study = interrupt::study(scene, None, &bar)?;
+    let bar = reference::reference();
+    let study = reference::study(scene, None, &bar)?;
     bar.say("methods and steps");
     let ladder = study.ladder();
     let share = (1.0 - REFERENCE_SHARE) / ladder.len().max(1) as f64;

@@ -4,7 +4,6 @@ mod accuracy;
 mod written;
 
 use crate::arguments::Export;
-use crate::say::say;
 use crate::scenes;
 use amontons::Error;
 use amontons::model::{Equilibrium, LumpedModel};
@@ -13,6 +12,7 @@ use amontons::simulation::Simulation;
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::critical_step;
 use amontons_analysis::output::{check_folder, check_inputs_stay};
+use amontons_cli::say;
 use amontons_export::documentation::{Subject, counted, documentation, first_forces};
 use amontons_export::package::{self, Library};
 use amontons_export::scene;

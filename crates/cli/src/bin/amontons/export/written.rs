@@ -1,9 +1,9 @@
 //! What an export writes beside the FMU, and what it puts into the FMU for people.
 
-use crate::interrupt::{self, Interrupted};
 use amontons::scene::Scene;
 use amontons_analysis::output::Pending;
 use amontons_analysis::watch::Watch;
+use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
 use amontons_export::documentation::{CrossCheck, ReferenceRun, cross_check, reference_run};
 use std::error::Error;

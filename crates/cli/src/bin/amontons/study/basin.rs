@@ -1,16 +1,17 @@
 //! `amontons study basin`.
 
 use super::arguments::{Common, Looking};
-use super::attractor::{self, number, unit_of, words};
+use super::attractor::{self, number};
 use super::folder::Folder;
 use super::{heading, interrupted, prepared_with, watched};
 use crate::arguments::{Values, named_values};
-use crate::say::say;
 use amontons::scene::Scene;
 use amontons_analysis::study::basin::{
     Axis, Basin as Found, Cell, Coverage, SHORT_WINDOWS, basin, check_points,
 };
 use amontons_analysis::study::{Look, initial_value};
+use amontons_cli::charts::attractor::{unit_of, words};
+use amontons_cli::say;
 use amontons_pictures::picture::{Class, Map};
 use clap::Args;
 use serde_json::json;

@@ -3,14 +3,12 @@
 pub mod arguments;
 mod attractor;
 mod basin;
-pub mod continuation;
+mod continuation;
 mod folder;
-mod kinds;
-pub mod limit_cycle;
-pub mod perturbation;
-pub mod transient;
+mod limit_cycle;
+mod perturbation;
+mod transient;
 
-use crate::interrupt::{self, Interrupted};
 use amontons::error::Rounded;
 use amontons::numerics::range;
 use amontons::scene::{Method, Scene, Selection, Source};
@@ -19,6 +17,7 @@ use amontons_analysis::assign::assign;
 use amontons_analysis::doubts::doubts_of;
 use amontons_analysis::study::{Look, Watch, pace};
 use amontons_analysis::sweep::range::check_once;
+use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
 use amontons_export::documentation::counted;
 use amontons_export::scene;

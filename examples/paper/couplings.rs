@@ -175,7 +175,7 @@ pub fn chart(name: &str, locus: &Locus) -> Chart {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::paper::scene;
+    use crate::scene;
 
     #[test]
     fn claims_on_couplings_fail_where_the_sets_are_exchanged_or_nothing_couples() {

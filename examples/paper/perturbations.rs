@@ -4,13 +4,13 @@ use super::claims::claim;
 use super::measures::{half_ranges, spread};
 use super::motion::Motion;
 use super::scene;
-use crate::study::perturbation::{endings, histories, thinned};
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::perturbation::{Direction, Run, Threshold, perturbation};
 use amontons_analysis::study::{Journal, Look, Watch, history};
+use amontons_cli::charts::perturbation::{endings, histories, thinned};
 use amontons_pictures::picture::{Chart, Panel, Series};
 use amontons_pictures::report::{Claim, Content, Figure, Section};
 

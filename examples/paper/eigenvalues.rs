@@ -26,8 +26,8 @@ struct Printed {
 }
 
 const PRINTED: [(&str, &str, &str); 2] = [
-    ("set1", "Table 2", include_str!("../../../../../../tests/data/table2.json")),
-    ("set2", "Table 3", include_str!("../../../../../../tests/data/table3.json")),
+    ("set1", "Table 2", include_str!("../../tests/data/table2.json")),
+    ("set2", "Table 3", include_str!("../../tests/data/table3.json")),
 ];
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {

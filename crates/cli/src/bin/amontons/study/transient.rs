@@ -1,19 +1,18 @@
 //! `amontons study transient`: growth and decay in one run.
 
-pub mod chart;
-
 use super::arguments::Common;
 use super::folder::Folder;
 use super::{found, set_pace, watched};
 use crate::arguments::positive;
-use crate::interrupt::Interrupted;
-use amontons::decimal::to_significant;
+pub use amontons::decimal::to_significant;
 use amontons::error::Rounded;
 use amontons::scene::{Experiment, Scene};
 use amontons_analysis::study::transient::{
     Eigenvalue, Finding, Open, Phase, Taken, Transient, interval, transient,
 };
 use amontons_analysis::study::{Look, output, pace};
+use amontons_cli::charts::transient::{chart, most_telling};
+use amontons_cli::interrupt::Interrupted;
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -93,7 +92,7 @@ fn write(folder: &Folder, scene: &Scene, found: &Transient) -> Result<(), Box<dy
     folder.write_json(found)?;
     // A run that ended at once has nothing to draw.
     if found.history.len() > 1 {
-        folder.draw("transient", &chart::chart(scene, found))?;
+        folder.draw("transient", &chart(scene, found))?;
     }
     Ok(())
 }
@@ -239,23 +238,6 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
         writeln!(out, "unknown: {}", asked(question, *interval))?;
     }
     Ok(())
-}
-
-/// The most findings that are printed, and drawn.
-const MOST_LISTED: usize = 12;
-
-/// The findings that change most, in order of time: growth before decay, and no combinations before others.
-pub fn most_telling(findings: &[Finding]) -> Vec<&Finding> {
-    let change = |finding: &Finding| {
-        let Phase { rate, span, .. } = &finding.phase;
-        (rate * (span[1] - span[0])).abs()
-    };
-    let rank = |finding: &Finding| (finding.phase.combination.is_some(), finding.phase.rate < 0.0);
-    let mut order: Vec<&Finding> = findings.iter().collect();
-    order.sort_by(|a, b| rank(a).cmp(&rank(b)).then(change(b).total_cmp(&change(a))));
-    order.truncate(MOST_LISTED);
-    order.sort_by(|a, b| a.phase.span[0].total_cmp(&b.phase.span[0]));
-    order
 }
 
 fn verb(rate: f64) -> &'static str {

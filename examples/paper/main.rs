@@ -1,4 +1,10 @@
-//! `amontons paper`: the paper's figures and tables from the built-in scenes, its claims beside what came out.
+//! The paper's figures and tables from the built-in scenes, its claims beside what came out:
+//!
+//! ```text
+//! cargo run --release --example paper -- -o report
+//! ```
+//!
+//! It shows what the libraries give besides runs: eigenvalues, studies, their pictures, and a page of all that.
 
 mod branches;
 mod claims;
@@ -12,24 +18,27 @@ mod modes;
 mod motion;
 mod perturbations;
 
-use crate::interrupt::{self, Interrupted};
-use crate::say::say;
 use amontons::Error;
 use amontons::scene::{Scene, named};
 use amontons_analysis::assign::assign;
 use amontons_analysis::study::{Look, Watch, Wish};
+use amontons_cli::exit;
+use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
+use amontons_cli::say;
 use amontons_pictures::report::{Cell, Page, Section, Table, write};
-use clap::Args;
+use clap::Parser;
 use std::fs;
 use std::path::PathBuf;
+use std::process::ExitCode;
 use std::time::Instant;
 
-#[derive(Args)]
-pub struct Paper {
+/// Compute the paper's figures and tables, its claims beside what comes out, as one HTML page
+#[derive(Parser)]
+struct Arguments {
     /// Folder for the page, index.html; made if it is not there
     #[arg(short, long, value_name = "DIR")]
-    pub output: PathBuf,
+    output: PathBuf,
 }
 
 /// What makes a section; none where a person has ended it.
@@ -44,7 +53,17 @@ const SECTIONS: [(&str, f64, Work); 5] = [
     ("Branches over the friction coefficient (Figs. 6 and 7)", 30.0, branches::section),
 ];
 
-pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
+fn main() -> ExitCode {
+    match run(&Arguments::parse()) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("error: {error}");
+            ExitCode::from(exit::code(&*error))
+        }
+    }
+}
+
+fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let folder = &arguments.output;
     fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
     let path = folder.join("index.html");
@@ -77,7 +96,10 @@ pub fn run(arguments: &Paper) -> Result<(), Box<dyn std::error::Error>> {
         title: "A lumped model with frictional contact: the paper and what came out".to_owned(),
         lead: LEAD.iter().map(|text| (*text).to_owned()).collect(),
         sections,
-        footer: format!("Made by amontons {} with: amontons paper", env!("CARGO_PKG_VERSION")),
+        footer: format!(
+            "Made by amontons {} with: cargo run --release --example paper",
+            env!("CARGO_PKG_VERSION")
+        ),
     };
     write(&page, &path)?;
     claims::print(&page);

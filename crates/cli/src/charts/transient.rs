@@ -1,6 +1,5 @@
-//! The picture of `amontons study transient`.
+//! The picture of growth and decay in one run.
 
-use super::most_telling;
 use amontons::contact::ContactState;
 use amontons::numerics::max_norm;
 use amontons::scene::Scene;
@@ -21,6 +20,7 @@ const LATE: f64 = 0.1;
 const DEEPEST: f64 = -80.0;
 
 /// The history, the logarithms of its amplitudes, its spectrogram, and the contacts' states.
+#[must_use]
 pub fn chart(scene: &Scene, found: &Transient) -> Chart {
     let panels = [Some(history(found)), amplitudes(found), spectrogram(found), states(found)];
     Chart {
@@ -29,6 +29,24 @@ pub fn chart(scene: &Scene, found: &Transient) -> Chart {
         panels: panels.into_iter().flatten().collect(),
         ..Chart::default()
     }
+}
+
+/// The most findings that are printed, and drawn.
+const MOST_LISTED: usize = 12;
+
+/// The findings that change most, in order of time: growth before decay, and no combinations before others.
+#[must_use]
+pub fn most_telling(findings: &[Finding]) -> Vec<&Finding> {
+    let change = |finding: &Finding| {
+        let Phase { rate, span, .. } = &finding.phase;
+        (rate * (span[1] - span[0])).abs()
+    };
+    let rank = |finding: &Finding| (finding.phase.combination.is_some(), finding.phase.rate < 0.0);
+    let mut order: Vec<&Finding> = findings.iter().collect();
+    order.sort_by(|a, b| rank(a).cmp(&rank(b)).then(change(b).total_cmp(&change(a))));
+    order.truncate(MOST_LISTED);
+    order.sort_by(|a, b| a.phase.span[0].total_cmp(&b.phase.span[0]));
+    order
 }
 
 fn history(found: &Transient) -> Panel {

@@ -1,6 +1,6 @@
 //! Claims and their verdicts.
 
-use crate::say::say;
+use amontons_cli::say;
 use amontons_pictures::report::{Claim, Page, Verdict};
 
 /// A claim that holds if a condition does; why it does not, where that is known.

@@ -5,10 +5,10 @@ use std::io::{ErrorKind, Write, stdout};
 use std::process::exit;
 
 /// Prints a line as `println!` does, which ends with a panic where nobody reads on, as after `| head`.
+#[macro_export]
 macro_rules! say {
     ($($words:tt)*) => { $crate::say::line(format_args!($($words)*)) };
 }
-pub(crate) use say;
 
 /// Prints a line, or nothing where nobody reads on: the files that a command writes are written all the same. Any other failure
 /// ends the program.

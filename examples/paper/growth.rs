@@ -2,11 +2,11 @@
 
 use super::growth_claims;
 use super::scene;
-use crate::study::transient::chart;
 use amontons::Error;
 use amontons::scene::Experiment;
 use amontons_analysis::study::Watch;
 use amontons_analysis::study::transient::{Transient, transient};
+use amontons_cli::charts::transient::chart;
 use amontons_pictures::report::{Content, Figure, Section, Table};
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
@@ -25,7 +25,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
                   growth that was found, spectrogram, and the contacts' states"
             .to_owned(),
         command: Some("amontons study transient set1 --of 'module[1].x1'".to_owned()),
-        content: Content::Chart(chart::chart(&scene, &found)),
+        content: Content::Chart(chart(&scene, &found)),
     };
     Ok(Some(Section {
         claims,

@@ -2,13 +2,13 @@
 
 use super::claims::{claim, half_digit, is_about};
 use super::scene;
-use crate::study::continuation::{chart, describe};
 use amontons::Error;
 use amontons::scene::{Method, Scene};
 use amontons_analysis::stability::candidates::{Bistability, bistability};
 use amontons_analysis::study::{
     Continuation, Journal, Jump, Look, Plan, Point, Push, Watch, continuation,
 };
+use amontons_cli::charts::continuation::{chart, describe};
 use amontons_pictures::report::{Claim, Content, Figure, Section, Table};
 
 /// µ of both figures: 1.5 to 2.5 in steps of 0.01.

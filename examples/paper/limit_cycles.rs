@@ -3,7 +3,6 @@
 use super::claims::claim;
 use super::measures::three_pieces;
 use super::scene;
-use crate::study::limit_cycle::Told;
 use amontons::Error;
 use amontons::contact::ContactState;
 use amontons::scene::Scene;
@@ -11,6 +10,7 @@ use amontons_analysis::study::{
     Change, Journal, LimitCycles, Look, MotionBracket, Outcome, Portrait, Question, Watch, Wish,
     limit_cycles,
 };
+use amontons_cli::charts::limit_cycle::Results;
 use amontons_pictures::report::{Claim, Content, Figure, Section};
 
 /// µ of the figure.
@@ -45,7 +45,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     let prepare = |scene: &mut Scene| Look::paced(scene, &Wish::default());
     let found = limit_cycles(&scene, &prepare, &question, &Journal::forgotten(), watch)?;
     let Some(found) = found else { return Ok(None) };
-    let told = Told { scene: &scene, of: &look.of, question: &question, found: &found };
+    let results = Results { scene: &scene, of: &look.of, question: &question, found: &found };
     let command = format!(
         "amontons study limit-cycle set1 --set friction.coefficient={FRICTION} \
          --parameter slider.velocity=0.01:0.4:0.01 --portrait 0.05 --portrait 0.15 --portrait 0.25"
@@ -55,7 +55,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
                   slider's velocity"
             .to_owned(),
         command: Some(command),
-        content: Content::Chart(told.chart()),
+        content: Content::Chart(results.chart()),
     }];
     for portrait in &found.portraits {
         for (letter, direction) in [('b', "tangential"), ('c', "normal")] {
@@ -65,7 +65,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
                     portrait.value
                 ),
                 command: None,
-                content: Content::Chart(told.portrait(portrait, direction)),
+                content: Content::Chart(results.portrait(portrait, direction)),
             });
         }
     }

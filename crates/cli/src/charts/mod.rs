@@ -1,0 +1,8 @@
+//! Pictures of the results of studies. `amontons study` and the example `paper` draw them.
+
+pub mod attractor;
+pub mod continuation;
+mod kinds;
+pub mod limit_cycle;
+pub mod perturbation;
+pub mod transient;

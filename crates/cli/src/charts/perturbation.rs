@@ -1,0 +1,129 @@
+//! The pictures of perturbations and of what they end in.
+
+use super::attractor::{four_digits, unit_of, words};
+use amontons::numerics::range;
+use amontons::scene::Scene;
+use amontons_analysis::study::perturbation::{Direction, Perturbations, Run, Threshold};
+use amontons_analysis::study::{Look, history};
+use amontons_pictures::picture::{Chart, Mark, Marker, Panel, Series, Style};
+
+/// Final amplitude over the perturbation.
+#[must_use]
+pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) -> Chart {
+    let unit = unit_of(scene, &look.of);
+    let points = |attractor: Option<usize>| {
+        let runs = found.runs.iter().filter(|run| run.attractor == attractor);
+        let point = |run: &Run| Some([run.amplitude, run.ending.as_ref()?.amplitude]);
+        runs.filter_map(point).collect::<Vec<_>>()
+    };
+    let mut series: Vec<Series> = found
+        .attractors
+        .iter()
+        .enumerate()
+        .map(|(place, ending)| Series {
+            label: Some(words(ending, unit)),
+            points: points(Some(place)),
+            colour: place,
+            style: Style::Dots,
+            marker: Some(Marker::ALL[place % Marker::ALL.len()]),
+            ..Series::default()
+        })
+        .collect();
+    let unsettled = points(None);
+    if !unsettled.is_empty() {
+        series.push(Series {
+            label: Some("unsettled".to_owned()),
+            points: unsettled,
+            colour: found.attractors.len(),
+            style: Style::Dots,
+            ..Series::default()
+        });
+    }
+    let perturbed = unit_of(scene, &direction.name);
+    let marks = found.thresholds.iter().map(|threshold| {
+        let [a, b] = threshold.between;
+        let middle = 0.5 * (a + b);
+        Mark { x: middle, label: Some(format!("threshold {}", four_digits(middle, perturbed))) }
+    });
+    Chart {
+        title: format!("{}: what perturbations end in", scene.name),
+        x_label: format!("{} [{perturbed}]", direction.name),
+        panels: vec![Panel {
+            y_label: format!("Final amplitude of {} [{unit}]", look.of),
+            series,
+            marks: marks.collect(),
+            zero_line: true,
+            ..Panel::default()
+        }],
+        logarithmic: false,
+    }
+}
+
+/// The runs on both sides of a threshold over time; `None` if they were ended.
+pub fn histories(
+    scene: &Scene,
+    direction: &Direction,
+    look: &Look,
+    (found, threshold): (&Perturbations, &Threshold),
+    is_over: &dyn Fn() -> bool,
+) -> Result<Option<Chart>, amontons::Error> {
+    let ends = threshold.attractors.map(|place| &found.attractors[place]);
+    let settled = |amplitude: &f64| {
+        let run = found.runs.iter().find(|run| run.amplitude == *amplitude);
+        run.and_then(|run| run.ending.as_ref()).map_or(look.window, |ending| ending.time)
+    };
+    let duration = threshold.between.iter().map(settled).fold(0.0, f64::max);
+    let mut curves = Vec::new();
+    for amplitude in threshold.between {
+        let rows = history(scene, (&direction.name, amplitude), look, duration, is_over)?;
+        let Some(rows) = rows else { return Ok(None) };
+        curves.push(thinned(&rows, look.interval));
+    }
+    // A motion is followed long after one sees where it goes.
+    let shown = 1.5 * curves.iter().map(|curve| seen_to_settle(curve)).fold(0.0, f64::max);
+    let unit = unit_of(scene, &look.of);
+    let panel = |(place, curve): (usize, Vec<[f64; 2]>)| {
+        let what = words(ends[place], unit);
+        let start = four_digits(threshold.between[place], unit_of(scene, &direction.name));
+        Panel {
+            y_label: format!("{} [{unit}]", look.of),
+            series: vec![Series {
+                label: Some(format!("just {} {start}: {what}", ["below", "above"][place])),
+                points: curve.into_iter().filter(|[time, _]| *time <= shown).collect(),
+                colour: threshold.attractors[place],
+                ..Series::default()
+            }],
+            zero_line: true,
+            ..Panel::default()
+        }
+    };
+    Ok(Some(Chart {
+        title: format!("{}: on both sides of a threshold of {}", scene.name, direction.name),
+        x_label: "Time [s]".to_owned(),
+        panels: curves.into_iter().enumerate().map(panel).collect(),
+        logarithmic: false,
+    }))
+}
+
+/// A history as a picture can show it: of each of some thousand stretches its smallest value and then its largest.
+#[allow(clippy::cast_precision_loss)]
+#[must_use]
+pub fn thinned(rows: &[f64], interval: f64) -> Vec<[f64; 2]> {
+    const STRETCHES: usize = 2000;
+    let length = rows.len().div_ceil(STRETCHES);
+    let stretches = rows.chunks_exact(length).enumerate().flat_map(|(place, stretch)| {
+        let [low, high] = range(stretch.iter().copied());
+        let time = |part: f64| ((place as f64 + part) * length as f64) * interval;
+        [[time(0.0), low], [time(0.5), high]]
+    });
+    stretches.collect()
+}
+
+/// The last time, s, at which a thinned history is farther from its end than a twentieth of its largest value.
+fn seen_to_settle(curve: &[[f64; 2]]) -> f64 {
+    let [.., low, high] = curve else { return 0.0 };
+    let near = 0.05 * curve.iter().fold(0.0, |most, [_, value]| f64::max(most, value.abs()));
+    let differs =
+        |two: &&[[f64; 2]]| (two[0][1] - low[1]).abs() > near || (two[1][1] - high[1]).abs() > near;
+    curve.chunks(2).rfind(differs).map_or(0.0, |two| two[0][0])
+}

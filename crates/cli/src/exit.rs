@@ -1,0 +1,29 @@
+//! Exit codes say what kind of thing went wrong; clap, too, ends with 2 where arguments are wrong.
+
+use crate::interrupt::Interrupted;
+
+/// A file cannot be read or written, or the work has failed.
+pub const FAILED: u8 = 1;
+/// The arguments are wrong.
+pub const ARGUMENTS: u8 = 2;
+/// The scene is wrong.
+pub const SCENE: u8 = 3;
+/// The run of a scene has failed.
+pub const RUN: u8 = 4;
+/// A person has ended the command, as shells have it for Ctrl-C.
+pub const INTERRUPTED: u8 = 130;
+
+/// The exit code for an error of the libraries, or [`Interrupted`]; that of all others is [`FAILED`].
+#[must_use]
+pub fn code(error: &(dyn std::error::Error + 'static)) -> u8 {
+    if error.is::<Interrupted>() {
+        return INTERRUPTED;
+    }
+    match error.downcast_ref::<amontons::Error>() {
+        Some(error) if error.is_argument() => ARGUMENTS,
+        Some(error) if error.is_step() => RUN,
+        Some(error) if error.is_package() || error.is_file() || error.is_picture() => FAILED,
+        Some(_) => SCENE,
+        None => FAILED,
+    }
+}
