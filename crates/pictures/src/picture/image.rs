@@ -60,7 +60,7 @@ impl<B: DrawingBackend> Canvas<B> {
             let data = base64(&image.png()?);
             *self.images.borrow_mut() += &format!(
                 "<image x=\"{left}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" \
-                 preserveAspectRatio=\"none\" style=\"image-rendering:pixelated\" \
+                 preserveAspectRatio=\"none\" image-rendering=\"pixelated\" \
                  href=\"data:image/png;base64,{data}\"/>\n"
             );
             return Ok(());

@@ -18,7 +18,7 @@ pub(super) fn figure(figure: &Figure, number: usize) -> Result<String, Error> {
         Content::Map(map) => (&map.title, map.svg()?),
     };
     let mut html = format!("<figure id=\"{id}\" aria-labelledby=\"{id}-title\">\n");
-    add(&mut html, format_args!("<h3 id=\"{id}-title\">{}</h3>\n", text(title)));
+    add(&mut html, format_args!("<h3 class=\"unseen\" id=\"{id}-title\">{}</h3>\n", text(title)));
     sheet(&mut html, &format!("{id}-title"), &svg);
     add(&mut html, format_args!("<figcaption>\n<p>{}</p>\n", text(&figure.caption)));
     if let Some(command) = &figure.command {
