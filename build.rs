@@ -1,10 +1,10 @@
-//! Two things are made before the crate is compiled:
+//! Two steps before the crate is compiled:
 //!
-//! * the catalogue of FMI variables becomes typed Rust tables (`catalogue`);
-//! * what the sources of the library that goes into an FMU are is put into one word (`sources`).
+//! * the catalogue of FMI variables is turned into typed Rust tables (`catalogue`);
+//! * a digest of the sources of the library that goes into an FMU is computed (`sources`).
 //!
-//! The build script of the crate that makes FMUs compiles these sources once more, as that library: it is told where
-//! they are (`DEP_AMONTONS_ROOT`), and their word (`DEP_AMONTONS_SOURCES`).
+//! The build script of the crate that makes FMUs compiles these sources once more, as that library; it receives their
+//! location (`DEP_AMONTONS_ROOT`) and their digest (`DEP_AMONTONS_SOURCES`).
 
 #[path = "build/catalogue.rs"]
 mod catalogue;

@@ -129,7 +129,7 @@ pub fn write(out: &Path) {
     fs::write(out.join("catalogue.rs"), code).expect("OUT_DIR is writable");
 }
 
-/// The name of a Rust variant for a word of the catalogue.
+/// Name of the Rust variant for a word of the catalogue.
 fn variant(word: &str) -> String {
     let (first, rest) = word.split_at(1);
     first.to_uppercase() + rest

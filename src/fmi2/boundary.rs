@@ -1,4 +1,4 @@
-//! Between C and [`Instance`]: handles, arrays, and the fence that no panic crosses.
+//! The boundary between C and [`Instance`]: handles, arrays, and the catching of panics.
 #![allow(unsafe_code)]
 
 use super::instance::Instance;
@@ -11,10 +11,10 @@ use std::ffi::{CStr, c_char};
 use std::mem::MaybeUninit;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 
-/// What a call amounts to, before it becomes a status.
+/// Result of a call, before it becomes a status.
 pub(super) type Outcome = Result<fmi2Status, Error>;
 
-/// A call succeeded.
+/// Result of a call that succeeded.
 pub(super) const OK: Outcome = Ok(fmi2Status::fmi2OK);
 
 /// Makes a handle of an instance; [`free`] takes it back.
@@ -22,7 +22,7 @@ pub(super) fn handle(instance: Instance) -> fmi2Component {
     Box::into_raw(Box::new(instance)).cast()
 }
 
-/// Ends an instance; NULL is fine.
+/// Frees an instance; NULL is allowed.
 ///
 /// # Safety
 /// `component` comes from [`handle`] and is not used again.
@@ -32,13 +32,12 @@ pub(super) unsafe fn free(component: fmi2Component) {
     }
     // SAFETY: by this function's contract the handle is one of ours and is given up here.
     let instance = unsafe { Box::from_raw(component.cast::<Instance>()) };
-    // A panic while dropping would have nobody left to tell.
+    // A panic while dropping cannot be reported, since the instance is gone.
     let _ = catch_unwind(AssertUnwindSafe(|| drop(instance)));
 }
 
-/// Runs a call on an instance if its phase allows it. An error is logged and leaves the instance
-/// in its error phase; a panic is caught and leaves it poisoned. A call that succeeds by being tolerated is
-/// answered with a warning.
+/// Runs a call on an instance if its phase allows it. An error is logged and puts the instance into its error phase;
+/// a panic is caught and poisons the instance. A call that succeeds because it is tolerated returns a warning.
 ///
 /// # Safety
 /// `component` is NULL or comes from [`handle`] and has not been freed; no other thread is in a
@@ -48,8 +47,8 @@ pub(super) unsafe fn call(
     call: Call,
     body: impl FnOnce(&mut Instance) -> Outcome,
 ) -> fmi2Status {
-    // SAFETY: by this function's contract the pointer is NULL or a live instance of ours, and
-    // FMI lets nobody else use it during the call.
+    // SAFETY: by this function's contract the pointer is NULL or a live instance of ours, and FMI forbids any other
+    // use of it during the call.
     let Some(instance) = (unsafe { component.cast::<Instance>().as_mut() }) else {
         return fmi2Status::fmi2Error;
     };
@@ -65,7 +64,7 @@ pub(super) unsafe fn call(
         Err(panic) => (format!("internal error: {}", panic_message(&*panic)), true),
     };
     instance.fail(panicked);
-    // The logger is the importer's; should formatting for it panic, the fence still holds.
+    // The logger belongs to the importer; a panic while formatting the message must not cross the boundary either.
     let _ = catch_unwind(AssertUnwindSafe(|| {
         instance.logger.log(fmi2Status::fmi2Error, Category::Error, &message);
     }));
@@ -80,10 +79,10 @@ pub(super) fn panic_message(panic: &(dyn Any + Send)) -> &str {
         .unwrap_or("a panic without a message")
 }
 
-/// The importer's array; NULL is fine for an empty one.
+/// The importer's array; NULL is allowed for an empty one.
 ///
 /// # Safety
-/// `pointer` is NULL or points to `length` values that stay as they are during the call.
+/// `pointer` is NULL or points to `length` values that do not change during the call.
 pub(super) unsafe fn array<'a, T>(pointer: *const T, length: usize) -> Result<&'a [T], Error> {
     if length == 0 {
         return Ok(&[]);
@@ -93,11 +92,10 @@ pub(super) unsafe fn array<'a, T>(pointer: *const T, length: usize) -> Result<&'
     Ok(unsafe { std::slice::from_raw_parts(pointer, length) })
 }
 
-/// The importer's array to write to, which it need not have initialized; NULL is fine for an empty
-/// one.
+/// The importer's array to write to, which may be uninitialized; NULL is allowed for an empty one.
 ///
 /// # Safety
-/// `pointer` is NULL or points to room for `length` values that nobody else uses during the call.
+/// `pointer` is NULL or points to room for `length` values that nothing else uses during the call.
 pub(super) unsafe fn array_mut<'a, T>(
     pointer: *mut T,
     length: usize,
@@ -121,7 +119,7 @@ fn check<T>(pointer: *const T, length: usize) -> Result<(), Error> {
 /// The importer's pointer to one value to write.
 ///
 /// # Safety
-/// `pointer` is NULL or points to room for one value that nobody else uses during the call.
+/// `pointer` is NULL or points to room for one value that nothing else uses during the call.
 pub(super) unsafe fn single<'a, T>(pointer: *mut T) -> Result<&'a mut MaybeUninit<T>, Error> {
     // SAFETY: this function's contract.
     unsafe { array_mut(pointer, 1) }.map(|array| &mut array[0])
@@ -130,7 +128,7 @@ pub(super) unsafe fn single<'a, T>(pointer: *mut T) -> Result<&'a mut MaybeUnini
 /// The importer's string; `None` for NULL.
 ///
 /// # Safety
-/// `pointer` is NULL or points to a terminated string that stays as it is during the call.
+/// `pointer` is NULL or points to a terminated string that does not change during the call.
 pub(super) unsafe fn string<'a>(pointer: *const c_char) -> Option<&'a CStr> {
     // SAFETY: not NULL as checked; terminated by this function's contract.
     (!pointer.is_null()).then(|| unsafe { CStr::from_ptr(pointer) })
@@ -166,7 +164,7 @@ mod tests {
         for kind in [Call::Reset, Call::Get, Call::SetFmuState, Call::SetDebugLogging] {
             assert_eq!(make(hit, kind, || OK), fmi2Status::fmi2Error);
         }
-        // What the importer holds can still be given back.
+        // The importer can still free its instance and its saved states.
         assert_eq!(make(hit, Call::FreeFmuState, || OK), fmi2Status::fmi2OK);
         assert_eq!(make(other, Call::Reset, || OK), fmi2Status::fmi2OK);
         for component in [hit, other, std::ptr::null_mut()] {
@@ -179,7 +177,7 @@ mod tests {
     fn bad_arrays_are_refused_and_empty_ones_may_be_null() {
         let null = std::ptr::null::<f64>();
         let odd = std::ptr::without_provenance::<f64>(4);
-        // SAFETY: what is not a good array is refused before it is read.
+        // SAFETY: an invalid array is refused before it is read.
         unsafe {
             assert_eq!(array(null, 0), Ok(&[][..]));
             assert!(array(null, 1).unwrap_err().is_call());

@@ -1,16 +1,16 @@
 //! The state machine of a co-simulation slave (FMI 2.0.4, section 4.2.4), as one table.
 
-/// Where an instance stands in its life.
+/// Phase in the life of an instance.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub(super) enum Phase {
     Instantiated,
     InitializationMode,
-    /// Initialized, or a step is done.
+    /// The instance is initialized, or a step is complete.
     StepComplete,
     Terminated,
-    /// A call failed; Reset or a saved state leads out.
+    /// A call failed; the instance can be reset, or restored from a saved state.
     Error,
-    /// A panic was caught inside this instance; only freeing is left.
+    /// A panic was caught inside this instance, which can only be freed.
     Poisoned,
 }
 
@@ -19,14 +19,14 @@ use Phase::{Error, InitializationMode, Instantiated, Poisoned, StepComplete, Ter
 const PHASES: [Phase; 6] =
     [Instantiated, InitializationMode, StepComplete, Terminated, Error, Poisoned];
 
-/// What the table says of a call in a phase.
+/// Entry of the table: permission of a call in a phase.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Permission {
-    /// FMI allows it.
+    /// FMI allows the call.
     Allowed,
-    /// FMI does not, and hosts do it: answered with a warning, or refused where the instance is strict.
+    /// FMI forbids the call, but hosts make it: it is answered with a warning, or refused if the instance is strict.
     Tolerated,
-    /// FMI does not, and there is no answer that makes sense.
+    /// FMI forbids the call, and no answer would make sense.
     Refused,
 }
 
@@ -36,7 +36,7 @@ const NO: Permission = Permission::Refused;
 
 macro_rules! table {
     ($($(#[$doc:meta])* $call:ident $name:literal $($entry:ident)*;)*) => {
-        /// The calls that the table knows, and what some of them may be about.
+        /// The calls in the table, and special cases of them.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(super) enum Call {
             $($(#[$doc])* $call,)*
@@ -44,35 +44,35 @@ macro_rules! table {
 
         const CALLS: &[Call] = &[$(Call::$call),*];
 
-        /// FMI's names of the calls, or what their functions have in common.
+        /// FMI's names of the calls, or a description of a group of functions.
         const NAMES: &[&str] = &[$($name),*];
 
-        /// Row: call; column: phase, in their order.
+        /// Permissions, by call and phase.
         static TABLE: [[Permission; PHASES.len()]; CALLS.len()] = [$([$($entry),*]),*];
     };
 }
 
-// A call has to be allowed by its own row and by those of what it is about.
+// A call has to be allowed by its own row and by the rows of its special cases.
 #[rustfmt::skip]
 table! {
     //                                                              instan- initia- step-     termi-
     //                                                              tiated  lization complete nated  error  poisoned
     SetupExperiment      "fmi2SetupExperiment"                      YES     NO      NO      NO      NO      NO;
     EnterInitializationMode "fmi2EnterInitializationMode"           YES     NO      NO      NO      NO      NO;
-    /// … without `fmi2SetupExperiment`.
+    /// `fmi2EnterInitializationMode` without `fmi2SetupExperiment`.
     EnterUnprepared      "fmi2EnterInitializationMode without fmi2SetupExperiment"
                                                                     HABIT   NO      NO      NO      NO      NO;
     ExitInitializationMode "fmi2ExitInitializationMode"             NO      YES     NO      NO      NO      NO;
     Terminate            "fmi2Terminate"                            NO      NO      YES     NO      NO      NO;
     Reset                "fmi2Reset"                                YES     YES     YES     YES     YES     NO;
     SetDebugLogging      "fmi2SetDebugLogging"                      YES     YES     YES     YES     YES     NO;
-    /// … of a category that the model description does not declare.
+    /// `fmi2SetDebugLogging` with a category that the model description does not declare.
     UnknownCategory      "fmi2SetDebugLogging of the unknown category"
                                                                     HABIT   HABIT   HABIT   HABIT   HABIT   NO;
 
     Get                  "reading a variable (fmi2Get…)"            HABIT   YES     YES     YES     YES     NO;
     Set                  "setting a variable (fmi2Set…)"            YES     YES     YES     NO      NO      NO;
-    /// … that is an input, which has no `initial`.
+    /// Setting an input, which has no `initial`.
     SetInput             "setting an input"                         HABIT   YES     YES     NO      NO      NO;
     SetTunable           "setting a tunable parameter"              YES     YES     YES     NO      NO      NO;
     SetFixed             "setting a fixed parameter"                YES     YES     NO      NO      NO      NO;
@@ -80,7 +80,7 @@ table! {
 
     GetFmuState          "fmi2GetFMUstate"                          YES     YES     YES     YES     YES     NO;
     SetFmuState          "fmi2SetFMUstate"                          YES     YES     YES     YES     YES     NO;
-    /// Whatever turns a saved state into bytes or back, without the instance.
+    /// All functions that turn a saved state into bytes or back, without using the instance.
     HeldFmuState         "turning a saved state into bytes or back" YES     YES     YES     YES     YES     NO;
     FreeFmuState         "fmi2FreeFMUstate"                         YES     YES     YES     YES     YES     YES;
 
@@ -89,9 +89,9 @@ table! {
     OutputDerivatives    "fmi2GetRealOutputDerivatives"             NO      NO      YES     YES     YES     NO;
 
     DoStep               "fmi2DoStep"                               NO      NO      YES     NO      NO      NO;
-    /// … that leads nowhere.
+    /// `fmi2DoStep` of length zero.
     StepOfLengthZero     "fmi2DoStep of length zero"                NO      NO      HABIT   NO      NO      NO;
-    /// Only while a step is in progress, which none is when `fmi2DoStep` has returned.
+    /// FMI allows this call only while a step is in progress, but no step is after `fmi2DoStep` has returned.
     CancelStep           "fmi2CancelStep"                           NO      NO      NO      NO      NO      NO;
     Status               "fmi2Get…Status"                           HABIT   HABIT   YES     YES     HABIT   NO;
 }
@@ -102,7 +102,7 @@ impl Call {
         TABLE[self as usize][phase as usize]
     }
 
-    /// The phases in which FMI allows the call, for a message.
+    /// The phases in which FMI allows the call, as text for a message.
     pub(super) fn phases(self) -> String {
         let allowed =
             PHASES.into_iter().filter(|&phase| self.in_phase(phase) == Permission::Allowed);
@@ -110,7 +110,7 @@ impl Call {
         if phases.is_empty() { "it is in none".to_owned() } else { format!("it is in {phases}") }
     }
 
-    /// What FMI wants in place of a habit, for a message.
+    /// The call that FMI requires in place of a tolerated one, as text for a message.
     pub(super) fn wish(self) -> &'static str {
         match self {
             Self::EnterUnprepared => "fmi2SetupExperiment first; the run starts at time 0",
@@ -132,12 +132,12 @@ impl std::fmt::Display for Call {
     }
 }
 
-/// Calls that were noted.
+/// Set of the calls that were noted.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct Noted(u32);
 
 impl Noted {
-    /// Notes a call; was it new?
+    /// Notes a call; returns `true` if it was not noted before.
     pub(super) fn note(&mut self, call: Call) -> bool {
         let bit = 1 << call as u32;
         let is_new = self.0 & bit == 0;
@@ -177,7 +177,7 @@ mod tests {
                 assert_ne!(call.wish(), "it elsewhere", "{call}");
             }
         }
-        // One bit is enough for each.
+        // One bit is enough for each call.
         assert!(CALLS.len() <= 32 && CALLS.iter().zip(0..).all(|(&call, i)| call as u32 == i));
     }
 }

@@ -1,4 +1,4 @@
-//! Messages to the importer's logger.
+//! Log messages to the importer.
 
 use super::types::{
     fmi2CallbackFunctions, fmi2CallbackLogger, fmi2ComponentEnvironment, fmi2Status,
@@ -37,7 +37,7 @@ impl Category {
     }
 }
 
-/// The importer's logger, if it gave one, and what it wants to hear.
+/// The importer's logger, if it has given one, and the categories that it has enabled.
 pub(super) struct Logger {
     callback: Option<fmi2CallbackLogger>,
     environment: fmi2ComponentEnvironment,
@@ -60,14 +60,14 @@ impl Logger {
         }
     }
 
-    /// The first name that is no category.
+    /// The first name that is not a category; `None` if all are.
     pub(super) fn unknown<'a>(names: &[&'a CStr]) -> Option<&'a CStr> {
         let known =
             |name: &CStr| CATEGORIES.iter().any(|(known, _)| known.as_bytes() == name.to_bytes());
         names.iter().copied().find(|name| !known(name))
     }
 
-    /// Turns categories on or off; none named means all.
+    /// Turns categories on or off; without names, all of them.
     pub(super) fn enable(&mut self, on: bool, names: &[&CStr]) {
         let all = names.is_empty() || names.contains(&c"logAll");
         for (category, enabled) in
@@ -79,8 +79,8 @@ impl Logger {
         }
     }
 
-    /// Is anyone listening to this category? Errors are always told: without its reason a refusal
-    /// is worthless, and FMI's `loggingOn` speaks of debug logging.
+    /// `true` if messages of this category are logged. Errors always are: a refusal is useless without its reason,
+    /// and FMI's `loggingOn` concerns debug logging.
     pub(super) fn wants(&self, category: Category) -> bool {
         self.callback.is_some() && (category == Category::Error || self.enabled[category as usize])
     }

@@ -19,12 +19,12 @@ pub type fmi2StatusKind = c_int;
 pub const fmi2False: fmi2Boolean = 0;
 pub const fmi2CoSimulation: fmi2Type = 1;
 
-/// `fmi2StatusKind`.
+/// Values of `fmi2StatusKind`.
 pub const fmi2LastSuccessfulTime: fmi2StatusKind = 2;
 pub const fmi2Terminated: fmi2StatusKind = 3;
 
-/// What a function returns. Pending and Fatal are never: steps end in their call, and what befalls
-/// one instance leaves the others alone.
+/// Status that a function returns. Pending and Fatal do not occur: steps are complete when their call returns, and an
+/// error of one instance does not affect the others.
 #[repr(C)]
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum fmi2Status {
@@ -46,7 +46,7 @@ pub type fmi2CallbackAllocateMemory = unsafe extern "C" fn(size_t, size_t) -> *m
 pub type fmi2CallbackFreeMemory = unsafe extern "C" fn(*mut c_void);
 pub type fmi2StepFinished = unsafe extern "C" fn(fmi2ComponentEnvironment, fmi2Status);
 
-/// What the importer hands to `fmi2Instantiate`; every member may be NULL.
+/// Callback functions that the importer passes to `fmi2Instantiate`; every member may be NULL.
 #[repr(C)]
 #[derive(Clone, Copy)]
 pub struct fmi2CallbackFunctions {

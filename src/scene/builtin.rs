@@ -1,19 +1,19 @@
-//! The scenes that the program carries; the same files stand under `scenes/`.
+//! The scenes built into the program, which are the files under `scenes/`.
 
 use super::{Scene, parse};
 use crate::Error;
 
-/// A scene that the program carries.
+/// A scene built into the program.
 #[derive(Clone, Copy, Debug)]
 pub struct Builtin {
-    /// Its name on the command line.
+    /// Name of the scene on the command line.
     pub name: &'static str,
-    /// Its file, word for word.
+    /// Text of the scene's file.
     pub text: &'static str,
 }
 
 impl Builtin {
-    /// The scene itself.
+    /// Makes the scene.
     #[must_use]
     pub fn scene(&self) -> Scene {
         parse(self.name, self.text).expect("built-in scenes are checked by a test")
@@ -34,22 +34,22 @@ pub const BUILTIN: &[Builtin] = &[
     Builtin { name: "drive", text: include_str!("../../scenes/drive.toml") },
 ];
 
-/// The built-in scene of that name.
+/// Returns the built-in scene with this name; `None` if there is none.
 #[must_use]
 pub fn builtin(name: &str) -> Option<Builtin> {
     BUILTIN.iter().copied().find(|builtin| builtin.name == name)
 }
 
-/// The built-in scene that a command line names.
+/// Returns the built-in scene that a command line names.
 ///
 /// # Errors
-/// There is none of that name; what there is.
+/// Returns an error that lists the built-in scenes if there is none with this name.
 pub fn named(name: &str) -> Result<Builtin, Error> {
     builtin(name)
         .ok_or_else(|| Error::argument(format!("no built-in scene {name}; {}", builtin_names())))
 }
 
-/// What is built in, for a message.
+/// Lists the names of the built-in scenes, for a message.
 #[must_use]
 pub fn builtin_names() -> String {
     let names: Vec<&str> = BUILTIN.iter().map(|builtin| builtin.name).collect();

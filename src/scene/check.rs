@@ -1,4 +1,4 @@
-//! Which scenes are possible.
+//! Checks that the values of a scene are possible.
 
 use super::lack::Lack;
 use super::nearest::nearest;
@@ -10,18 +10,18 @@ use super::{
 use crate::Error;
 use crate::error::Short;
 
-/// The most rows of results that a run may have.
+/// Largest number of rows of results in a run.
 const MAX_ROWS: f64 = 1e9;
 
-/// The most steps that a run may have: counts beyond are no whole numbers among the doubles, and times would not go on
+/// Largest number of steps in a run: a double cannot hold every larger whole number, so that times would not increase
 /// by a step.
 pub const MAX_STEPS: f64 = 9_007_199_254_740_992.0;
 
-/// The most rows of a dense matrix whose eigenvalues are found during a run: some 30 ms for each contact state.
-/// From 256 on the analyser finds them in another way, and in other last digits.
+/// Largest number of rows of a dense matrix whose eigenvalues are computed during a run: about 30 ms for each contact
+/// state. From 256 rows on, the analyser uses another algorithm, whose last digits differ.
 const MAX_WATCHED_ROWS: usize = 255;
 
-/// What a value belongs to, by its place from 0.
+/// Owner of a value, with its index from 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Owner {
     Module(usize),
@@ -33,28 +33,28 @@ pub(super) enum Owner {
     Contact(usize),
 }
 
-/// The path of a part's value for who reads it: the FMU's name, or the way through a file. Without a
-/// key it is the part's own.
+/// Function that names a part's value for the reader: the FMU's variable name, or the path through a file. Without a
+/// key it names the part itself.
 pub(super) type Naming<'a> = &'a dyn Fn(Owner, &str) -> String;
 
-/// The problems found so far.
+/// Problems found so far.
 pub(super) struct Checks<'a> {
     naming: Naming<'a>,
     pub(super) problems: Vec<Problem>,
 }
 
 impl Checks<'_> {
-    /// The path of a part's value, or of the part itself where there is no key.
+    /// The path of a part's value, or of the part itself if the key is empty.
     pub(super) fn path(&self, part: Owner, key: &str) -> String {
         (self.naming)(part, key)
     }
 
-    /// A problem at that path.
+    /// A problem at the path of a part's value.
     pub(super) fn problem(&self, part: Owner, key: &str, message: impl Into<String>) -> Problem {
         Problem::new(self.path(part, key), message)
     }
 
-    /// Takes note of a value that breaks its rule.
+    /// Adds a problem if the value breaks its rule.
     pub(super) fn value(&mut self, part: Owner, key: &str, value: f64, rule: Rule) {
         if let Some(wish) = rule.broken_by(value) {
             self.problems.push(self.problem(part, key, wish).of(value));
@@ -63,23 +63,23 @@ impl Checks<'_> {
 }
 
 impl Scene {
-    /// Refuses impossible values, naming every one of them.
+    /// Checks the scene and reports every impossible value.
     ///
     /// # Errors
-    /// One line a problem, up to twenty: the variable, its value, what would be right.
+    /// Returns an error with one line for each problem, up to twenty: the variable, its value, and the requirement.
     pub fn check(&self) -> Result<(), Error> {
         let problems = self.problems();
         if problems.is_empty() { Ok(()) } else { Err(problem::error(&problems)) }
     }
 
-    /// Every impossible value; its path is the FMU's name of the variable.
+    /// All impossible values; the path of each is the FMU's name of the variable.
     #[must_use]
     pub fn problems(&self) -> Vec<Problem> {
         self.problems_named(&|part, key| self.variable_name(part, key))
     }
 
-    /// What the slider's inclination must be: the modules of a ring stand on it, while the masses of a
-    /// network may be anywhere around it.
+    /// Rule for the slider's inclination: the modules of a ring stand on the slider, while the masses of a network
+    /// may be anywhere around it.
     #[must_use]
     pub fn inclination_rule(&self) -> Rule {
         match self.structure {
@@ -88,7 +88,7 @@ impl Scene {
         }
     }
 
-    /// Every impossible value, named for who reads it.
+    /// All impossible values, with the paths that `naming` gives.
     pub(super) fn problems_named(&self, naming: Naming<'_>) -> Vec<Problem> {
         let mut checks = Checks { naming, problems: self.common_problems() };
         match &self.structure {
@@ -104,7 +104,7 @@ impl Scene {
         checks.problems
     }
 
-    /// A structure whose eigenvalues would hold a run up.
+    /// Reports a structure that is too large for its eigenvalues to be computed during a run.
     fn too_large_to_watch(&self) -> Option<Problem> {
         let is_damped = self.network().is_some_and(|network| !network.dampers.is_empty());
         let falls = !self.friction_law.info().is_constant();
@@ -124,7 +124,7 @@ impl Scene {
         })
     }
 
-    /// Static friction of contacts that have their own.
+    /// Checks the static friction of contacts that have their own.
     fn check_static_friction(&self, network: &Network, checks: &mut Checks<'_>) {
         for (i, place) in network.contacts.iter().enumerate() {
             let Some(static_friction) = place.static_friction else { continue };
@@ -135,7 +135,7 @@ impl Scene {
         }
     }
 
-    /// Signals of inputs that the scene does not have.
+    /// Reports signals for inputs that the scene does not have.
     fn unknown_inputs(&self) -> Vec<Problem> {
         if self.signals.is_empty() {
             return Vec::new();
@@ -154,7 +154,7 @@ impl Scene {
         unknown.map(problem).collect()
     }
 
-    /// Impossible values that are not the structure's.
+    /// Impossible values that do not belong to the structure.
     pub(super) fn common_problems(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
         let Experiment { stop_time, output_interval } = self.experiment;
@@ -233,18 +233,18 @@ impl Scene {
     }
 }
 
-/// A number of steps that is beyond counting, in a message.
+/// Text for a number of steps that is too large to count.
 pub(crate) fn count(steps: f64) -> String {
     if steps.is_finite() { format!("{steps:.1e}") } else { "more than 1e308".to_owned() }
 }
 
-/// The least of some values, in a message: rounded upwards.
+/// Text for a lower limit, rounded upwards.
 pub(crate) fn least(value: f64) -> String {
     const UPWARDS: f64 = 1.05;
     format!("{:.1e}", UPWARDS * value)
 }
 
-/// What is wrong with a static friction coefficient beside a kinetic one.
+/// Reports a static friction coefficient that breaks its rule or is below the kinetic one.
 pub(super) fn weak_static_friction(
     path: impl FnOnce() -> String,
     static_friction: f64,
@@ -260,12 +260,12 @@ pub(super) fn weak_static_friction(
     )))
 }
 
-/// The path of a part's value, or of the part where there is no key.
+/// The path of a part's value, or of the part itself if the key is empty.
 pub(super) fn with_key(part: String, key: &str) -> String {
     if key.is_empty() { part } else { format!("{part}.{key}") }
 }
 
-/// Which input is meant by a name that is none, or which there are.
+/// Suggests the input that an unknown name is likely to mean, or else lists the scene's inputs.
 pub fn meant_input(name: &str, inputs: &[String]) -> String {
     const MOST: usize = 12;
     if let Some(meant) = nearest(name, inputs.iter().map(String::as_str)) {

@@ -1,34 +1,34 @@
-//! Which effects a scene calls for.
+//! The effects that a scene includes.
 
 use crate::contact::Law;
 
-/// What is simulated of a scene besides its masses and springs.
+/// Effects of a scene that are simulated besides its masses and springs.
 ///
-/// A contact comes with the whole law of contact, for anything less is an idealisation that has to be asked
-/// for; everything else is off unless the scene asks for it.
+/// A contact has the whole law of contact by default, since anything less is an idealisation that a scene has to
+/// request; all other effects are off by default.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Effects {
-    /// May a contact stick? If not, friction keeps the direction that it has in uniform sliding, as the
+    /// `true` if contacts may stick. If `false`, friction keeps the direction that it has in uniform sliding, as the
     /// linearised analysis assumes.
     pub sticking: bool,
-    /// May a contact open? If not, it holds in both directions: x_N = 0, N of either sign.
+    /// `true` if contacts may open. If `false`, contacts are bilateral: x_N = 0, with N of either sign.
     pub detachment: bool,
-    /// Is energy accounted for?
+    /// `true` if the run keeps an energy ledger.
     pub energy: bool,
-    /// Is the present contact state's stability looked at?
+    /// `true` if the run analyses the stability of the present contact state.
     pub stability: bool,
-    /// Does a part α M of C damp? A value of zero does too: it may be given another.
+    /// `true` if C has a part α M. It may be zero at first, since α can change during a run.
     pub mass_damping: bool,
-    /// Does a part β K of C damp?
+    /// `true` if C has a part β K. It may be zero at first, since β can change during a run.
     pub stiffness_damping: bool,
-    /// Do links join the modules of a ring?
+    /// `true` if links join the modules of a ring.
     pub links: bool,
-    /// Have the modules of a ring a preload? The springs of a network have one each, or none.
+    /// `true` if the modules of a ring have a preload. In a network each spring has its own, or none.
     pub preload: bool,
 }
 
 impl Effects {
-    /// Does friction of this law keep its direction, so that a slip may be against it?
+    /// Returns `true` if friction of this law keeps its direction, so that the slip may oppose it.
     #[must_use]
     pub fn has_frozen_slip(&self, law: Law) -> bool {
         !self.sticking && law.info().sticks

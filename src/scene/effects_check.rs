@@ -1,10 +1,10 @@
-//! Effects that make no sense together.
+//! Checks of the effects: combinations that contradict each other or the rest of the scene.
 
 use super::check::{Checks, Owner};
 use super::{Method, Problem, Scene, Selection, Structure};
 use crate::contact::Law;
 
-/// Looks for effects that contradict each other, or the rest of the scene.
+/// Reports effects that contradict each other, or the rest of the scene.
 pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     let law = scene.contact_law().friction;
     let about = law.info();
@@ -45,7 +45,7 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     }
 }
 
-/// Friction of contacts' own where the law is none.
+/// Reports contacts with their own friction coefficients in a scene whose law of friction is none.
 fn report_own_friction(scene: &Scene, checks: &mut Checks<'_>) {
     let contacts = scene.network().map_or(&[][..], |network| &network.contacts);
     for (i, place) in contacts.iter().enumerate() {
@@ -58,8 +58,8 @@ fn report_own_friction(scene: &Scene, checks: &mut Checks<'_>) {
     }
 }
 
-/// Modules that start with an open contact, or one that opens. Of a network the contacts' directions are needed
-/// to tell, so that is for the model to refuse.
+/// Reports modules that start with a contact that is open or opens. A network cannot be checked without the
+/// directions of its contacts, so the model refuses it.
 fn report_open_contacts(scene: &Scene, checks: &mut Checks<'_>) {
     let Structure::Ring(modules) = &scene.structure else { return };
     for (i, module) in modules.iter().enumerate() {

@@ -4,25 +4,26 @@ use super::{Effects, Problem};
 use crate::contact::Law;
 use serde::Deserialize;
 
-/// What is simulated besides masses and springs.
+/// Effects that are simulated besides masses and springs.
 #[derive(Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct EffectsTable {
-    /// May contacts stick? Unless false; then friction keeps the direction that it has in uniform sliding.
+    /// `true` unless given: contacts may stick. If false, friction keeps the direction that it has in uniform sliding.
     sticking: Option<bool>,
-    /// May contacts open? Unless false; then they hold in both directions.
+    /// `true` unless given: contacts may open. If false, they hold in both directions.
     detachment: Option<bool>,
-    /// Account for energy: kinetic, elastic, dissipated, and the work that is done.
+    /// `true` to account for energy: kinetic, elastic, dissipated, and work done; false unless given.
     #[serde(default)]
     energy: bool,
-    /// Watch the stability of the present contact state: its largest growth rate, and that mode's frequency.
+    /// `true` to compute the largest growth rate of the present contact state, and the frequency of its mode; false
+    /// unless given.
     #[serde(default)]
     stability: bool,
 }
 
 impl EffectsTable {
-    /// Switches of what this scene has nothing of: contacts, or friction.
+    /// Reports switches for features that the scene does not have: contacts, or friction.
     pub(super) fn check(&self, contacts: usize, law: Law, problems: &mut Vec<Problem>) {
         let mut report = |key: &str, is_given: bool, message: &str, help: &str| {
             if is_given {
@@ -40,7 +41,8 @@ impl EffectsTable {
         }
     }
 
-    /// What the scene calls for in this table; the other effects are there where they have values.
+    /// The effects with the switches of this table; the remaining ones keep their defaults, since a scene requests
+    /// them by values.
     pub(super) fn effects(&self) -> Effects {
         let whole = Effects::default();
         Effects {

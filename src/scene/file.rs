@@ -21,8 +21,7 @@ use std::collections::HashMap;
 use std::fmt;
 use std::path::Path;
 
-/// A scene of Amontons: a ring of modules, or a network of masses, in frictional contact with a moving
-/// slider. SI units.
+/// A scene of Amontons: a ring of modules, or a network of masses, in frictional contact with a moving slider; SI units.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema), schemars(rename = "File"))]
 #[cfg_attr(feature = "schema", schemars(extend(
@@ -33,16 +32,16 @@ use std::path::Path;
 )))]
 #[serde(deny_unknown_fields)]
 pub struct SceneTables {
-    /// One line for people.
+    /// Description of the scene in one line.
     #[serde(default)]
     description: String,
     /// The rigid slider.
     ///
-    /// May be left out where every contact has an angle and a velocity of its own.
+    /// The table may be left out if every contact has its own angle and velocity.
     slider: Option<Slider>,
-    /// Friction.
+    /// The law of friction and its coefficients.
     ///
-    /// May be left out where every contact has a friction of its own.
+    /// The table may be left out if every contact has its own friction coefficient.
     friction: Option<FrictionTable>,
     #[serde(default)]
     damping: DampingTable,
@@ -50,7 +49,7 @@ pub struct SceneTables {
     effects: EffectsTable,
     #[serde(default)]
     inputs: Roles,
-    /// The ring of modules; each value once for all modules, or a list with one a module.
+    /// The ring of modules; each value is one number for all modules, or a list with one number for each module.
     ring: Option<ring_file::Ring>,
     /// The masses of a network.
     #[cfg_attr(feature = "schema", schemars(length(min = 1)))]
@@ -59,16 +58,16 @@ pub struct SceneTables {
     /// The springs of a network.
     #[serde(default)]
     spring: Vec<SpringTable>,
-    /// The single dampers of a network.
+    /// The discrete dampers of a network.
     #[serde(default)]
     damper: Vec<DamperTable>,
     /// The contacts of a network.
     #[serde(default)]
     contact: Vec<ContactTable>,
-    /// Perturbations of the equilibrium, one a module or mass.
+    /// Initial displacements and velocities relative to the equilibrium, one table for each module or mass.
     #[serde(default)]
     initial: Vec<Initial>,
-    /// Values over time that are added to inputs.
+    /// Signals: values over time that are added to inputs.
     #[serde(default)]
     signal: Vec<SignalTable>,
     integrator: Integrator,
@@ -81,23 +80,23 @@ pub struct SceneTables {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct DampingTable {
-    /// Mass-proportional part α, 1/s; none unless given.
+    /// Mass-proportional damping coefficient α, 1/s; none unless given.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     alpha: Option<f64>,
-    /// Stiffness-proportional part β, s; none unless given.
+    /// Stiffness-proportional damping coefficient β, s; none unless given.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     beta: Option<f64>,
 }
 
-/// A scene file that is read, but not yet understood.
+/// A scene file whose text has been read but not parsed.
 pub struct SceneFile<'a> {
-    /// The name of its scene: the file's stem.
+    /// Name of the scene: the file's stem.
     pub name: String,
-    /// The file, as messages name it.
+    /// Path of the file, as shown in messages.
     pub place: String,
-    /// The content of the file.
+    /// Text of the file.
     pub text: String,
-    /// Where the other files are that it names.
+    /// Folder of the CSV files that the scene names.
     pub folder: Folder<'a>,
 }
 
@@ -105,7 +104,7 @@ impl<'a> SceneFile<'a> {
     /// Reads a file.
     ///
     /// # Errors
-    /// The file cannot be read, is no text, or is larger than a scene can be.
+    /// Returns an error if the file cannot be read, is not a text, or is larger than the limit of scene files.
     pub fn open(path: &'a Path) -> Result<Self, Error> {
         let place = path.display().to_string();
         let bytes = text::read(path, text::MAX_SCENE).map_err(|error| Error::file(path, &error))?;
@@ -122,18 +121,19 @@ impl<'a> SceneFile<'a> {
         Ok(Self { name, place, text, folder: Folder::new(path.parent()) })
     }
 
-    /// A text that names no other files; messages give it the scene's name.
+    /// A scene text that names no other files; messages show the scene's name as the file.
     #[must_use]
     pub fn of(name: &str, text: &str) -> Self {
         let [name, place, text] = [name, name, text].map(str::to_owned);
         Self { name, place, text, folder: Folder::new(None) }
     }
 
-    /// The scene.
+    /// Parses and checks the scene.
     ///
     /// # Errors
-    /// The text is no TOML, it has a key that no scene has, or lacks one: the first such place. Then, all values that
-    /// are impossible. A reader that lists all of it, with lines, deserializes [`SceneTables`] by itself.
+    /// Returns an error if the text is not TOML, has an unknown key or lacks one (the first such place), or if values
+    /// are impossible (all of them). To report all of these with line numbers, a reader deserializes [`SceneTables`]
+    /// itself.
     pub fn scene(&mut self) -> Result<Scene, Error> {
         let in_file =
             |error: &dyn fmt::Display| Error::scene(format!("in {}:\n{error}", self.place));
@@ -148,17 +148,17 @@ impl<'a> SceneFile<'a> {
         Err(in_file(&problem::error(&problems)))
     }
 
-    /// The file word for word, and those that its scene named.
+    /// Returns the text of the file, and those of the CSV files that its scene named.
     #[must_use]
     pub fn into_source(self) -> Source {
         Source { text: self.text, tables: self.folder.texts }
     }
 }
 
-/// Reads and checks a scene file; its name becomes the file's stem.
+/// Reads and checks a scene file; the scene's name is the file's stem.
 ///
 /// # Errors
-/// The file cannot be read ([`SceneFile::open`]), or it describes no scene ([`SceneFile::scene`]).
+/// Returns an error if the file cannot be read ([`SceneFile::open`]), or does not describe a scene ([`SceneFile::scene`]).
 pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
     let mut file = SceneFile::open(path)?;
     let scene = file.scene()?;
@@ -168,13 +168,13 @@ pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
 /// Makes a scene from the text of a scene file that names no other files.
 ///
 /// # Errors
-/// See [`SceneFile::scene`]; messages give the scene's name as the file's.
+/// Returns the errors of [`SceneFile::scene`]; messages show the scene's name as the file's.
 pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
     SceneFile::of(name, text).scene()
 }
 
 impl SceneTables {
-    /// Finds what the JSON Schema of scene files refuses although the types of the tables accept it.
+    /// Reports scenes that the JSON Schema of scene files rejects although the types of the tables accept them.
     #[must_use]
     pub fn unlike_schema(&self) -> Vec<Problem> {
         let mut problems = Vec::new();
@@ -193,11 +193,11 @@ impl SceneTables {
         problems
     }
 
-    /// The scene that tables like the schema describe ([`unlike_schema`](Self::unlike_schema) says nothing of them); CSV
-    /// files that they name are read from `folder`.
+    /// Makes the scene from tables that satisfy the schema ([`unlike_schema`](Self::unlike_schema) reports no
+    /// problem); CSV files that they name are read from `folder`.
     ///
     /// # Errors
-    /// Everything else that is wrong with them, each with its path through the file.
+    /// Returns all other problems, each with its path through the file.
     pub fn scene(self, name: &str, folder: &mut Folder<'_>) -> Result<Scene, Vec<Problem>> {
         let effects = self.effects();
         let mut names = Names::of(&self.mass);
@@ -234,7 +234,7 @@ impl SceneTables {
             signals: signals.into(),
             selection,
             method: method.unwrap_or_default(),
-            // Until it is chosen; what lacks one altogether has its problem.
+            // Placeholder until the step is chosen; a step that is missing has been reported as a problem.
             step: step.unwrap_or(self.experiment.output_interval),
             experiment: self.experiment,
             description: self.description,
@@ -247,7 +247,7 @@ impl SceneTables {
         if problems.is_empty() { Ok(scene) } else { Err(problems) }
     }
 
-    /// What the file calls for, in its own table or by giving values.
+    /// The effects that the file requests, in its own table or by giving values.
     fn effects(&self) -> Effects {
         Effects {
             mass_damping: self.damping.alpha.is_some(),
@@ -275,7 +275,7 @@ impl SceneTables {
         }
     }
 
-    /// Tables that a ring needs, or a contact of a network that has no values of its own.
+    /// Reports missing tables that a ring needs, or a contact of a network that has no values of its own.
     fn missing_tables(&self) -> Vec<Problem> {
         let tables = [
             ("slider", "`angle`, `velocity`", self.slider.is_none()),
@@ -304,7 +304,7 @@ impl SceneTables {
         problems
     }
 
-    /// Parts of a network beside a ring.
+    /// Reports the first spring, damper and contact of a network in a scene that has a ring.
     fn strangers(&self) -> impl Iterator<Item = Problem> {
         let counts = [
             ("spring", self.spring.len()),
@@ -319,7 +319,7 @@ impl SceneTables {
     }
 }
 
-/// The key of the file that a value of a part stands under; `homes` are the places of initial values.
+/// The key of a part's value in the file; `homes` gives the position of the `[[initial]]` of each module or mass.
 fn key_of(part: Owner, key: &str, homes: &HashMap<usize, usize>) -> String {
     let part = match part {
         Owner::Module(i) => return format!("ring.{key}[{}]", i + 1),

@@ -6,28 +6,28 @@ use super::Rule;
 use crate::contact::Law;
 use serde::Deserialize;
 
-/// The law of friction, and its numbers.
+/// The law of friction and its coefficients.
 #[derive(Default, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct FrictionTable {
-    /// The law; unless given that of the numbers beside it.
+    /// The law of friction; unless given, the law that has the coefficients that are given.
     #[cfg_attr(feature = "schema", schemars(schema_with = "laws"))]
     #[serde(default)]
     law: Option<String>,
-    /// Friction coefficient µ of every contact that has none of its own.
+    /// Friction coefficient µ of every contact that has none of its own, ≥ 0.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     pub(super) coefficient: Option<f64>,
-    /// Static friction coefficient µ_s ≥ µ, while a contact does not slip; µ unless given.
+    /// Static friction coefficient µ_s ≥ µ of contacts that do not slip; µ unless given.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     #[serde(rename = "static")]
     pub(super) static_: Option<f64>,
-    /// The slip velocity over which friction falls from µ_s towards µ, by a factor of e, m/s.
+    /// Decay velocity v_s of the Stribeck law, over which friction falls from µ_s towards µ by a factor of e, m/s.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STRIBECK_VELOCITY.bounds()))]
     pub(super) stribeck_velocity: Option<f64>,
 }
 
-/// The laws by name, each with its equation.
+/// Schema of the laws: the name and the equation of each.
 #[cfg(feature = "schema")]
 fn laws(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
     let law = |law: &Law| {
@@ -39,7 +39,7 @@ fn laws(_: &mut schemars::SchemaGenerator) -> schemars::Schema {
 }
 
 impl FrictionTable {
-    /// The keys that are given, but the law's.
+    /// The keys that are given, except `law`.
     fn given(&self) -> Vec<&'static str> {
         let keys = [
             ("coefficient", self.coefficient.is_some()),
@@ -49,7 +49,7 @@ impl FrictionTable {
         keys.into_iter().filter_map(|(key, is_given)| is_given.then_some(key)).collect()
     }
 
-    /// The law that is named, where there is none of that name.
+    /// Reports a law of unknown name.
     pub(super) fn unknown_law(&self) -> Option<Problem> {
         let name = self.law.as_deref().filter(|name| Law::named(name).is_none())?;
         let known: Vec<String> =
@@ -58,12 +58,12 @@ impl FrictionTable {
         Some(problem.of(format!("\"{name}\"")).help(format!("there are {}", known.join(", "))))
     }
 
-    /// The law that is named, or else the one whose numbers these are; what is wrong goes to `problems`.
+    /// The law that is named, or else the one that has the given coefficients; problems are added to `problems`.
     pub(super) fn law(&self, problems: &mut Vec<Problem>) -> Law {
         let given = self.given();
         let needs = |law: &Law| law.info().keys;
         let Some(name) = &self.law else {
-            // The simplest law that has all these numbers.
+            // The simplest law that has all the given coefficients.
             let has_all = |law: &&Law| given.iter().all(|key| needs(law).contains(key));
             let law = Law::ALL.iter().skip(1).find(has_all).copied().unwrap_or(Law::Stribeck);
             self.report_lacking(law, &given, problems);
@@ -88,7 +88,7 @@ impl FrictionTable {
         law
     }
 
-    /// Numbers that the law needs.
+    /// Reports coefficients that the law needs and the table lacks.
     fn report_lacking(&self, law: Law, given: &[&str], problems: &mut Vec<Problem>) {
         let about = law.info();
         let lacking: Vec<&str> =
@@ -110,7 +110,7 @@ impl FrictionTable {
     }
 }
 
-/// Keys as a person lists them.
+/// Keys as text: quoted, with "and" between them.
 fn spoken(keys: &[&str]) -> String {
     let quoted: Vec<String> = keys.iter().map(|key| format!("`{key}`")).collect();
     quoted.join(" and ")

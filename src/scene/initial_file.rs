@@ -6,7 +6,7 @@ use super::{Problem, Structure, ring_file};
 use serde::Deserialize;
 use std::collections::HashMap;
 
-/// An initial displacement or velocity, relative to the equilibrium.
+/// Initial displacement and velocity of a module or mass, relative to the equilibrium.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
@@ -15,8 +15,8 @@ pub(super) enum Initial {
     Mass(network_file::Initial),
 }
 
-/// Gives modules or masses their initial values; where these stand, by the place of the module or
-/// mass.
+/// Gives modules or masses their initial values. Returns the index of the `[[initial]]` of each module or mass, by
+/// the index of the module or mass.
 pub(super) fn apply(
     all: &[Initial],
     structure: &mut Structure,

@@ -5,10 +5,10 @@ use super::Rule;
 use super::{Method, Preset, Problem, Selection};
 use serde::Deserialize;
 
-/// How time goes on.
+/// Method of time integration and its step.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
-// What the reader says in words, for editors.
+// The rules that `read` reports in words, for editors.
 #[cfg_attr(feature = "schema", schemars(extend(
     "if" = {
         "anyOf": [
@@ -21,36 +21,36 @@ use serde::Deserialize;
 )))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Integrator {
-    /// How time goes on: the paper's scheme unless given.
+    /// Method of time integration; the paper's scheme unless given.
     method: Option<Way>,
     /// Internal time step h, s.
     ///
-    /// To be given unless a tolerance chooses it.
+    /// The step is required unless a tolerance chooses it.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::TIME.bounds()))]
     step: Option<f64>,
-    /// Chooses method and step by a relative error: preview 1e-2, design 1e-4, reference 1e-9.
+    /// Preset that chooses method and step by a relative error: preview 1e-2, design 1e-4, reference 1e-9.
     preset: Option<Preset>,
-    /// The relative error by which method "auto" chooses where an importer gives none; 1e-4 unless given.
+    /// Relative error by which method "auto" chooses if an importer gives none; 1e-4 unless given.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::TOLERANCE.bounds()))]
     tolerance: Option<f64>,
 }
 
-/// A method, or that one is to be chosen.
+/// Method of time integration, or "auto" to have it chosen.
 #[derive(Clone, Copy, Deserialize, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 enum Way {
     /// The paper's scheme: forward increment Lagrange multipliers, of first order.
     ForwardIncrement,
-    /// Exact motion from one change of contact state to the next.
+    /// Event-driven motion: exact from one change of contact state to the next.
     EventDriven,
-    /// Method and step as an importer's tolerance asks for.
+    /// Method and step chosen by the tolerance of an importer.
     Auto,
 }
 
 impl Integrator {
-    /// Where method and step come from, and what they are so far as they are given; what is wrong with
-    /// the table goes to `problems`.
+    /// Returns the source of method and step, and their values if the table gives them; problems of the table are
+    /// added to `problems`.
     pub(super) fn read(
         &self,
         problems: &mut Vec<Problem>,

@@ -1,19 +1,20 @@
-//! How many different keys a text has, found without a parser, which would keep them all.
+//! Number of different keys of a TOML text, counted without a parser, which would keep them all in memory.
 
 use std::collections::HashSet;
 
-/// Does a TOML text have more than `most` different keys? Those of all tables count together, and so do the names in
-/// headers; each part of a dotted key counts. Comments and strings do not count. Of what is not TOML nothing is known.
+/// Returns `true` if a TOML text has more than `most` different keys. The keys of all tables count together, as do
+/// the names in headers; each part of a dotted key counts. Comments and strings do not count. The result has no
+/// meaning for a text that is not TOML.
 pub(super) fn has_more_different(text: &str, most: usize) -> bool {
     let mut known = HashSet::new();
     let mut parts = keys(text).flat_map(|key| key.split('.'));
     parts.any(|part| known.insert(part.trim()) && known.len() > most)
 }
 
-/// The keys of a text as they are written: what stands before an equals sign, and what a header has in its brackets.
+/// The keys of a text as they are written: the text before an equals sign, and the text within the brackets of a header.
 fn keys(text: &str) -> impl Iterator<Item = &str> {
     let bytes = text.as_bytes();
-    // `begin` is where a key may begin; `depth` is the number of open brackets.
+    // `begin`: start of the text that may be a key; `depth`: number of open brackets.
     let (mut at, mut begin, mut depth) = (0, 0, 0_usize);
     std::iter::from_fn(move || {
         while let Some(&byte) = bytes.get(at) {
@@ -24,7 +25,7 @@ fn keys(text: &str) -> impl Iterator<Item = &str> {
                 b'"' | b'\'' => at = string_end(bytes, start),
                 b'=' => {
                     let key = text[begin..start].trim();
-                    // What follows has no key before it, and begins with no header.
+                    // No key comes before the value, and no header begins in it.
                     begin = start;
                     return Some(key);
                 }
@@ -44,13 +45,13 @@ fn keys(text: &str) -> impl Iterator<Item = &str> {
     })
 }
 
-/// Where the line ends that `at` is in.
+/// End of the line that contains the position `at`.
 fn line_end(bytes: &[u8], at: usize) -> usize {
     bytes[at..].iter().position(|byte| *byte == b'\n').map_or(bytes.len(), |length| at + length)
 }
 
-/// Where the string ends that begins at `start`, with one quotation mark or three; before the last three may stand two
-/// more. One that is not closed ends with its line.
+/// End of the string that begins at `start` with one quotation mark or three; up to two more marks may precede the
+/// last three. An unclosed string of one mark ends with its line.
 fn string_end(bytes: &[u8], start: usize) -> usize {
     let mark = bytes[start];
     let is_long = bytes[start..].starts_with(&[mark; 3]);

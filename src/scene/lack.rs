@@ -1,14 +1,14 @@
-//! What other scenes have and this one goes without, by the FMU's names: why, and how to add it.
+//! Explanations of variables that other scenes have and this one does not: the reason, and how to add them.
 
 use super::roles::{Group, Role};
 use super::{Scene, Spring};
 use crate::contact::Law;
 
-/// Why a scene does not have what a name asks for.
+/// Explanation of a variable that a scene does not have.
 pub struct Lack {
-    /// What the scene goes without.
+    /// The feature that the scene does not use.
     pub reason: String,
-    /// How to add it to the scene.
+    /// The change to the scene that adds it.
     pub help: String,
 }
 
@@ -19,7 +19,7 @@ impl Lack {
 }
 
 impl Scene {
-    /// Why it has no variable of this name, if that is for lack of a value or an effect.
+    /// Explains why the scene has no variable of this name; `None` unless a missing value or effect is the reason.
     pub fn lack(&self, name: &str) -> Option<Lack> {
         let effects = &self.effects;
         match name {
@@ -63,7 +63,7 @@ impl Scene {
         }
     }
 
-    /// Why it has no input of this name, if it could have one.
+    /// Explains why the scene has no input of this name; `None` unless it could have one.
     pub fn lack_of_input(&self, name: &str) -> Option<Lack> {
         let mut given = self.may_be_driven();
         match given.find(|(_, known)| known == name) {
@@ -75,7 +75,7 @@ impl Scene {
         }
     }
 
-    /// A common value that no contact has.
+    /// Explains the absence of a common value that no contact uses.
     fn own(&self, key: &str) -> Option<Lack> {
         match self.network().and_then(|network| network.contacts.first()) {
             Some(first) => Lack::new(
@@ -94,7 +94,7 @@ impl Scene {
         self.may_be_driven().any(|(group, known)| group == Group::Forces && known == name)
     }
 
-    /// Links and preload of a module, or the preload of a spring.
+    /// Explains the absence of a module's links or preload, or of a spring's preload.
     fn lack_of_part(&self, name: &str) -> Option<Lack> {
         let (part, key) = name.rsplit_once('.')?;
         if let Some(network) = self.network() {

@@ -1,22 +1,23 @@
-//! A scene: what the user wants simulated, as validated data.
+//! A scene as validated data: the structure to simulate, its inputs and the settings of a run.
 //!
-//! [`read`] and [`builtin`] give a [`Scene`]; [`Scene::check`] says which values are possible. No physics here.
+//! [`read`] and [`builtin`] give a [`Scene`]; [`Scene::check`] checks its values. This module contains no physics.
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! | --- | --- |
 //! | `file`, `initial_file` | the file as a whole; its initial values |
 //! | `friction_file` | the law of friction in a file |
-//! | `effects`, `effects_file`, `effects_check` | what is simulated besides masses and springs; that part of a file |
+//! | `effects`, `effects_file`, `effects_check` | effects that are simulated besides masses and springs; that part of
+//! a file |
 //! | `selection`, `integrator_file` | method and step given, or a tolerance in their place; that part of a file |
-//! | `roles`, `lack` | which values are inputs, which parameters; what a scene goes without |
+//! | `roles`, `lack` | role of a value: input or parameter; explanations of features that a scene does not use |
 //! | `ring`, `ring_file` | the paper's ring of modules; its part of a file |
 //! | `network`, `network_check`, `network_file` | masses, springs, dampers and contacts by name |
 //! | `signal`, `signal_file`, `time_table` | values over time that drive inputs |
 //! | `source` | the files a scene is made from |
-//! | `check`, `rule` | which scenes are possible, what a value must be |
-//! | `problem` | what is wrong with a scene |
-//! | `nearest`, `text` | a word that is nearly another; a file's text |
-//! | `builtin` | the scenes that the program carries |
+//! | `check`, `rule` | checks of a scene; rules for its values |
+//! | `problem` | a problem found in a scene |
+//! | `nearest`, `text` | suggestions for misspelt words; a file's text |
+//! | `builtin` | the scenes built into the program |
 
 mod builtin;
 mod check;
@@ -72,42 +73,42 @@ use crate::contact::{ContactLaw, Friction, Law};
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// A structure in frictional contact, what drives it, and how it is run.
+/// A structure in frictional contact, its inputs, and the settings of its run.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Scene {
-    /// Its name: the stem of its file, or the built-in's name.
+    /// Name of the scene: the stem of its file, or the name of the built-in scene.
     pub name: String,
-    /// One line for people.
+    /// Description of the scene in one line.
     pub description: String,
-    /// The rigid slider, common to all contacts that give no own value.
+    /// The rigid slider: velocity and angle of every contact that gives none of its own.
     pub slider: Slider,
-    /// The law of friction; Coulomb's with static friction is that of static and kinetic friction
-    /// ([`contact_law`](Self::contact_law)).
+    /// The law of friction. [`Law::Coulomb`] stands for [`Law::StaticKinetic`] if the scene has a static friction
+    /// coefficient ([`contact_law`](Self::contact_law)).
     pub friction_law: Law,
-    /// Friction coefficient µ of every contact that has no own, ≥ 0.
+    /// Friction coefficient µ of every contact that has none of its own, ≥ 0.
     pub friction_coefficient: f64,
-    /// Static friction coefficient µ_s ≥ µ, of every contact that does not slip and has neither
-    /// coefficient of its own; as µ where there is none.
+    /// Static friction coefficient µ_s ≥ µ of every contact that has neither coefficient of its own, while it does
+    /// not slip; equal to µ if `None`.
     pub static_friction: Option<f64>,
-    /// v_s > 0, m/s: the slip velocity over which µ falls from µ_s towards µ, of a law that has one.
+    /// Decay velocity v_s > 0 of the slip velocity over which µ falls from µ_s towards µ, m/s; for a law that has one.
     pub stribeck_velocity: Option<f64>,
     /// Rayleigh damping, C = α M + β K.
     pub damping: Damping,
-    /// What is simulated besides masses and springs.
+    /// Effects that are simulated besides masses and springs.
     pub effects: Effects,
-    /// Which values are inputs, which are parameters.
+    /// Roles of the values that may change during a run: inputs or parameters.
     pub roles: Roles,
     /// Masses, springs and contacts.
     pub structure: Structure,
-    /// What changes inputs over time.
+    /// Signals, which are added to inputs over time.
     pub signals: Arc<[Signal]>,
-    /// Where method and step come from.
+    /// Source of method and step: given values or a tolerance.
     pub selection: Selection,
-    /// How time goes on. Where it is to be chosen, it says nothing before a simulation is made.
+    /// Method of time integration. It has no meaning before a simulation is made if a tolerance chooses it.
     pub method: Method,
-    /// Internal time step h, s; as the method.
+    /// Internal time step h, s. It has no meaning before a simulation is made if a tolerance chooses it.
     pub step: f64,
-    /// What a run does unless told otherwise.
+    /// Default end time and output interval of a run.
     pub experiment: Experiment,
 }
 
@@ -131,7 +132,7 @@ pub struct Slider {
     pub angle: f64,
 }
 
-/// What a run does unless told otherwise; FMI's DefaultExperiment.
+/// Default end time and output interval of a run (FMI's DefaultExperiment).
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
@@ -145,8 +146,8 @@ pub struct Experiment {
 }
 
 impl Experiment {
-    /// When a run has rows after that of its start, s: after each output interval, and at the end; with
-    /// whether the row ends a whole interval.
+    /// Times of the rows of results after the start, s: the end of each output interval, and the stop time. The flag
+    /// is `true` if the row ends a whole interval.
     #[allow(clippy::cast_precision_loss)]
     pub fn row_times(self) -> impl Iterator<Item = (f64, bool)> {
         let Self { stop_time: stop, output_interval: interval } = self;
@@ -158,7 +159,7 @@ impl Experiment {
             }
             intervals += 1;
             let next = intervals as f64 * interval;
-            // The stop time may be a whole number of intervals but for rounding.
+            // The stop time may be a whole number of intervals up to rounding.
             is_over = next >= stop - 1e-9 * interval;
             Some((if is_over { stop } else { next }, next <= stop + 1e-9 * interval))
         })
@@ -172,16 +173,16 @@ impl Default for Experiment {
 }
 
 impl Scene {
-    /// The scene with this method and step (s).
+    /// Returns the scene with this method and step (s).
     #[must_use]
     pub fn with_integrator(&self, method: Method, step: f64) -> Self {
         Self { selection: Selection::Given, method, step, ..self.clone() }
     }
 
-    /// Gives the scene another method, another step (s), or both, in place of what chooses them.
+    /// Sets another method, another step (s), or both, in place of a preset or tolerance that chooses them.
     ///
     /// # Errors
-    /// Only one of them is given to a scene that has neither.
+    /// Returns an error if only one of them is given to a scene whose method and step are chosen by a tolerance.
     pub fn set_integrator(
         &mut self,
         method: Option<Method>,
@@ -205,7 +206,7 @@ impl Scene {
         Ok(())
     }
 
-    /// Takes all initial displacements and velocities away: it starts at rest in its equilibrium.
+    /// Sets all initial displacements and velocities to zero, so that a run starts at rest in the equilibrium.
     pub fn rest(&mut self) {
         match &mut self.structure {
             Structure::Ring(modules) => {
@@ -221,7 +222,7 @@ impl Scene {
         }
     }
 
-    /// The modules of a ring; none in a network.
+    /// The modules of a ring; empty for a network.
     #[must_use]
     pub fn modules(&self) -> &[Module] {
         match &self.structure {
@@ -230,10 +231,10 @@ impl Scene {
         }
     }
 
-    /// The modules of a ring, for code that knows that it has one.
+    /// The modules of a scene that is known to be a ring.
     ///
     /// # Panics
-    /// Where the scene is a network.
+    /// Panics if the scene is a network.
     pub fn modules_mut(&mut self) -> &mut Vec<Module> {
         match &mut self.structure {
             Structure::Ring(modules) => modules,
@@ -241,10 +242,10 @@ impl Scene {
         }
     }
 
-    /// The modules of a ring, for what knows rings only.
+    /// The modules of a ring, for functions that support rings only.
     ///
     /// # Errors
-    /// The scene is a network; `what` is not to be had for it.
+    /// Returns an error if the scene is a network; `what` names the function that does not support it.
     pub fn require_ring(&self, what: &str) -> Result<&[Module], Error> {
         match &self.structure {
             Structure::Ring(modules) => Ok(modules),
@@ -255,7 +256,7 @@ impl Scene {
         }
     }
 
-    /// The network, if it is one.
+    /// The network; `None` for a ring.
     #[must_use]
     pub fn network(&self) -> Option<&Network> {
         match &self.structure {
@@ -268,13 +269,13 @@ impl Scene {
     #[must_use]
     pub fn contact_count(&self) -> usize {
         match &self.structure {
-            // Every module has one.
+            // Every module has one contact.
             Structure::Ring(modules) => modules.len(),
             Structure::Network(network) => network.contacts.len(),
         }
     }
 
-    /// What there is of the law of contact.
+    /// Law of contact of the scene: the law of friction, and whether contacts may stick and open.
     #[must_use]
     pub fn contact_law(&self) -> ContactLaw {
         let Effects { sticking, detachment, .. } = self.effects;
@@ -288,7 +289,7 @@ impl Scene {
         ContactLaw { friction, sticking, detachment }
     }
 
-    /// The numbers of friction of every contact that has none of its own.
+    /// Friction coefficients and decay velocity of every contact that has none of its own.
     #[must_use]
     pub fn friction(&self) -> Friction {
         let kinetic = self.friction_coefficient;
@@ -299,8 +300,8 @@ impl Scene {
         }
     }
 
-    /// The numbers of friction of a contact. The common static coefficient belongs to the common kinetic one: a contact
-    /// with a µ of its own has that for both, unless it has a µ_s of its own as well.
+    /// Friction coefficients and decay velocity of a contact (from 0). The common static coefficient belongs to the
+    /// common kinetic one: a contact with its own µ uses it for both coefficients unless it also has its own µ_s.
     #[must_use]
     pub fn friction_of(&self, contact: usize) -> Friction {
         let common = self.friction();
@@ -312,20 +313,20 @@ impl Scene {
         }
     }
 
-    /// v, the velocity of the surface that a contact rubs on, along the tangent, m/s.
+    /// Velocity v of the sliding surface of a contact (from 0) along its tangent, m/s.
     #[must_use]
     pub fn surface_velocity(&self, contact: usize) -> f64 {
         self.place(contact).and_then(|place| place.velocity).unwrap_or(self.slider.velocity)
     }
 
-    /// A contact of a network.
+    /// A contact (from 0) of a network; `None` for a ring.
     #[must_use]
     pub(crate) fn place(&self, contact: usize) -> Option<&RubbingPlace> {
         self.network().map(|network| &network.contacts[contact])
     }
 
-    /// The greatest common µ that the scene's static friction leaves possible: that of a contact that stands is at least
-    /// that of one that slips. `None` where there is no such bound.
+    /// Upper limit of the common µ: the smallest of the common µ_s and the µ_s of contacts that use the
+    /// common µ, since µ_s ≥ µ. `None` if there is no such limit.
     #[must_use]
     pub fn greatest_friction(&self) -> Option<f64> {
         let contacts = self.network().map_or(&[][..], |network| &network.contacts);
@@ -334,7 +335,7 @@ impl Scene {
         all.reduce(f64::min)
     }
 
-    /// `true` where some contact has less static than kinetic friction, which cannot be.
+    /// `true` if the static friction coefficient of some contact is below its kinetic one, which is impossible.
     #[must_use]
     pub fn has_static_below_kinetic_friction(&self) -> bool {
         let kinetic = self.friction_coefficient;
@@ -355,7 +356,7 @@ impl Scene {
         }
     }
 
-    /// The names of the degrees of freedom, in their order: `module[1].x1`, `mass.pad.x`.
+    /// The names of the degrees of freedom, in order: `module[1].x1`, `mass.pad.x`.
     #[must_use]
     pub fn dof_names(&self) -> Vec<String> {
         let modules = (1..=self.modules().len())
@@ -367,37 +368,38 @@ impl Scene {
         modules.chain(masses).collect()
     }
 
-    /// The FMU's names of the inputs, which signals may drive; in no order that means anything.
+    /// The FMU's names of the inputs, which signals may drive, in no particular order.
     #[must_use]
     pub fn input_names(&self) -> Vec<String> {
         let is_input = |(group, _): &(Group, String)| self.roles.of(*group) == Some(Role::Input);
         self.may_be_driven().filter(is_input).map(|(_, name)| name).collect()
     }
 
-    /// Does any contact do without a value of its own?
+    /// `true` if the scene is a ring, or some contact of the network has no value of its own.
     fn shares(&self, has_own: impl Fn(&RubbingPlace) -> bool) -> bool {
         self.network().is_none_or(|network| !network.contacts.iter().all(has_own))
     }
 
-    /// Does any contact have the slider's velocity?
+    /// `true` if the scene is a ring, or some contact of the network uses the slider's velocity.
     #[must_use]
     pub fn has_common_velocity(&self) -> bool {
         self.shares(|place| place.velocity.is_some())
     }
 
-    /// Does what a contact (from 0) rubs on move with the slider's velocity?
+    /// `true` if the sliding surface of a contact (from 0) moves with the slider's velocity.
     #[must_use]
     pub fn is_on_slider(&self, contact: usize) -> bool {
         self.network().is_none_or(|network| network.contacts[contact].velocity.is_none())
     }
 
-    /// Does a drive that moves the slider feel what rubs on it? Without friction a network's has no reaction.
+    /// `true` if the slider has a reaction to its contacts: in a ring, and in a network with friction in which some
+    /// contact uses the slider's velocity.
     #[must_use]
     pub fn has_slider_reaction(&self) -> bool {
         self.network().is_none() || (self.has_common_velocity() && self.friction_law.info().sticks)
     }
 
-    /// Do all contacts on the slider press along its normal, with no mass between that carries the surface?
+    /// `true` if all contacts on the slider have its inclination, and none of them lies on another mass.
     #[must_use]
     pub fn has_common_plane(&self) -> bool {
         let is_beside = |place: &RubbingPlace| place.velocity.is_some();
@@ -407,26 +409,26 @@ impl Scene {
         })
     }
 
-    /// Does any contact have the slider's inclination?
+    /// `true` if the scene is a ring, or some contact of the network uses the slider's inclination.
     #[must_use]
     pub fn has_common_angle(&self) -> bool {
         self.shares(|place| place.angle.is_some())
     }
 
-    /// Does any contact have the common µ?
+    /// `true` if the law has friction, and some contact uses the common µ.
     #[must_use]
     pub fn has_common_friction(&self) -> bool {
         self.friction_law.info().sticks && self.shares(|place| place.friction.is_some())
     }
 
-    /// Does any contact have the common µ_s?
+    /// `true` if the scene has a common µ_s, and some contact uses it.
     #[must_use]
     pub fn has_common_static_friction(&self) -> bool {
         self.static_friction.is_some()
             && self.shares(|place| place.friction.or(place.static_friction).is_some())
     }
 
-    /// The FMU's names of all that signals may drive where it is an input, each with its group.
+    /// The FMU's names of all values that signals can drive if they are inputs, each with its group.
     fn may_be_driven(&self) -> impl Iterator<Item = (Group, String)> + '_ {
         let common = [
             (self.has_common_velocity(), Group::SliderVelocity, "slider.velocity"),
@@ -465,25 +467,25 @@ impl Scene {
         common.chain(modules).chain(masses).chain(springs).chain(contacts)
     }
 
-    /// External forces, N, one a degree of freedom, in their order.
+    /// External forces, N, one for each degree of freedom, in order.
     pub fn external_forces(&self) -> impl Iterator<Item = f64> + '_ {
         let masses = self.masses().iter().flat_map(|mass| mass.free(mass.force));
         self.modules().iter().flat_map(|module| module.force).chain(masses)
     }
 
-    /// Initial displacements from the equilibrium, m, one a degree of freedom, in their order.
+    /// Initial displacements from the equilibrium, m, one for each degree of freedom, in order.
     pub fn initial_displacements(&self) -> impl Iterator<Item = f64> + '_ {
         let masses = self.masses().iter().flat_map(|mass| mass.free(mass.displacement));
         self.modules().iter().flat_map(|module| module.displacement).chain(masses)
     }
 
-    /// Initial velocities, m/s, one a degree of freedom, in their order.
+    /// Initial velocities, m/s, one for each degree of freedom, in order.
     pub fn initial_velocities(&self) -> impl Iterator<Item = f64> + '_ {
         let masses = self.masses().iter().flat_map(|mass| mass.free(mass.velocity));
         self.modules().iter().flat_map(|module| module.velocity).chain(masses)
     }
 
-    /// The masses of a network; none in a ring.
+    /// The masses of a network; empty for a ring.
     fn masses(&self) -> &[Mass] {
         self.network().map_or(&[], |network| &network.masses)
     }

@@ -1,9 +1,9 @@
-//! "Did you mean …?"
+//! Suggestions for misspelt words: "did you mean …?"
 
 use strsim::damerau_levenshtein;
 
-/// The one of the candidates that `word` is most likely meant to be: up to a third of its letters
-/// wrong, left out, added or swapped. `None` if there is none, or more than one that is as near.
+/// Returns the candidate that `word` most likely means: up to a third of its letters wrong, left out, added or
+/// swapped. `None` if there is none, or if several are equally near.
 #[must_use]
 pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
     let lower = word.to_lowercase();
@@ -27,7 +27,7 @@ pub fn nearest<'a>(word: &str, candidates: impl IntoIterator<Item = &'a str>) ->
     best.filter(|_| !tied).map(|(_, candidate)| candidate)
 }
 
-/// "did you mean pad?" of the candidate that is [`nearest`] to a word.
+/// Returns "did you mean pad?" for the candidate that is [`nearest`] to a word.
 pub fn did_you_mean<'a>(
     word: &str,
     candidates: impl IntoIterator<Item = &'a str>,

@@ -1,9 +1,9 @@
 //! A network: masses in a plane, joined by springs and dampers in any way, as data.
 
-/// The most masses, springs, dampers or contacts a network may have.
+/// Largest number of masses, springs, dampers or contacts of a network.
 pub const MAX_PARTS: usize = 1_000_000;
 
-/// What stands for the fixed surroundings where a mass could be named.
+/// Name of the fixed surroundings, in place of a mass.
 pub const GROUND: &str = "ground";
 
 /// Masses, springs, dampers and contacts, each with a name.
@@ -24,21 +24,21 @@ pub struct Network {
 /// A mass that moves in the plane, along axes x and y of its own.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mass {
-    /// Its name.
+    /// Name of the mass.
     pub name: String,
-    /// kg.
+    /// Mass, kg.
     pub mass: f64,
-    /// How far its axes are turned counterclockwise against those of space (right and up), rad.
+    /// Counterclockwise rotation of the mass's axes against those of space (right and up), rad.
     pub angle: f64,
-    /// Which of its axes it cannot move along.
+    /// `true` for each axis along which the mass cannot move.
     pub locked: [bool; 2],
-    /// Constant load along its axes, N; part of the load of the equilibrium.
+    /// Constant loads along the mass's axes, N; part of the load of the equilibrium.
     pub load: [f64; 2],
-    /// External forces along its axes, N; no part of the equilibrium.
+    /// External forces along the mass's axes, N; not part of the equilibrium.
     pub force: [f64; 2],
-    /// Initial displacements along its axes from the equilibrium, m.
+    /// Initial displacements along the mass's axes from the equilibrium, m.
     pub displacement: [f64; 2],
-    /// Initial velocities along its axes, m/s.
+    /// Initial velocities along the mass's axes, m/s.
     pub velocity: [f64; 2],
 }
 
@@ -48,28 +48,28 @@ pub struct Mass {
 /// second end is moved by p along d, so that at u = 0 it pulls the first with +k p d.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
-    /// Its name.
+    /// Name of the spring.
     pub name: String,
-    /// Its ends.
+    /// Masses at the ends of the spring, by index; `None` for the ground.
     pub between: [Option<usize>; 2],
-    /// The angle of its direction against the horizontal, rad.
+    /// Angle of the spring's direction against the horizontal, rad.
     pub direction: f64,
-    /// k, N/m.
+    /// Stiffness k, N/m.
     pub stiffness: f64,
-    /// p, m, if it has one.
+    /// Preload p, m; `None` if the spring has none.
     pub preload: Option<f64>,
 }
 
 /// A damper between two masses, or a mass and the ground (`None`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct Damper {
-    /// Its name.
+    /// Name of the damper.
     pub name: String,
-    /// Its ends.
+    /// Masses at the ends of the damper, by index; `None` for the ground.
     pub between: [Option<usize>; 2],
-    /// The angle of its direction against the horizontal, rad.
+    /// Angle of the damper's direction against the horizontal, rad.
     pub direction: f64,
-    /// N s/m.
+    /// Damping coefficient, N s/m.
     pub damping: f64,
 }
 
@@ -80,31 +80,31 @@ pub struct Damper {
 /// n·(u_mass − u_on) ≥ 0 and the slip velocity v − t·(u̇_mass − u̇_on).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RubbingPlace {
-    /// Its name.
+    /// Name of the contact.
     pub name: String,
-    /// The mass that rubs.
+    /// Index of the mass that slides.
     pub mass: usize,
-    /// The mass that carries the sliding surface; `None`: the surface moves as it is told.
+    /// Index of the mass that carries the sliding surface; `None` if the velocity of the surface is prescribed.
     pub on: Option<usize>,
-    /// Angle of the tangent against the horizontal, rad, if not the slider's.
+    /// Angle of the tangent against the horizontal, rad; `None` for the slider's.
     pub angle: Option<f64>,
-    /// Velocity v of the sliding surface along the tangent, m/s, if not the slider's.
+    /// Velocity v of the sliding surface along the tangent, m/s; `None` for the slider's.
     pub velocity: Option<f64>,
-    /// Friction coefficient µ, if not the common one.
+    /// Friction coefficient µ; `None` for the common one.
     pub friction: Option<f64>,
-    /// Static friction coefficient µ_s ≥ µ, if not the contact's own µ, or else the common one.
+    /// Static friction coefficient µ_s ≥ µ; `None` for the contact's own µ, or else the common µ_s.
     pub static_friction: Option<f64>,
 }
 
 impl Mass {
-    /// Of two values along its axes, those along which it can move.
+    /// Returns those of two values along the mass's axes whose axes are not locked.
     pub(crate) fn free<T>(&self, values: [T; 2]) -> impl Iterator<Item = T> + use<T> {
         values.into_iter().zip(self.locked).filter_map(|(value, locked)| (!locked).then_some(value))
     }
 }
 
-/// (cos, sin) of an angle, rad; the same on every machine, and exact for quarter turns, which no
-/// double is: what is smaller than 1e-15 becomes zero, and the other ±1.
+/// Returns (cos, sin) of an angle, rad, with the same bits on every machine. Results are exact for quarter turns,
+/// although no double is a quarter turn: a component smaller than 1e-15 becomes zero, and the other ±1.
 #[must_use]
 pub fn direction(angle: f64) -> [f64; 2] {
     let (cos, sin) = (libm::cos(angle), libm::sin(angle));

@@ -1,15 +1,15 @@
-//! Which networks are possible.
+//! Checks that a network is possible.
 
 use super::check::{Checks, Owner};
 use super::{GROUND, MAX_PARTS, Mass, Network, Problem, RubbingPlace, Rule, Slider, direction};
 use std::collections::HashMap;
 
-/// A direction whose part along the free axes is smaller than this has none.
+/// Smallest part of a direction along the free axes; a smaller one counts as zero.
 const NO_PART: f64 = 1e-9;
-/// What rounding may leave of a gap that is zero, in parts of the displacements.
+/// Largest rounding error of a gap that is zero, relative to the displacements.
 const ROUNDING: f64 = 1e-12;
 
-/// Looks for what is impossible in a network.
+/// Reports impossible values and structures of a network.
 pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) {
     let Network { masses, springs, dampers, contacts } = network;
     for (kind, count) in [
@@ -61,7 +61,7 @@ fn is_locked(mass: &Mass) -> bool {
     mass.locked == [true; 2]
 }
 
-/// Every mass that can move must be held by a spring or a contact.
+/// Reports masses that can move and have neither a spring nor a contact.
 fn check_holds(network: &Network, checks: &mut Checks<'_>) {
     let ends = network.springs.iter().flat_map(|spring| spring.between.into_iter().flatten());
     let rubbing = network.contacts.iter().flat_map(|contact| [Some(contact.mass), contact.on]);
@@ -69,7 +69,7 @@ fn check_holds(network: &Network, checks: &mut Checks<'_>) {
     for place in ends.chain(rubbing.flatten()) {
         match is_held.get_mut(place) {
             Some(held) => *held = true,
-            // A mass that is not there may be meant to be any that seems to hang on nothing.
+            // An unknown name may stand for any mass that seems to be unconnected.
             None => return,
         }
     }
@@ -144,7 +144,7 @@ fn check_ends(part: Owner, ends: [Option<usize>; 2], masses: &[Mass], checks: &m
     }
 }
 
-/// Of a place that names a mass.
+/// Message for a reference to an unknown mass.
 pub(super) const NO_SUCH_MASS: &str = "there is no mass of this name";
 
 fn check_contact(
@@ -207,7 +207,7 @@ fn check_contact(
         .flatten()
         .fold((0.0, 0.0), |(gap, size), part| (gap + part, f64::max(size, part.abs())));
     if gap < -ROUNDING * size {
-        // The mass that is moved most into the other is the one to move less.
+        // The problem names the mass that penetrates the other more.
         let is_other = gaps.len() > 1 && gaps[1].iter().sum::<f64>() < gaps[0].iter().sum();
         let place = contact.on.filter(|_| is_other).unwrap_or(contact.mass);
         let message = format!(
@@ -219,12 +219,12 @@ fn check_contact(
     }
 }
 
-/// A name as a file has it.
+/// A name in quotation marks, as in a scene file.
 pub(super) fn quoted(name: &str) -> String {
     format!("{name:?}")
 }
 
-/// A direction in space as its parts along the axes of a mass.
+/// Components of a direction in space along the axes of a mass.
 fn along_axes(mass: &Mass, d: [f64; 2]) -> [f64; 2] {
     let [cos, sin] = direction(mass.angle);
     [d[0] * cos + d[1] * sin, d[1] * cos - d[0] * sin]

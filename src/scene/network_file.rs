@@ -1,5 +1,5 @@
-//! `[[mass]]`, `[[spring]]`, `[[damper]]` and `[[contact]]` of a scene file, and `[[initial]]` of its
-//! masses: names become places.
+//! `[[mass]]`, `[[spring]]`, `[[damper]]` and `[[contact]]` of a scene file, and `[[initial]]` of its masses. This
+//! module replaces the names of masses by their indices.
 
 #[cfg(feature = "schema")]
 use super::Rule;
@@ -10,35 +10,35 @@ use serde::Deserialize;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
-/// A mass of a network, which moves in the plane along axes of its own.
+/// A mass of a network, which moves in the plane along its own axes.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct MassTable {
-    /// Its name: a letter, then letters, digits and _.
+    /// Name of the mass: a letter, then letters, digits and _.
     name: String,
-    /// How heavy it is, kg.
+    /// Mass, kg.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::MASS.bounds()))]
     mass: f64,
-    /// How far its axes x (right) and y (up) are turned counterclockwise, rad.
+    /// Counterclockwise rotation of the mass's axes x (right) and y (up), rad.
     #[serde(default)]
     angle: f64,
-    /// The axes along which it cannot move.
+    /// Axes along which the mass cannot move.
     #[serde(default)]
     locked: Vec<Axis>,
-    /// Constant load along its axes, part of the equilibrium's, N.
+    /// Constant load along the mass's axes, which is part of the equilibrium, N.
     #[serde(default)]
     force: [f64; 2],
 }
 
-/// An axis.
+/// An axis of a mass.
 #[derive(Clone, Copy, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 enum Axis {
-    /// To the right.
+    /// Axis x, to the right.
     X,
-    /// Up.
+    /// Axis y, upwards.
     Y,
 }
 
@@ -47,7 +47,7 @@ enum Axis {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(untagged)]
 enum Direction {
-    /// Along an axis.
+    /// Direction along an axis.
     Along(Axis),
     /// Angle against the horizontal, counterclockwise, rad.
     At(f64),
@@ -68,16 +68,16 @@ impl Direction {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct SpringTable {
-    /// Its name: a letter, then letters, digits and _.
+    /// Name of the spring: a letter, then letters, digits and _.
     name: String,
-    /// What it joins: the names of two masses, or of one and "ground".
+    /// Names of the two masses that it joins, or of one mass and "ground".
     between: [String; 2],
-    /// The direction in which it acts: "x", "y", or an angle against the horizontal in rad.
+    /// Direction in which the spring acts: "x", "y", or an angle against the horizontal in rad.
     direction: Direction,
     /// Stiffness, N/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     stiffness: f64,
-    /// How far its second end is moved along the direction, m; it has no preload unless given.
+    /// Preload: displacement of the spring's second end along the direction, m; none unless given.
     preload: Option<f64>,
 }
 
@@ -86,13 +86,13 @@ pub(super) struct SpringTable {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct DamperTable {
-    /// Its name: a letter, then letters, digits and _.
+    /// Name of the damper: a letter, then letters, digits and _.
     name: String,
-    /// What it joins: the names of two masses, or of one and "ground".
+    /// Names of the two masses that it joins, or of one mass and "ground".
     between: [String; 2],
-    /// The direction in which it acts: "x", "y", or an angle against the horizontal in rad.
+    /// Direction in which the damper acts: "x", "y", or an angle against the horizontal in rad.
     direction: Direction,
-    /// Force per velocity, N s/m.
+    /// Damping coefficient: force per velocity, N s/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     damping: f64,
 }
@@ -102,27 +102,26 @@ pub(super) struct DamperTable {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct ContactTable {
-    /// Its name: a letter, then letters, digits and _.
+    /// Name of the contact: a letter, then letters, digits and _.
     name: String,
-    /// The name of the mass that rubs.
+    /// Name of the mass that slides.
     mass: String,
-    /// The name of the mass on which it rubs; the slider unless given.
+    /// Name of the mass that carries the sliding surface; the slider unless given.
     on: Option<String>,
-    /// Angle of its tangent against the horizontal, rad; the slider's unless given.
+    /// Angle of the contact's tangent against the horizontal, rad; the slider's unless given.
     angle: Option<f64>,
     /// Velocity of the sliding surface along the tangent, m/s; the slider's unless given.
     velocity: Option<f64>,
     /// Friction coefficient µ; the common one unless given.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     friction: Option<f64>,
-    /// Static friction coefficient µ_s ≥ µ, while the contact does not slip; the common one unless given,
-    /// or µ where that is given.
+    /// Static friction coefficient µ_s ≥ µ while the contact does not slip; unless given, its own µ or else the common µ_s.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     static_friction: Option<f64>,
 }
 
 impl ContactTable {
-    /// Does it take a value from the `[slider]`, or else from `[friction]`?
+    /// `true` if the contact takes a value from the table: `[slider]`, or else `[friction]`.
     pub(super) fn needs(&self, table: &str) -> bool {
         match table {
             "slider" => self.angle.is_none() || self.velocity.is_none(),
@@ -131,23 +130,23 @@ impl ContactTable {
     }
 }
 
-/// An initial displacement or velocity of one mass along its axes, relative to the equilibrium.
+/// Initial displacement and velocity of one mass along its axes, relative to the equilibrium.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Initial {
-    /// The name of the mass, in a network.
+    /// Name of the mass, in a network.
     pub(super) mass: String,
-    /// Displacement along its axis x, m.
+    /// Displacement along the mass's axis x, m.
     #[serde(default)]
     x: f64,
-    /// Displacement along its axis y, m.
+    /// Displacement along the mass's axis y, m.
     #[serde(default)]
     y: f64,
-    /// Velocity along its axis x, m/s.
+    /// Velocity along the mass's axis x, m/s.
     #[serde(default)]
     vx: f64,
-    /// Velocity along its axis y, m/s.
+    /// Velocity along the mass's axis y, m/s.
     #[serde(default)]
     vy: f64,
 }
@@ -169,7 +168,8 @@ pub(super) struct Tables<'a> {
 }
 
 impl Tables<'_> {
-    /// The network; names that no mass has become places where none is.
+    /// Makes the network; a reference to an unknown mass becomes the index of a mass with a similar name, or
+    /// `NOWHERE`.
     pub(super) fn network(&self, names: &mut Names<'_>) -> Network {
         let masses = self.masses.iter().map(MassTable::mass).collect();
         let springs = self.springs.iter().enumerate().map(|(i, spring)| Spring {
@@ -224,12 +224,12 @@ impl MassTable {
     }
 }
 
-/// A place where no mass stands.
+/// Index of a mass that does not exist.
 const NOWHERE: usize = usize::MAX;
-/// The most names that a help lists.
+/// Largest number of names that a help lists.
 const MAX_LISTED: usize = 12;
 
-/// Where the masses stand, by name, and the names that stand for none.
+/// Indices of the masses by name, and the problems of unknown names.
 pub(super) struct Names<'a> {
     places: HashMap<&'a str, usize>,
     masses: &'a [MassTable],
@@ -245,7 +245,8 @@ impl<'a> Names<'a> {
         Self { places, masses, problems: Vec::new() }
     }
 
-    /// The place of a mass: where there is none of this name, of that which is likely to be meant.
+    /// Index of the mass of this name. If there is none, a problem is added and the index of the mass with a similar
+    /// name is returned.
     pub(super) fn place(&mut self, path: impl FnOnce() -> String, name: &str) -> Option<usize> {
         if let Some(&place) = self.places.get(name) {
             return Some(place);
@@ -264,7 +265,7 @@ impl<'a> Names<'a> {
         nearest(name, names).map(|name| self.places[name])
     }
 
-    /// The names that there are.
+    /// Lists the names of the masses, for a help.
     fn list(&self) -> String {
         let mut names: Vec<(usize, &str)> =
             self.places.iter().map(|(&name, &place)| (place, name)).collect();
@@ -277,7 +278,7 @@ impl<'a> Names<'a> {
         }
     }
 
-    /// The ends of a spring or damper.
+    /// Indices of the ends of a spring or damper; `None` for the ground.
     fn ends(&mut self, kind: &str, part: usize, names: &[String; 2]) -> [Option<usize>; 2] {
         let mut ends = [None; 2];
         for (j, name) in names.iter().enumerate().filter(|(_, name)| *name != GROUND) {

@@ -1,4 +1,4 @@
-//! A value given once for all modules, or as a list with one value a module.
+//! A value given once for all modules, or as a list with one number for each module.
 
 use serde::de::{Deserializer, SeqAccess, Visitor};
 use serde::{Deserialize, de};
@@ -9,12 +9,12 @@ use std::fmt;
 pub(super) enum PerModule {
     /// One number for all modules.
     Same(f64),
-    /// A list with one number a module.
+    /// A list with one number for each module.
     Each(Vec<f64>),
 }
 
 impl PerModule {
-    /// The value of module `i` (from 0); `None` where a list is too short.
+    /// The value of module `i` (from 0); `None` if a list is too short.
     pub(super) fn of(&self, i: usize) -> Option<f64> {
         match self {
             Self::Same(value) => Some(*value),
@@ -22,7 +22,7 @@ impl PerModule {
         }
     }
 
-    /// The length of a list.
+    /// Length of the list; `None` for one number.
     pub(super) fn length(&self) -> Option<usize> {
         match self {
             Self::Same(_) => None,
@@ -63,7 +63,7 @@ impl<'de> Deserialize<'de> for PerModule {
     }
 }
 
-/// Whole numbers are fine where a number is asked for, as long as a double holds them exactly.
+/// Accepts a whole number as a number if a double holds it exactly.
 #[allow(clippy::cast_precision_loss)]
 fn number<E: de::Error>(value: i64) -> Result<f64, E> {
     if value.unsigned_abs() <= 1 << 53 {

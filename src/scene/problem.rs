@@ -1,36 +1,36 @@
-//! What is wrong with a scene.
+//! Problems found in a scene.
 
 use crate::Error;
 use crate::error::Short;
 use std::fmt;
 
-/// The most problems that one message lists.
+/// Largest number of problems that one message lists.
 pub const MAX_PROBLEMS: usize = 20;
 
-/// A number with more characters says less than its power of ten.
+/// Largest number of characters of a number in decimal notation; longer ones are abbreviated.
 const LONG: usize = 24;
 
-/// Something wrong with a scene: where, what, and what would be right.
+/// A problem found in a scene: its place, the reason, and what would be right.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Problem {
-    /// The place, as a path through the scene file (`ring.m1[2]`, `initial[1].module`; items are
-    /// counted from 1, as the FMU's variables are), or the FMU's name of the variable.
+    /// Place of the problem: a path through the scene file (`ring.m1[2]`, `initial[1].module`; items are counted from
+    /// 1, like the FMU's variables), or the FMU's name of the variable.
     pub path: String,
-    /// The value that stands there, where it says something.
+    /// The value at the place, if it helps the reader.
     pub value: Option<String>,
-    /// What is wrong, following on the place and value.
+    /// The reason, worded to follow the place and the value.
     pub message: String,
-    /// What would be right, where the message does not say it; else empty.
+    /// What would be right; empty if the message says it.
     pub help: String,
 }
 
 impl Problem {
-    /// A problem of the place itself: something that lacks, or too much.
+    /// Makes a problem of the place itself: something is missing, or superfluous.
     pub fn new(path: impl Into<String>, message: impl Into<String>) -> Self {
         Self { path: path.into(), value: None, message: message.into(), help: String::new() }
     }
 
-    /// The value that stands at the place; a number that is far from one in short.
+    /// Adds the value at the place; a very long number is abbreviated.
     #[must_use]
     pub fn of(self, value: impl fmt::Display) -> Self {
         let text = value.to_string();
@@ -38,13 +38,13 @@ impl Problem {
         Self { value: Some(number.map_or(text, |number| number.to_string())), ..self }
     }
 
-    /// What would be right.
+    /// Adds what would be right.
     #[must_use]
     pub fn help(self, help: impl Into<String>) -> Self {
         Self { help: help.into(), ..self }
     }
 
-    /// Place, value and message in one line, without the help.
+    /// Returns place, value and message in one line, without the help.
     #[must_use]
     pub fn title(&self) -> String {
         match &self.value {
@@ -61,7 +61,7 @@ impl fmt::Display for Problem {
     }
 }
 
-/// All problems as one error, one a line.
+/// Joins all problems into one error with one line for each.
 pub(super) fn error(problems: &[Problem]) -> Error {
     let mut lines: Vec<String> =
         problems.iter().take(MAX_PROBLEMS).map(ToString::to_string).collect();
@@ -69,7 +69,7 @@ pub(super) fn error(problems: &[Problem]) -> Error {
     Error::scene(lines.join("\n"))
 }
 
-/// The last line of a list of `count` problems that is cut at [`MAX_PROBLEMS`].
+/// Returns the last line of a list of `count` problems that is cut at [`MAX_PROBLEMS`]; `None` if nothing is cut.
 #[must_use]
 pub fn and_more(count: usize) -> Option<String> {
     let more = count.checked_sub(MAX_PROBLEMS).filter(|&more| more > 0)?;

@@ -3,32 +3,32 @@
 use super::check::{Checks, Owner};
 use super::{Problem, Rule};
 
-/// The most modules a ring may have.
+/// Largest number of modules of a ring.
 pub const MAX_MODULES: usize = 100_000;
 
 /// One module: two masses, its springs, and the links to the next module.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Module {
-    /// m1 and m2, kg.
+    /// Masses m1 and m2, kg.
     pub mass: [f64; 2],
-    /// k1 … k6, N/m; what each joins stands in `assembly::ring`.
+    /// Stiffnesses k1 … k6, N/m; `assembly::ring` lists what each joins.
     pub stiffness: [f64; 6],
-    /// Preload δ: how far the ground end of k3 is moved down, m.
+    /// Preload δ: downward displacement of the ground end of k3, m.
     pub preload: f64,
     /// External forces along x1 … x4, N.
     pub force: [f64; 4],
-    /// Initial x1 … x4 relative to the equilibrium, m.
+    /// Initial x1 … x4, relative to the equilibrium, m.
     pub displacement: [f64; 4],
     /// Initial velocities of x1 … x4, m/s.
     pub velocity: [f64; 4],
 }
 
-/// What is wrong with a ring of so many modules.
+/// Problem of a ring whose number of modules is out of range.
 pub(super) fn not_a_ring(modules: usize) -> Problem {
     Problem::new("ring.modules", format!("a ring has 1 to {MAX_MODULES} modules")).of(modules)
 }
 
-/// Looks for impossible values of a ring.
+/// Reports impossible values of a ring.
 pub(super) fn check(modules: &[Module], checks: &mut Checks<'_>) {
     for (i, module) in modules.iter().enumerate() {
         let own = Owner::Module(i);

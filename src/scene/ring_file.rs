@@ -7,7 +7,7 @@ use super::ring::not_a_ring;
 use super::{MAX_MODULES, Module, Problem};
 use serde::Deserialize;
 
-/// The ring of modules; each value once for all modules, or a list with one a module.
+/// The ring of modules; each value is one number for all modules, or a list with one number for each module.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[cfg_attr(feature = "schema", schemars(extend(
@@ -15,16 +15,16 @@ use serde::Deserialize;
 )))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Ring {
-    /// How many modules.
+    /// Number of modules.
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = MAX_MODULES)))]
     modules: usize,
     /// Mass m1, kg.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::MASS.bounds()))]
     m1: PerModule,
-    /// Mass m2, which rubs on the slider, kg.
+    /// Mass m2, which slides on the slider, kg.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::MASS.bounds()))]
     m2: PerModule,
-    /// Stiffness from m1 to the next m1, horizontal, N/m; without `k1` and `k2` nothing links the modules.
+    /// Stiffness from m1 to the next m1, horizontal, N/m; without `k1` and `k2` the modules are not linked.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k1: Option<PerModule>,
     /// Stiffness from m1 to the next m1, vertical, N/m.
@@ -42,16 +42,16 @@ pub(super) struct Ring {
     /// Stiffness from m1 to m2, horizontal, N/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k6: PerModule,
-    /// Preload: how far the ground end of k3 is moved down, m; none unless given.
+    /// Preload: downward displacement of the ground end of k3, m; none unless given.
     preload: Option<PerModule>,
 }
 
-/// An initial displacement or velocity of one module, relative to the equilibrium.
+/// Initial displacement and velocity of one module, relative to the equilibrium.
 #[derive(Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Initial {
-    /// The module, counted from 1.
+    /// Number of the module, counted from 1.
     #[cfg_attr(feature = "schema", schemars(range(min = 1, max = MAX_MODULES)))]
     pub(super) module: usize,
     /// Displacement of m1, horizontal, m.
@@ -67,38 +67,38 @@ pub(super) struct Initial {
     #[cfg_attr(feature = "schema", schemars(transform = Rule::GAP.bounds()))]
     #[serde(default)]
     x4: f64,
-    /// Velocity of x1, m/s.
+    /// Velocity of m1, horizontal, m/s.
     #[serde(default)]
     v1: f64,
-    /// Velocity of x2, m/s.
+    /// Velocity of m1, vertical, m/s.
     #[serde(default)]
     v2: f64,
-    /// Velocity of x3, m/s.
+    /// Velocity of m2 along the slider, m/s.
     #[serde(default)]
     v3: f64,
-    /// Velocity of x4, m/s.
+    /// Velocity of m2 away from the slider, m/s.
     #[serde(default)]
     v4: f64,
 }
 
 impl Ring {
-    /// One of `k1` and `k2` without the other.
+    /// Reports a ring that has one of `k1` and `k2` without the other.
     pub(super) fn lone_link(&self) -> Option<Problem> {
         let is_lone = self.k1.is_some() != self.k2.is_some();
         is_lone.then(|| Problem::new("ring", "has one of `k1` and `k2`, needs both or neither"))
     }
 
-    /// Do links join the modules?
+    /// `true` if links join the modules.
     pub(super) fn has_links(&self) -> bool {
         self.k1.is_some() && self.k2.is_some()
     }
 
-    /// Does a preload press the modules on the slider?
+    /// `true` if the table gives a preload.
     pub(super) fn has_preload(&self) -> bool {
         self.preload.is_some()
     }
 
-    /// The modules at their equilibrium.
+    /// Makes the modules, at rest in their equilibrium.
     pub(super) fn modules(&self) -> Result<Vec<Module>, Vec<Problem>> {
         if self.modules == 0 || self.modules > MAX_MODULES {
             return Err(vec![not_a_ring(self.modules)]);

@@ -1,43 +1,43 @@
-//! Which role the values have that an importer may give during a run.
+//! Roles of the values that an importer may set during a run.
 
 use serde::Deserialize;
 
-/// The role of a value.
+/// Role of a value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Role {
-    /// Given throughout the run; signals and tables may drive it.
+    /// Input: set throughout the run; signals and tables may drive it.
     Input,
-    /// Given before the run, and tunable between steps.
+    /// Parameter: set before the run, and tunable between steps.
     Parameter,
 }
 
-/// The role of external forces, which a scene may go without.
+/// Role of the external forces, which a scene may leave out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum ForceRole {
-    /// Given throughout the run; signals and tables may drive them.
+    /// Inputs: set throughout the run; signals and tables may drive them.
     Input,
-    /// Given before the run, and tunable between steps.
+    /// Parameters: set before the run, and tunable between steps.
     Parameter,
-    /// There are none.
+    /// No external forces.
     None,
 }
 
-/// What an importer may give during a run, and whether as inputs or as tunable parameters.
+/// Roles of the values that an importer may set during a run: inputs or tunable parameters.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields, default)]
 pub struct Roles {
-    /// The slider's velocity, and those of contacts that have their own.
+    /// Role of the slider's velocity, and of the velocities of contacts that have their own.
     pub slider_velocity: Role,
-    /// All friction coefficients.
+    /// Role of all friction coefficients.
     pub friction: Role,
-    /// All preloads.
+    /// Role of all preloads.
     pub preload: Role,
-    /// External forces.
+    /// Role of the external forces.
     pub forces: ForceRole,
 }
 
@@ -52,7 +52,7 @@ impl Default for Roles {
     }
 }
 
-/// Values that have their role in common: a key of `[inputs]`.
+/// A group of values with a common role: a key of `[inputs]`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Group {
     SliderVelocity,
@@ -62,7 +62,7 @@ pub(crate) enum Group {
 }
 
 impl Group {
-    /// Its key in `[inputs]`.
+    /// Key of the group in `[inputs]`.
     pub(super) fn key(self) -> &'static str {
         match self {
             Self::SliderVelocity => "slider_velocity",
@@ -74,7 +74,7 @@ impl Group {
 }
 
 impl Roles {
-    /// The role of a group; `None` where the scene goes without.
+    /// Role of a group; `None` if the scene does not have its values.
     pub(crate) fn of(self, group: Group) -> Option<Role> {
         match (group, self.forces) {
             (Group::SliderVelocity, _) => Some(self.slider_velocity),

@@ -1,47 +1,47 @@
-//! What a number of a scene must be: one home for the reader, the schema and the FMU's variables.
+//! Rules for the numbers of a scene, shared by the reader, the schema and the FMU's variables.
 
 use std::f64::consts::FRAC_PI_2;
 
-/// What a value must be. Every rule asks for a finite number.
+/// Rule for a value. Every rule requires a finite number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Rule {
     /// Any finite number.
     Finite,
-    /// ≥ 0.
+    /// A number ≥ 0.
     NotNegative,
-    /// > 0.
+    /// A number > 0.
     Positive,
     /// A displacement along the outward normal of the slider, ≥ 0.
     NotInsideSlider,
     /// An angle from −π/2 to π/2 rad.
     QuarterTurn,
-    /// > 0 and < 1.
+    /// A number > 0 and < 1.
     Fraction,
 }
 
 impl Rule {
-    /// Of a mass, kg.
+    /// Rule for a mass, kg.
     pub const MASS: Self = Self::Positive;
-    /// Of a stiffness, N/m.
+    /// Rule for a stiffness, N/m.
     pub const STIFFNESS: Self = Self::NotNegative;
-    /// Of a friction coefficient.
+    /// Rule for a friction coefficient.
     pub const FRICTION: Self = Self::NotNegative;
-    /// Of the slip velocity over which friction falls, m/s.
+    /// Rule for the slip velocity over which friction falls, m/s.
     pub const STRIBECK_VELOCITY: Self = Self::Positive;
-    /// Of α, 1/s, of β, s, and of a damper, N s/m.
+    /// Rule for the damping coefficients α, 1/s, and β, s, and for a damper, N s/m.
     pub const DAMPING: Self = Self::NotNegative;
-    /// Of a frequency, Hz.
+    /// Rule for a frequency, Hz.
     pub const FREQUENCY: Self = Self::NotNegative;
-    /// Of a time or a time step, s.
+    /// Rule for a time or a time step, s.
     pub const TIME: Self = Self::Positive;
-    /// Of a relative error that is accepted.
+    /// Rule for a tolerance: a relative error.
     pub const TOLERANCE: Self = Self::Fraction;
-    /// Of the slider's inclination under a ring, rad.
+    /// Rule for the slider's inclination under a ring, rad.
     pub const INCLINATION: Self = Self::QuarterTurn;
-    /// Of the initial displacement of a mass on the slider along its normal, m.
+    /// Rule for the initial displacement of a mass on the slider along its normal, m.
     pub const GAP: Self = Self::NotInsideSlider;
 
-    /// What would be right, if `value` breaks the rule.
+    /// Returns the requirement, in words, if `value` breaks the rule.
     #[must_use]
     pub fn broken_by(self, value: f64) -> Option<&'static str> {
         if !value.is_finite() {
@@ -71,14 +71,14 @@ impl Rule {
     }
 }
 
-/// Writes a rule into the schema of a number, or of whatever holds numbers: as bounds that every
+/// Transform that writes a rule into the schema of a number, or of a value that holds numbers: as bounds that every
 /// tool understands, and in words.
 #[cfg(feature = "schema")]
 pub(super) struct Bounds(Rule);
 
 #[cfg(feature = "schema")]
 impl Rule {
-    /// For the attribute of a field: `schemars(transform = Rule::MASS.bounds())`.
+    /// Returns the transform for a field's attribute, `schemars(transform = Rule::MASS.bounds())`.
     pub(super) fn bounds(self) -> Bounds {
         Bounds(self)
     }
@@ -87,7 +87,7 @@ impl Rule {
 #[cfg(feature = "schema")]
 impl schemars::transform::Transform for Bounds {
     fn transform(&mut self, schema: &mut schemars::Schema) {
-        // What may be left out is a number or null.
+        // The type of an optional value is number or null.
         let is_number = |kind: &serde_json::Value| {
             kind == "number"
                 || kind.as_array().is_some_and(|kinds| kinds.contains(&"number".into()))

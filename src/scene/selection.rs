@@ -1,9 +1,9 @@
-//! How a scene comes to its method and step: it gives them, or a tolerance by which they are chosen.
+//! The source of a scene's method and step: given values, or a tolerance by which they are chosen.
 //!
-//! A *tolerance* is the relative error that a user accepts: root mean square, of all displacements together,
-//! over the scene's experiment, in parts of their deviation from the mean. Where the motion forgets its start, so
-//! that not even exact motion agrees with itself to 5 % at another step, it is that of amplitude and frequency,
-//! whichever is larger.
+//! A *tolerance* is the relative error that a user accepts: the root mean square error of all displacements together
+//! over the scene's experiment, relative to their deviation from the mean. If the motion is so sensitive that
+//! event-driven motion with another step differs from itself by more than 5 %, it is the relative error of amplitude
+//! or frequency, whichever is larger.
 
 use serde::{Deserialize, Serialize};
 use std::fmt;
@@ -13,19 +13,19 @@ use std::fmt;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
 pub enum Preset {
-    /// 1e-2: no difference is seen in a picture of the motion.
+    /// Tolerance 1e-2: the error is not visible in a picture of the motion.
     Preview,
-    /// 1e-4: below what masses and stiffnesses are known to.
+    /// Tolerance 1e-4: the error is below the uncertainty of masses and stiffnesses.
     Design,
-    /// 1e-9: to compare others with.
+    /// Tolerance 1e-9: the result can serve as a reference for others.
     Reference,
 }
 
 impl Preset {
-    /// All of them, the coarsest first.
+    /// All presets, the coarsest first.
     pub const ALL: [Self; 3] = [Self::Preview, Self::Design, Self::Reference];
 
-    /// The relative error that it accepts.
+    /// Relative error that the preset accepts.
     #[must_use]
     pub const fn tolerance(self) -> f64 {
         match self {
@@ -35,7 +35,7 @@ impl Preset {
         }
     }
 
-    /// Its name in a scene file and on the command line.
+    /// Name of the preset in a scene file and on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -52,23 +52,23 @@ impl fmt::Display for Preset {
     }
 }
 
-/// Where a scene's method and step come from.
+/// Source of a scene's method and step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Selection {
-    /// They are given.
+    /// Method and step are given.
     #[default]
     Given,
-    /// They are chosen when a simulation is made, by the tolerance of that name.
+    /// Method and step are chosen when a simulation is made, by the tolerance of this preset.
     Preset(Preset),
-    /// They are chosen when a simulation is made, by an importer's tolerance or else by this one.
+    /// Method and step are chosen when a simulation is made, by an importer's tolerance or else by this one.
     Auto {
-        /// The relative error that is accepted, above 0 and below 1.
+        /// Relative error that is accepted, above 0 and below 1.
         tolerance: f64,
     },
 }
 
 impl Selection {
-    /// The tolerance by which method and step are chosen; `None` where they are given.
+    /// Tolerance by which method and step are chosen; `None` if they are given.
     #[must_use]
     pub const fn tolerance(self) -> Option<f64> {
         match self {
@@ -79,7 +79,7 @@ impl Selection {
     }
 }
 
-/// As a scene file writes it.
+/// Writes the selection in the notation of a scene file.
 impl fmt::Display for Selection {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {

@@ -1,31 +1,31 @@
 //! Signals: values over time that a scene adds to an input.
 //!
-//! Shapes are functions of the time alone, so that a run may be split anywhere; sine comes from the
-//! `libm` crate, whose bits do not depend on the machine.
+//! Shapes are functions of time alone, so that a run may be split anywhere. The sine comes from the `libm` crate,
+//! whose results have the same bits on every machine.
 
 use super::{Problem, Rule};
 use crate::error::Short;
 use serde::Deserialize;
 use std::f64::consts::TAU;
 
-/// A value over time that is added to an input.
+/// A signal: a value over time that is added to an input.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Signal {
-    /// The name of the input, as the FMU has it.
+    /// Name of the input in the FMU.
     pub input: String,
-    /// What is added.
+    /// The function of time that is added.
     pub shape: Shape,
 }
 
 impl Signal {
-    /// Does it drive a friction coefficient? Those are held over a step by every integrator.
+    /// `true` if the signal drives a friction coefficient. Every integrator holds these constant over a step.
     #[must_use]
     pub fn drives_friction(&self) -> bool {
         let last = self.input.rsplit('.').next().unwrap_or_default();
         self.input.starts_with("friction.") || matches!(last, "friction" | "static_friction")
     }
 
-    /// The frequency of a sine, Hz.
+    /// Frequency of a sine, Hz; `None` for other shapes.
     #[must_use]
     pub const fn frequency(&self) -> Option<f64> {
         match self.shape {
@@ -38,19 +38,19 @@ impl Signal {
 /// A function of the time t (s); values are in the unit of the input.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// One value at all times.
+    /// Constant value at all times.
     Constant(Constant),
-    /// Straight from one value to another.
+    /// Linear change from one value to another.
     Ramp(Ramp),
-    /// A value from a time on, or for a while.
+    /// Constant value from a start time on, or between two times.
     Pulse(Pulse),
-    /// An oscillation for a while.
+    /// Sine from a start time on, or between two times.
     Sine(Sine),
-    /// Points over time.
+    /// Points over time, with interpolation between them.
     Table(Table),
 }
 
-/// One value at all times.
+/// Constant value at all times.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
@@ -59,55 +59,55 @@ pub struct Constant {
     pub value: f64,
 }
 
-/// `from` up to `start`, `to` from `end` on, straight between.
+/// Linear change: `from` up to `start`, `to` from `end` on, linear in between.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Ramp {
-    /// The value before, in the unit of the input.
+    /// Value up to `start`, in the unit of the input; 0 unless given.
     #[serde(default)]
     pub from: f64,
-    /// The value after, in the unit of the input.
+    /// Value from `end` on, in the unit of the input.
     pub to: f64,
-    /// When it begins to change, s.
+    /// Time at which the change begins, s; 0 unless given.
     #[serde(default)]
     pub start: f64,
-    /// When it has changed, s; after `start`.
+    /// Time at which the change ends, s; after `start`.
     pub end: f64,
 }
 
-/// `value` for start ≤ t < end, zero before and after; a step where it has no end.
+/// Pulse: `value` for start ≤ t < end, zero before and after; a step if it has no end.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Pulse {
-    /// The value, in the unit of the input.
+    /// Value of the pulse, in the unit of the input.
     pub value: f64,
-    /// When it begins, s.
+    /// Time at which the pulse begins, s; 0 unless given.
     #[serde(default)]
     pub start: f64,
-    /// When it is over, s, after `start`; never unless given.
+    /// Time at which the pulse ends, s, after `start`; never unless given.
     #[serde(default)]
     pub end: Option<f64>,
 }
 
-/// amplitude · sin(2π frequency (t − start) + phase) for start ≤ t < end, zero before and after.
+/// Sine: amplitude · sin(2π frequency (t − start) + phase) for start ≤ t < end, zero before and after.
 #[derive(Clone, Copy, Debug, PartialEq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Sine {
-    /// Half peak to peak, in the unit of the input.
+    /// Amplitude (half the peak-to-peak value), in the unit of the input.
     pub amplitude: f64,
-    /// How often it swings, Hz.
+    /// Frequency, Hz.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FREQUENCY.bounds()))]
     pub frequency: f64,
-    /// The phase at the start, rad.
+    /// Phase at `start`, rad; 0 unless given.
     #[serde(default)]
     pub phase: f64,
-    /// When it begins, s.
+    /// Time at which the sine begins, s; 0 unless given.
     #[serde(default)]
     pub start: f64,
-    /// When it is over, s, after `start`; never unless given.
+    /// Time at which the sine ends, s, after `start`; never unless given.
     #[serde(default)]
     pub end: Option<f64>,
 }
@@ -115,33 +115,32 @@ pub struct Sine {
 /// Points over time; the first value holds before them, the last one after.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Table {
-    /// (t, value), by t; of several at one time the last holds from then on.
+    /// Points (t, value), by t; of several with the same time the last one holds from then on.
     pub points: Vec<[f64; 2]>,
-    /// What holds between points.
+    /// Interpolation between the points.
     pub between: Between,
 }
 
-/// What a table holds between its points.
+/// Interpolation between the points of a table.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "lowercase")]
 pub enum Between {
-    /// The value of the point before.
+    /// Constant: the value of the point before.
     Constant,
-    /// The straight line from point to point.
+    /// Linear: the straight line from point to point.
     #[default]
     Linear,
 }
 
 impl Shape {
-    /// The value at time `t` (s), which rounding may have left up to `slack` (s) before an edge that it
-    /// has reached.
+    /// Value at time `t` (s). Rounding may have left `t` up to `slack` (s) before an edge that it has reached.
     #[must_use]
     pub fn at(&self, t: f64, slack: f64) -> f64 {
         self.onward(t, t, slack)
     }
 
-    /// The value at time `t` (s) if it goes on as it does from time `from` (s) on, whatever edges come before `t`.
+    /// Value at time `t` (s) of the function that holds from time `from` (s) on, continued past any edges before `t`.
     /// `slack` as in [`at`](Self::at).
     #[must_use]
     pub fn onward(&self, from: f64, t: f64, slack: f64) -> f64 {
@@ -171,15 +170,14 @@ impl Shape {
                     0.0
                 }
             }
-            // Interpolated it would waver by a bit.
+            // Interpolation would change a constant value by rounding.
             Self::Table(table) => {
                 table.plateau(reached).unwrap_or_else(|| table.onward(from, t, slack))
             }
         }
     }
 
-    /// How fast the value changes from time `t` (s) on, per second; jumps do not count. `slack` as in
-    /// [`at`](Self::at).
+    /// Rate of change of the value from time `t` (s) on, per second; jumps do not count. `slack` as in [`at`](Self::at).
     #[must_use]
     pub fn rate(&self, t: f64, slack: f64) -> f64 {
         let reached = t + slack;
@@ -195,8 +193,8 @@ impl Shape {
         }
     }
 
-    /// How fast the rate changes from time `t` (s) on, per second squared; jumps and corners do not count. `slack`
-    /// as in [`at`](Self::at).
+    /// Second derivative of the value from time `t` (s) on, per second squared; jumps and corners do not count.
+    /// `slack` as in [`at`](Self::at).
     #[must_use]
     pub fn curvature(&self, t: f64, slack: f64) -> f64 {
         match self {
@@ -208,8 +206,8 @@ impl Shape {
         }
     }
 
-    /// The time (s) up to which, but not including it, the value stays as it is at `t`; `t` itself
-    /// while it changes. `slack` as in [`at`](Self::at).
+    /// Time (s) up to which, exclusively, the value stays as it is at `t`; `t` itself while the value changes.
+    /// `slack` as in [`at`](Self::at).
     #[must_use]
     pub fn constant_until(&self, t: f64, slack: f64) -> f64 {
         let reached = t + slack;
@@ -231,8 +229,8 @@ impl Shape {
         }
     }
 
-    /// The next time (s) after `t` at which the value jumps or has a corner; infinite where there is none. `slack` as
-    /// in [`at`](Self::at).
+    /// Next time (s) after `t` at which the value has a jump or a corner; infinite if there is none. `slack` as in
+    /// [`at`](Self::at).
     #[must_use]
     pub fn next_edge(&self, t: f64, slack: f64) -> f64 {
         let reached = t + slack;
@@ -256,7 +254,7 @@ impl Shape {
         }
     }
 
-    /// Takes note of every value that cannot be; `path` is the signal's.
+    /// Reports every impossible value; `path` is that of the signal.
     pub(super) fn check(&self, path: &str, problems: &mut Vec<Problem>) {
         let mut rule = |key: &str, value: f64, rule: Rule| {
             if let Some(wish) = rule.broken_by(value) {
@@ -296,13 +294,13 @@ impl Shape {
 }
 
 impl Sine {
-    /// Is it there at time `t` (s)?
+    /// `true` if the sine is not switched off at time `t` (s): start ≤ t < end.
     #[must_use]
     pub fn is_on(&self, t: f64) -> bool {
         is_on(self.start, self.end, t)
     }
 
-    /// The phase at time `t` (s), rad.
+    /// Phase at time `t` (s), rad.
     #[must_use]
     pub fn phase_at(&self, t: f64) -> f64 {
         TAU * self.frequency * (t - self.start) + self.phase
@@ -310,13 +308,14 @@ impl Sine {
 }
 
 impl Table {
-    /// The value at time `t` (s); zero without points. `slack` as in [`Shape::at`].
+    /// Value at time `t` (s); zero for a table without points. `slack` as in [`Shape::at`].
     #[must_use]
     pub fn at(&self, t: f64, slack: f64) -> f64 {
         self.onward(t, t, slack)
     }
 
-    /// The value at time `t` (s) of what holds from time `from` (s) on ([`Shape::onward`]); `slack` as in [`Shape::at`].
+    /// Value at time `t` (s) of the function that holds from time `from` (s) on ([`Shape::onward`]); `slack` as in
+    /// [`Shape::at`].
     fn onward(&self, from: f64, t: f64, slack: f64) -> f64 {
         let after = self.points_up_to(from + slack);
         match (after.checked_sub(1).map(|i| self.points[i]), self.points.get(after).copied()) {
@@ -326,7 +325,7 @@ impl Table {
         }
     }
 
-    /// The value at time `t` (s) if it is the same at the points before and after.
+    /// Value at time `t` (s) if the points before and after have the same value; else `None`.
     fn plateau(&self, t: f64) -> Option<f64> {
         let after = self.points_up_to(t);
         let [_, low] = *self.points.get(after.checked_sub(1)?)?;
@@ -334,7 +333,7 @@ impl Table {
         (low == high).then_some(low)
     }
 
-    /// Where two points at one time make the value jump, s, in ascending order.
+    /// Times at which two points with the same time make the value jump, s, in ascending order.
     pub fn jumps(&self) -> impl Iterator<Item = f64> + '_ {
         self.points.windows(2).filter(|two| two[0][0] == two[1][0]).map(|two| two[0][0])
     }
@@ -387,15 +386,14 @@ impl Table {
     }
 }
 
-/// Does start ≤ t < end hold, without an end for ever?
+/// `true` if start ≤ t < end; an `end` of `None` is infinite.
 fn is_on(start: f64, end: Option<f64>, t: f64) -> bool {
     start <= t && end.is_none_or(|end| t < end)
 }
 
-/// The value at `t` of the straight line through two points (t, value), of which the first is not
-/// after `t` and the second is.
+/// Value at `t` of the straight line through two points (t, value), the first not after `t` and the second after it.
 fn between([from, low]: [f64; 2], [to, high]: [f64; 2], t: f64) -> f64 {
-    // FMPy interpolates an importer's inputs by the same operations, so both get the same doubles.
+    // FMPy interpolates an importer's inputs by the same operations, so that both get the same doubles.
     let weight = (to - t) / (to - from);
     weight * low + (1.0 - weight) * high
 }

@@ -17,15 +17,15 @@ use serde::Deserialize;
 ])))]
 #[serde(deny_unknown_fields)]
 pub(super) struct SignalTable {
-    /// The input it is added to, as the FMU names it: "slider.velocity", "module[1].f1".
+    /// The input to which the signal is added, as the FMU names it: "slider.velocity", "module[1].f1".
     input: String,
-    /// One value at all times.
+    /// Constant value at all times.
     constant: Option<Constant>,
-    /// Straight from one value to another.
+    /// Linear change from one value to another.
     ramp: Option<Ramp>,
-    /// A value from a time on, or for a while.
+    /// Constant value from a start time on, or between two times.
     pulse: Option<Pulse>,
-    /// An oscillation for a while.
+    /// Sine from a start time on, or between two times.
     sine: Option<Sine>,
     /// Points over time, given here or in a CSV file beside the scene.
     table: Option<PointTable>,
@@ -39,18 +39,18 @@ pub(super) struct SignalTable {
 )))]
 #[serde(deny_unknown_fields)]
 struct PointTable {
-    /// Time (s) and value of each point, by time; of two at one time the second holds from then on.
+    /// Time (s) and value of each point, by time; if two have the same time, the second holds from then on.
     points: Option<Vec<[f64; 2]>>,
-    /// The name of a CSV file beside the scene, whose first column is `time` (s).
+    /// Name of a CSV file beside the scene, whose first column is `time` (s).
     file: Option<String>,
-    /// The file's column; the input's name unless given, or the only one beside the time.
+    /// Column of the file; unless given, the column with the input's name, or the only one beside the time.
     column: Option<String>,
-    /// What holds between points.
+    /// Interpolation between the points.
     #[serde(default)]
     between: Between,
 }
 
-/// Signals that have no shape or several, and tables that have no points or two kinds of them.
+/// Reports signals without exactly one shape, and tables without exactly one of `points` and `file`.
 pub(super) fn without_one_shape(tables: &[SignalTable]) -> impl Iterator<Item = Problem> + '_ {
     let of = |(i, signal): (usize, &SignalTable)| {
         let SignalTable { constant, ramp, pulse, sine, table, .. } = signal;
@@ -70,7 +70,7 @@ pub(super) fn without_one_shape(tables: &[SignalTable]) -> impl Iterator<Item = 
     tables.iter().enumerate().filter_map(of)
 }
 
-/// The signals; what is wrong with them is added to `problems`.
+/// Makes the signals; problems found in them are added to `problems`.
 pub(super) fn signals(
     tables: Vec<SignalTable>,
     folder: &mut Folder<'_>,
@@ -83,7 +83,7 @@ pub(super) fn signals(
             signal.pulse.map(Shape::Pulse),
             signal.sine.map(Shape::Sine),
         ];
-        // `without_one_shape` reports where it is not exactly one.
+        // `without_one_shape` reports a signal without exactly one shape.
         let shape = match (shapes.into_iter().flatten().next(), signal.table) {
             (Some(shape), _) => Some(shape),
             (None, Some(table)) => {
@@ -93,7 +93,7 @@ pub(super) fn signals(
             }
             (None, None) => None,
         };
-        // Another in its place keeps those of the others; the scene is refused anyway.
+        // A substitute keeps the indices of the other signals; the scene is refused anyway.
         let shape = shape.unwrap_or(Shape::Constant(Constant { value: 0.0 }));
         Signal { input: signal.input, shape }
     };

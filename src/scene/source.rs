@@ -1,48 +1,48 @@
-//! What a scene is made from.
+//! The files from which a scene is made.
 
 use super::time_table::CSV_FILE;
 use super::{TimeTable, text};
 use std::path::Path;
 
-/// A scene's files, word for word: all that an FMU needs to read it again.
+/// Texts of a scene's files: all that an FMU needs to read the scene again.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Source {
-    /// The scene file.
+    /// Text of the scene file.
     pub text: String,
-    /// Names and texts of the CSV files that it names, which lie in the same folder.
+    /// Names and texts of the CSV files that the scene file names, which lie in the same folder.
     pub tables: Vec<(String, String)>,
 }
 
 impl From<&str> for Source {
-    /// A scene that names no other files.
+    /// Source of a scene that names no other files.
     fn from(text: &str) -> Self {
         Self { text: text.to_owned(), tables: Vec::new() }
     }
 }
 
-/// The folder of a scene file, and what has been read there so far.
+/// The folder of a scene file, with the CSV files that have been read from it.
 pub struct Folder<'a> {
     path: Option<&'a Path>,
     /// Names and texts of the files.
     pub(super) texts: Vec<(String, String)>,
-    /// What they say.
+    /// Tables of the files, or the problems found in them, in the same order as the texts.
     tables: Vec<Result<TimeTable, String>>,
 }
 
 impl<'a> Folder<'a> {
-    /// A folder; `None` for a scene that is not from a file.
+    /// Makes a folder; `None` for a scene that is not from a file.
     #[must_use]
     pub fn new(path: Option<&'a Path>) -> Self {
         Self { path, texts: Vec::new(), tables: Vec::new() }
     }
 
-    /// The table in a file of the folder.
+    /// Reads the table in a file of the folder.
     ///
     /// # Errors
-    /// What is wrong with its name or content, and what would be right.
+    /// Returns what is wrong with the file's name or content, and what would be right.
     pub(super) fn table(&mut self, name: &str) -> Result<&TimeTable, String> {
         if !is_plain(name) {
-            // So it can travel inside an FMU, under the same name.
+            // The file can then be stored in an FMU under the same name.
             return Err("must be the name of a .csv file beside the scene, without folders".into());
         }
         let Some(folder) = self.path else {
@@ -51,7 +51,7 @@ impl<'a> Folder<'a> {
         let known = self.texts.iter().position(|(known, _)| known.eq_ignore_ascii_case(name));
         let place = match known {
             Some(place) if self.texts[place].0 == name => place,
-            // Some systems would take the two for one when the FMU is unpacked.
+            // Some systems would take the two files for one when the FMU is unpacked.
             Some(place) => return Err(format!("is {} but for its case", self.texts[place].0)),
             None => {
                 let before: usize = self.texts.iter().map(|(_, text)| text.len()).sum();
@@ -76,7 +76,7 @@ impl<'a> Folder<'a> {
     }
 }
 
-/// A file name that means the same on every machine, and cannot lead elsewhere.
+/// `true` if the name is a plain CSV file name, which means the same on every machine and cannot lead to another folder.
 fn is_plain(name: &str) -> bool {
     let is_csv = Path::new(name).extension().is_some_and(|end| end.eq_ignore_ascii_case("csv"));
     is_csv && !name.starts_with('.') && !name.contains(['/', '\\', ':', '\0'])

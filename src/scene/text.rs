@@ -1,4 +1,4 @@
-//! The text of a file, from its bytes; neither is larger than what it should be.
+//! Text of a file, decoded from its bytes, with limits on the size of both.
 
 use super::MAX_PARTS;
 use super::keys::has_more_different;
@@ -7,17 +7,17 @@ use std::fs::File;
 use std::io::{self, Read};
 use std::path::Path;
 
-/// The most bytes of a scene file: half a million masses, each on a spring and a contact.
+/// Largest size of a scene file, in bytes: half a million masses, each on a spring and a contact.
 pub(super) const MAX_SCENE: u64 = 64_000_000;
-/// The most bytes of the CSV files of values over time that a scene names, together, and of one that gives inputs.
+/// Largest size of the CSV files that a scene names, together, and of one that gives inputs, in bytes.
 pub(super) const MAX_TABLES: u64 = 256_000_000;
-/// The most values of a scene file: read, each takes some hundred bytes.
+/// Largest number of values in a scene file: each takes about a hundred bytes once read.
 const MAX_VALUES: usize = 8_000_000;
-/// The most different keys of a scene file, of which a scene knows some hundred: read, each takes half a thousand
-/// bytes.
+/// Largest number of different keys in a scene file, of which a scene knows about a hundred: each takes about five
+/// hundred bytes once read.
 const MAX_KEYS: usize = 100_000;
 
-/// The bytes of a file, `None` where it has more than `most`: of what does not end, no more are read than that.
+/// Returns the bytes of a file, or `None` if it has more than `most`; no more than that are read from an endless file.
 pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     let file = File::open(path)?;
     let length = file.metadata()?.len();
@@ -29,15 +29,15 @@ pub(super) fn read(path: &Path, most: u64) -> io::Result<Option<Vec<u8>>> {
     Ok((bytes.len() as u64 <= most).then_some(bytes))
 }
 
-/// A number of bytes in a message.
+/// Number of bytes as text for a message.
 pub(super) fn megabytes(bytes: u64) -> String {
     format!("{} MB", bytes / 1_000_000)
 }
 
-/// Refuses a text that says more than a scene may hold, before it is parsed, which would take time and memory.
+/// Refuses a text with more values or parts than a scene may have, before it is parsed, which would take time and memory.
 ///
 /// # Errors
-/// What there is too much of.
+/// Returns an error that names what there is too much of.
 pub(super) fn check_amount(place: &str, text: &str) -> Result<(), Error> {
     let mut counts = ["mass", "spring", "damper", "contact"].map(|kind| (kind, 0));
     for line in text.lines().filter(|line| line.starts_with("[[")) {
@@ -64,7 +64,7 @@ pub(super) fn check_amount(place: &str, text: &str) -> Result<(), Error> {
             _ => {}
         }
     }
-    // A value has a line, a decimal point and two gaps at the most, and to the parser each of them is something to keep.
+    // A value has at most a line, a decimal point and two gaps, and the parser keeps each of them.
     if values > MAX_VALUES || lines.max(points).max(gaps) > 2 * MAX_VALUES {
         return Err(Error::scene(format!(
             "{place} has more than the {MAX_VALUES} values that a scene file may have; values over time belong into a CSV \
@@ -79,11 +79,10 @@ pub(super) fn check_amount(place: &str, text: &str) -> Result<(), Error> {
     Ok(())
 }
 
-/// The text of the file at `place`, which should be `what` (a scene file). A byte order mark is not part
-/// of it.
+/// Returns the text of the file at `place`, which should be `what` (a scene file), without its byte order mark.
 ///
 /// # Errors
-/// Bytes that are not UTF-8: what they seem to be, and where the first stands.
+/// Returns an error if the bytes are UTF-16, are not a text, or are not UTF-8; the last names the first wrong byte.
 pub(super) fn decode(place: &str, what: &str, bytes: Vec<u8>) -> Result<String, Error> {
     let is_utf16 = bytes.starts_with(&[0xFF, 0xFE]) || bytes.starts_with(&[0xFE, 0xFF]);
     if is_utf16 {

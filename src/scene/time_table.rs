@@ -5,14 +5,14 @@ use crate::Error;
 use crate::error::Short;
 use std::path::Path;
 
-/// A CSV file of values over time: a header whose first column is `time` (s), commas between, times
-/// in ascending order. FMPy reads the same files as an importer's inputs.
+/// A CSV file of values over time: a header whose first column is `time` (s), comma-separated, times in ascending
+/// order. FMPy reads the same files as inputs.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeTable {
-    /// The columns' names, without the time's.
+    /// Names of the columns, except the time.
     pub names: Vec<String>,
     times: Vec<f64>,
-    /// Row by row.
+    /// Values row by row.
     values: Vec<f64>,
 }
 
@@ -20,7 +20,7 @@ impl TimeTable {
     /// Reads a CSV file.
     ///
     /// # Errors
-    /// The file cannot be read, or as [`parse`](Self::parse).
+    /// Returns an error if the file cannot be read, or the errors of [`parse`](Self::parse).
     pub fn read(path: &Path) -> Result<Self, Error> {
         let place = path.display().to_string();
         let bytes =
@@ -38,7 +38,7 @@ impl TimeTable {
     /// Reads the text of a CSV file.
     ///
     /// # Errors
-    /// The first thing that is wrong: line, column, what stands there, what would be right.
+    /// Returns the first error in the text: line, column, the text there, and what would be right.
     pub fn parse(text: &str) -> Result<Self, String> {
         let mut reader =
             csv::ReaderBuilder::new().trim(csv::Trim::All).from_reader(text.as_bytes());
@@ -87,10 +87,10 @@ impl TimeTable {
         if table.times.is_empty() { Err("has no rows".to_owned()) } else { Ok(table) }
     }
 
-    /// A column (from 0, without the time) as points over time.
+    /// Returns a column (from 0, not counting the time) as points over time.
     ///
     /// # Panics
-    /// There is no such column.
+    /// Panics if there is no such column.
     #[must_use]
     pub fn column(&self, column: usize, between: Between) -> Table {
         let values = self.values[column..].iter().step_by(self.names.len());
@@ -108,11 +108,11 @@ fn not_a_header(headers: &csv::StringRecord) -> String {
     format!("line 1: the first column is `{first}`, must be `time` (in s); {help}")
 }
 
-/// What is wanted, for messages.
+/// Name of the expected file type, for messages.
 pub(super) const CSV_FILE: &str = "a CSV file";
 const DECIMALS: &str = "; decimals are written with a point";
 
-/// What the reader of the CSV says, without its own count of records.
+/// Explains an error of the CSV reader, without the reader's own record number.
 fn explained(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => format!(

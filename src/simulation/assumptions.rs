@@ -1,23 +1,23 @@
-//! What a run has needed that its scene leaves out of the law of contact, and where that law leaves its motion open.
+//! Reports of a run that violated the idealisations of its scene, or met several solutions of the law of contact.
 
 use super::Simulation;
 use crate::error::Short;
 use crate::integrator::Statistics;
 
-/// All of it since the start, in words; empty where it has needed nothing.
+/// All such violations since the start, in words; empty if there are none.
 #[must_use]
 pub fn broken_assumptions(simulation: &Simulation) -> Vec<String> {
     newly_broken(simulation, Statistics::default())
 }
 
-/// That of it, in words, which had not been needed when as much was counted as in `before`.
+/// Those violations, in words, that have occurred since the counters were `before`, and not earlier.
 #[inline]
 pub(crate) fn newly_broken(simulation: &Simulation, before: Statistics) -> Vec<String> {
     let now = simulation.statistics();
     let has_slipped = before.reversed_slips == 0 && now.reversed_slips > 0;
     let has_pulled = before.pulled_contacts == 0 && now.pulled_contacts > 0;
     let has_others = before.other_solutions == 0 && now.other_solutions > 0;
-    // Most short steps find nothing.
+    // Most short steps have no violation.
     if has_slipped || has_pulled || has_others {
         words(simulation, [has_slipped, has_pulled, has_others])
     } else {

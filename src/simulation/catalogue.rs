@@ -4,152 +4,152 @@ use crate::scene::{Group, Role, Scene, Selection, Structure};
 
 include!(concat!(env!("OUT_DIR"), "/catalogue.rs"));
 
-/// The catalogue's own text, for fingerprints.
+/// Text of the catalogue, for fingerprints.
 pub const CATALOGUE_TEXT: [&str; 2] = [
     include_str!("../../modelDescription/variables.toml"),
     include_str!("../../modelDescription/units.toml"),
 ];
 
-/// An entry of the catalogue: one variable, or one a part of the structure.
+/// Entry of the catalogue: one variable, or one for each part of the structure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Template {
-    /// The name; `{i}` stands for the part: `[1]` in a ring, `.pad` in a network.
+    /// Name of the variable; `{i}` stands for the part: `[1]` in a ring, `.pad` in a network.
     pub name: &'static str,
-    /// What it is to the program.
+    /// Quantity of the model that the variable reads or writes.
     pub quantity: Quantity,
-    /// Which of several (x1 … x4), from 0.
+    /// Component of the quantity (x1 … x4), from 0.
     pub component: usize,
-    /// What it is repeated for.
+    /// Part of the structure for which the entry is repeated.
     pub per: Per,
-    /// Its role, unless the scene says otherwise.
+    /// Causality, unless the scene sets another.
     pub causality: Causality,
-    /// When it changes, unless the scene says otherwise.
+    /// Variability, unless the scene sets another.
     pub variability: Variability,
-    /// Its type.
+    /// Type of the variable.
     pub kind: Kind,
-    /// One line for people.
+    /// Description of the variable in one line.
     pub description: &'static str,
 }
 
-/// What a template is repeated for.
+/// Part of the structure for which a template is repeated.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Per {
-    /// Once.
+    /// Once for the scene.
     Scene,
-    /// Once a module.
+    /// Once for each module.
     Module,
-    /// Once a contact.
+    /// Once for each contact.
     Contact,
-    /// Once a mass of a network.
+    /// Once for each mass of a network.
     Mass,
-    /// Once a spring of a network.
+    /// Once for each spring of a network.
     Spring,
-    /// Once a damper of a network.
+    /// Once for each damper of a network.
     Damper,
-    /// Once in an FMU; no run has it.
+    /// Once for the FMU; runs of the program do not have the variable.
     Fmu,
 }
 
-/// The role of a variable.
+/// Causality of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Causality {
-    /// Given by the importer throughout.
+    /// Set by the importer throughout the run.
     Input,
-    /// Computed.
+    /// Computed by the simulation.
     Output,
-    /// Given before the run, or between steps where tunable.
+    /// Set before the run, or between steps if tunable.
     Parameter,
 }
 
-/// When a variable may change.
+/// Variability of a variable: the times at which it may change.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Variability {
-    /// Never after initialization.
+    /// The variable does not change after initialization.
     Fixed,
-    /// Between steps.
+    /// The variable may change between steps.
     Tunable,
-    /// At events.
+    /// The variable changes at events.
     Discrete,
-    /// Always.
+    /// The variable may change at all times.
     Continuous,
 }
 
-/// The type of a variable.
+/// Type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// A double.
+    /// A double-precision number.
     Real {
-        /// Its unit.
+        /// Unit of the variable.
         unit: &'static str,
-        /// The least value that makes sense.
+        /// Smallest meaningful value.
         min: Option<f64>,
     },
     /// A 32-bit integer.
     Integer,
     /// True or false.
     Boolean,
-    /// An item of an enumeration, counting from 1.
+    /// An item of an enumeration, counted from 1.
     Enumeration {
-        /// The enumeration's name.
+        /// Name of the enumeration.
         name: &'static str,
     },
 }
 
-/// A unit and its exponents of the SI base units.
+/// A unit and its exponents with respect to the SI base units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Unit {
-    /// Its name.
+    /// Name of the unit.
     pub name: &'static str,
-    /// Base unit and exponent; those that are zero are left out.
+    /// Base units and their exponents; zero exponents are omitted.
     pub exponents: &'static [(&'static str, i32)],
 }
 
-/// An enumeration.
+/// An enumeration of the catalogue.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Enumeration {
-    /// Its name.
+    /// Name of the enumeration.
     pub name: &'static str,
-    /// One line for people.
+    /// Description of the enumeration in one line.
     pub description: &'static str,
-    /// Names and descriptions, counting from 1.
+    /// Names and descriptions of the items, counted from 1.
     pub items: &'static [(&'static str, &'static str)],
 }
 
 /// A variable of one scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Variable {
-    /// Its name, as importers and scripts see it.
+    /// Name of the variable, as importers and scripts see it.
     pub name: String,
-    /// Its entry in the catalogue.
+    /// Entry of the variable in the catalogue.
     pub template: &'static Template,
-    /// The part of the structure that it belongs to, from 0.
+    /// Index of the part of the structure to which the variable belongs, from 0.
     pub index: usize,
-    /// Its role.
+    /// Causality of the variable in this scene.
     pub causality: Causality,
-    /// When it changes.
+    /// Variability of the variable in this scene.
     pub variability: Variability,
 }
 
 impl Variable {
-    /// `true` if both stand for the same entry of the catalogue and the same part of the structure.
+    /// `true` if both variables have the same entry of the catalogue and the same part of the structure.
     pub(super) fn is(&self, other: &Self) -> bool {
         std::ptr::eq(self.template, other.template) && self.index == other.index
     }
 
-    /// May it be given a value before the run?
+    /// `true` if the variable can be set before the run.
     #[must_use]
     pub fn is_settable(&self) -> bool {
         self.causality != Causality::Output
     }
 
-    /// May it be given another value during the run?
+    /// `true` if the variable can be set during the run.
     #[must_use]
     pub fn is_tunable(&self) -> bool {
         self.causality == Causality::Input || self.variability == Variability::Tunable
     }
 
-    /// Does it decide, of what may change during the run, whether a step is possible: by the critical
-    /// step, or by static friction below kinetic?
+    /// `true` if the variable, changed during the run, can make a step impossible: by the critical step, or by static
+    /// friction below kinetic friction.
     pub(super) fn sets_limit(&self) -> bool {
         matches!(
             self.template.quantity,
@@ -184,8 +184,7 @@ fn of_part(scene: &Scene, template: &'static Template, index: usize, part: &str)
     Variable { name, template, index, causality, variability }
 }
 
-/// The variables of a scene's FMU: those of the scene, then the FMU's own. The place of one is its value
-/// reference.
+/// The variables of a scene's FMU: those of the scene, then the FMU's own. The index of a variable is its value reference.
 #[must_use]
 pub fn fmu_variables(scene: &Scene) -> Vec<Variable> {
     let own = TEMPLATES.iter().filter(|template| template.per == Per::Fmu);
@@ -193,7 +192,7 @@ pub fn fmu_variables(scene: &Scene) -> Vec<Variable> {
     variables(scene).into_iter().chain(own).collect()
 }
 
-/// Role and time of change of a template's variables in a scene.
+/// Causality and variability of a template's variables in a scene.
 fn role(scene: &Scene, template: &Template) -> (Causality, Variability) {
     match group(template.quantity).and_then(|group| scene.roles.of(group)) {
         Some(Role::Input) => (Causality::Input, Variability::Continuous),
@@ -202,7 +201,7 @@ fn role(scene: &Scene, template: &Template) -> (Causality, Variability) {
     }
 }
 
-/// What a scene gives its role together with others.
+/// Group of values with a common role to which a quantity belongs; `None` if its role is fixed.
 fn group(quantity: Quantity) -> Option<Group> {
     match quantity {
         Quantity::SliderVelocity | Quantity::OwnVelocity => Some(Group::SliderVelocity),
@@ -216,7 +215,7 @@ fn group(quantity: Quantity) -> Option<Group> {
     }
 }
 
-/// How often a scene has what a template is repeated for.
+/// Number of parts of a scene for which a template is repeated.
 fn count(scene: &Scene, per: Per) -> usize {
     match (per, &scene.structure) {
         (Per::Scene, _) => 1,
@@ -231,7 +230,7 @@ fn count(scene: &Scene, per: Per) -> usize {
     }
 }
 
-/// What stands for `{i}` in the names of a part's variables.
+/// Text in place of `{i}` in the names of a part's variables.
 fn part(scene: &Scene, per: Per, index: usize) -> String {
     let name = match (per, scene.network()) {
         (Per::Contact, Some(network)) => &network.contacts[index].name,
@@ -243,12 +242,12 @@ fn part(scene: &Scene, per: Per, index: usize) -> String {
     format!(".{name}")
 }
 
-/// The components of a module's stiffness that link it to the next: k1 and k2.
+/// The components of a module's stiffness that link it to the next module: k1 and k2.
 const LINKS: [usize; 2] = [0, 1];
 
-/// What a scene goes without has no variables: damping, links, preload, external forces, locked degrees of
-/// freedom, v and µ of a contact that has none of its own, static friction, effects, a step that is chosen,
-/// reactions of a slider that nothing rubs on.
+/// Returns `true` if the scene has the variable. Features that the scene does not use have no variables: damping,
+/// links, preload, external forces, locked degrees of freedom, v and µ of a contact without its own, static friction,
+/// effects, a step that a tolerance chooses, and reactions of a slider without contacts.
 fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
     match template.quantity {
         Quantity::Energy => return scene.effects.energy,
@@ -263,7 +262,7 @@ fn is_present(scene: &Scene, template: &Template, index: usize) -> bool {
         Quantity::StribeckVelocity => return scene.stribeck_velocity.is_some(),
         Quantity::ReversedSlips => return scene.effects.has_frozen_slip(scene.friction_law),
         Quantity::PulledContacts => return !scene.effects.detachment,
-        // Where a tolerance chooses it, it is not for an importer to give.
+        // An importer cannot set a step that a tolerance chooses.
         Quantity::IntegratorStep => return scene.selection == Selection::Given,
         Quantity::DampingAlpha => return scene.effects.mass_damping,
         Quantity::DampingBeta => return scene.effects.stiffness_damping,

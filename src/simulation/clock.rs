@@ -1,19 +1,19 @@
-//! Time from a step count, never accumulated.
+//! Time computed from a count of steps, never accumulated.
 
 use crate::scene::MAX_STEPS;
 use serde::{Deserialize, Serialize};
 
-/// A step asked for is a whole multiple of the internal step if it misses it by this part.
+/// Relative tolerance for a requested step to count as a whole multiple of the internal step.
 const TOLERANCE: f64 = 1e-9;
-/// A step asked for that is shorter than this part of the internal step, and than the digits of times that
-/// hosts add up, is a rounding error.
+/// A requested step counts as a rounding error if it is shorter than this part of the internal step and below the
+/// precision of times that hosts add up (`DIGITS`).
 pub(super) const NOTHING: f64 = 1e-6;
 const DIGITS: f64 = 1e-12;
-/// Steps that a saved clock may be behind its time by rounding.
+/// Largest number of steps by which rounding may leave a saved clock behind its time.
 const MOST_MADE_UP: f64 = 1e6;
 
-/// The time of a motion: whole internal steps since a start, and what whoever asks for the steps
-/// calls the present time. The two differ by rounding errors, half an internal step at most.
+/// Time of a motion: whole internal steps since a start, and the present time as the caller requested it. The two
+/// differ by rounding errors, half an internal step at most.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Clock {
     start: f64,
@@ -21,20 +21,20 @@ pub(crate) struct Clock {
     asked: f64,
 }
 
-/// How to get from here to a time.
+/// Steps from the present time to a target.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Leg {
     /// Length of a step, s.
     pub(super) step: f64,
-    /// How many, and how many of them have been taken.
+    /// Number of steps, and number of steps that have been taken.
     pub(super) count: u64,
     pub(super) done: u64,
-    /// Where step 0 of its grid begins, s, and the number of its first step there.
+    /// Start of step 0 of the grid, s, and number of the leg's first step on this grid.
     origin: f64,
     first: u64,
-    /// Where within the next step the motion is, s; none at its beginning.
+    /// Present time within the next step, s; `None` at its beginning.
     within: Option<f64>,
-    /// The clock at the end.
+    /// Clock at the end of the leg.
     pub(super) arrival: Clock,
 }
 
@@ -44,12 +44,12 @@ impl Leg {
         self.within = None;
     }
 
-    /// Takes a part of the next step, to time `time` (s).
+    /// Takes a part of the next step, up to time `time` (s).
     pub(super) fn take_part(&mut self, time: f64) {
         self.within = Some(time);
     }
 
-    /// Has a part of the next step been taken?
+    /// `true` if a part of the next step has been taken.
     pub(super) fn is_within(&self) -> bool {
         self.within.is_some()
     }
@@ -58,12 +58,12 @@ impl Leg {
         self.done == self.count
     }
 
-    /// When the next step begins and ends, s, or what is left of it.
+    /// Beginning and end of the next step, or of what is left of it, s.
     pub(super) fn next_step(&self) -> [f64; 2] {
         [self.within.unwrap_or_else(|| self.time(self.done)), self.time(self.done + 1)]
     }
 
-    /// When one of its steps (from 0) begins, s; that of the count is the end.
+    /// Beginning of a step of the leg (from 0), s; for a `step` equal to the number of steps, the end of the leg.
     #[allow(clippy::cast_precision_loss)]
     fn time(&self, step: u64) -> f64 {
         if step == self.count {
@@ -72,16 +72,15 @@ impl Leg {
         self.origin + (self.first + step) as f64 * self.step
     }
 
-    /// How many steps are left.
+    /// Number of steps left.
     pub(super) fn left(&self) -> u64 {
         self.count - self.done
     }
 
-    /// How many steps from the next one on end before time `until` (s); at least that one, at most those
-    /// that are left.
+    /// Number of steps, from the next one on, that end before time `until` (s): at least one, and at most the number left.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub(super) fn steps_before(&self, until: f64) -> u64 {
-        // One less than fit in leaves the last one's end a step before that time. Casts saturate.
+        // One step less than fit, so that the last one ends a step before that time. Casts saturate.
         let count = ((until - self.time(self.done)) / self.step).floor() as u64;
         count.saturating_sub(1).clamp(1, self.left())
     }
@@ -92,45 +91,45 @@ impl Clock {
         Self { start, steps: 0, asked: start }
     }
 
-    /// Where its count of steps begins, s.
+    /// Start of the count of steps, s.
     pub(super) fn start(self) -> f64 {
         self.start
     }
 
-    /// Present time, s, in the words of whoever asked for it.
+    /// Present time, s, as the caller requested it.
     pub(super) fn time(self) -> f64 {
         self.asked
     }
 
-    /// Present time, s, on the grid of steps of this length: however a run is split, the same double.
+    /// Present time, s, on the grid of steps of this length: the same double for every division of a run.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn grid_time(self, step: f64) -> f64 {
         self.start + self.steps as f64 * step
     }
 
-    /// Do two times mean the same, for a run with this internal step? Whoever adds up their steps
-    /// gathers rounding errors.
+    /// Returns `true` if two times differ by at most half an internal step: callers that add up their steps
+    /// accumulate rounding errors.
     pub(super) fn same(a: f64, b: f64, step: f64) -> bool {
         (a - b).abs() <= 0.5 * step
     }
 
-    /// Does it keep what every clock with this internal step keeps? A count that does not belong to its times
-    /// would be made up for step by step.
+    /// Returns `true` if the clock satisfies what holds for every clock with this internal step. A count that does
+    /// not match the times would be made up for step by step.
     pub(super) fn is_possible(self, step: f64) -> bool {
         let off = (self.grid_time(step) - self.asked).abs();
         let rounding = 4.0 * f64::EPSILON * (self.start.abs() + self.asked.abs());
-        // Where times are too large for the step to be seen, that many steps are all that it may cost.
+        // If times are too large to resolve a step, this number of steps limits the cost.
         let rounding = rounding.min(MOST_MADE_UP * step);
         self.start.is_finite() && self.asked.is_finite() && off <= step + rounding
     }
 
-    /// The way to time `target`.
+    /// Returns the steps to time `target`.
     ///
-    /// Where the span from the last time asked for is a whole multiple of `step`, it is that many
-    /// steps on the grid, to the point nearest to the target: however a run is split at points of
-    /// the grid, the same steps are taken, and rounding errors of the times never add up. Else it is
-    /// the fewest equal steps that are not longer than `step`, and a new grid starts at the target.
-    /// `None` if the target lies in the past or farther ahead than can be counted.
+    /// If the span from the last requested time is a whole multiple of `step`, the leg consists of that many steps on
+    /// the grid, to the point nearest to the target: every division of a run at points of the grid takes the same
+    /// steps, and rounding errors of the times do not add up. Otherwise it is the smallest number of equal steps that
+    /// are not longer than `step`, and a new grid starts at the target. `None` if the target lies in the past or is
+    /// farther ahead than steps can be counted.
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
     pub(super) fn way_to(self, target: f64, step: f64) -> Option<Leg> {
         let asked = target - self.asked;
@@ -156,16 +155,16 @@ impl Clock {
     }
 }
 
-/// The whole number that is nearest to x, of two the larger one; 0 where x is below. `f64::round` is a call
-/// into the C library, which a short step would feel.
+/// Nearest whole number to x, the larger one of two; 0 for a negative x. `f64::round` calls the C library, which
+/// would slow short steps down.
 fn nearest(x: f64) -> f64 {
-    /// From here on no double has a fraction.
+    /// From here on all doubles are whole numbers.
     const WHOLE: f64 = (1_u64 << (f64::MANTISSA_DIGITS - 1)) as f64;
     if x >= WHOLE {
         return x;
     }
     let x = x.max(0.0);
-    // Rounds halves to even ones.
+    // This rounds halves to even numbers.
     let even = (x + WHOLE) - WHOLE;
     if x - even >= 0.5 { even + 1.0 } else { even }
 }

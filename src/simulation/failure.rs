@@ -1,4 +1,4 @@
-//! What is said of a step that failed: when, at which contact, and why.
+//! Error messages for a failed step: the time, the contact, and the reason.
 
 use super::catalogue::Quantity;
 use super::clock::Leg;
@@ -9,11 +9,12 @@ use crate::integrator::{Motion, StepFailure};
 use crate::model::ring::MODULE_DOFS;
 use crate::scene::{self, Structure};
 
-/// An input or parameter beyond this, in SI units, is what a motion that leaves the range of numbers comes from.
+/// Magnitude above which an input or parameter, in SI units, is named as the cause if the motion leaves the range of
+/// numbers.
 const HUGE: f64 = 1e100;
 
 impl Simulation {
-    /// Words on a step that the integrator could not take on the way to a time (s).
+    /// Error for a step that the integrator could not take on the way to a time (s).
     #[cold]
     pub(super) fn failed(&self, failure: StepFailure, target: f64) -> Error {
         let contact_name = |contact| self.scene.contact_name(contact);
@@ -67,14 +68,14 @@ impl Simulation {
         self.step_failed(target, &what)
     }
 
-    /// Words on a motion that is not finite any more, which began on the way to a time (s).
+    /// Error for a motion that is no longer finite, which began on the way to a time (s).
     #[cold]
     pub(super) fn left_range(&self, target: f64) -> Error {
         self.step_failed(target, &self.out_of_range(self.pushed()))
     }
 
-    /// Where a motion has left the range of numbers, which is at the first degree of freedom that is not finite
-    /// unless it is known better, and why.
+    /// Message for a motion that has left the range of numbers: its cause, and the place, which is the first degree
+    /// of freedom that is not finite unless `place` is given.
     fn out_of_range(&self, place: Option<String>) -> String {
         let place = place.unwrap_or_else(|| {
             let Motion { displacement, velocity, .. } = &self.motion;
@@ -84,14 +85,15 @@ impl Simulation {
         format!("the motion at {place} left the range of numbers; {}", self.likely_cause())
     }
 
-    /// Where a force acts that no motion can follow: within some steps nothing else is finite either.
+    /// Place of a force that is too large for any motion: within a few steps other degrees of freedom are not finite
+    /// either.
     fn pushed(&self) -> Option<String> {
         let (variable, _) = self.huge_value()?;
         let is_force = variable.template.quantity == Quantity::ExternalForce;
         is_force.then(|| self.place(super::dof(&self.scene, &self.numbering, &variable)))
     }
 
-    /// A degree of freedom by its name, with the contact that is there.
+    /// Name of a degree of freedom, with its contact.
     fn place(&self, dof: usize) -> String {
         let name = self.scene.dof_names().into_iter().nth(dof).unwrap_or_default();
         match self.contact_at(dof) {
@@ -100,7 +102,7 @@ impl Simulation {
         }
     }
 
-    /// Words on a leg that could not be gone on with, for the reason that is given.
+    /// Error for a leg that cannot be continued, for the given reason.
     #[cold]
     pub(super) fn stopped(&self, error: &Error, leg: &Leg) -> Error {
         if leg.done == 0 {
@@ -110,7 +112,7 @@ impl Simulation {
         error.in_words(format!("{error}; up to {time} s all was well"))
     }
 
-    /// Words on a time (s) that no steps lead to.
+    /// Error for a time (s) that no steps lead to.
     #[cold]
     pub(super) fn unreachable(&self, target: f64) -> Error {
         let (time, step) = (self.time(), self.scene.step);
@@ -139,7 +141,7 @@ impl Simulation {
         Error::step(format!("between {time} s and {target} s {what}; up to {time} s all was well"))
     }
 
-    /// The contact on a degree of freedom, or else of the mass or module that it belongs to.
+    /// Contact of a degree of freedom, or else of the mass or module to which it belongs.
     fn contact_at(&self, dof: usize) -> Option<usize> {
         let touching = |dof: usize| {
             self.model.contacts.iter().position(|contact| {
@@ -157,7 +159,7 @@ impl Simulation {
         })
     }
 
-    /// What a motion that leaves the range of numbers comes from: a value that is far too large, or flutter.
+    /// Likely cause of a motion that leaves the range of numbers: a value that is far too large, or flutter.
     fn likely_cause(&self) -> String {
         self.huge_value().map_or_else(
             || "look for a flutter that nothing bounds, as where contacts cannot open".to_owned(),
@@ -165,7 +167,7 @@ impl Simulation {
         )
     }
 
-    /// The largest value, if it is one that no motion can follow.
+    /// The parameter or input of largest magnitude, if it is above `HUGE`.
     fn huge_value(&self) -> Option<(Variable, f64)> {
         let effective = Parameters::of(self.scene.clone());
         let values = effective.iter().map(|(variable, value)| (variable.clone(), value));
@@ -187,7 +189,7 @@ mod tests {
 
     const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
 
-    /// What a run of a scene says that gets this force (N) after a while.
+    /// Error message of a run of a scene to which this force (N) is applied after the first step of output.
     fn pushed(scene: &Scene, name: &str, force: f64) -> String {
         let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
         simulation.advance_to(1e-3).unwrap();
@@ -225,7 +227,7 @@ mod tests {
         }
     }
 
-    /// Set 1 flutters, with nothing to bound it where contacts can neither open nor stick.
+    /// Set 1 flutters without bound if contacts can neither open nor stick.
     #[test]
     fn flutter_that_nothing_bounds_ends_in_an_error_and_never_in_numbers_that_are_none() {
         for method in METHODS {
@@ -244,7 +246,7 @@ mod tests {
             };
             let words = ["left the range of numbers", "flutter that nothing bounds", "contact["];
             assert!(words.iter().all(|word| error.contains(word)), "{error}");
-            // 300 powers of ten take their time.
+            // The growth over 300 powers of ten takes time.
             assert!(simulation.time() > 1.0);
         }
     }

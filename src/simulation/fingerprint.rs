@@ -1,4 +1,4 @@
-//! The GUID that ties a model description to the library that will read it.
+//! The GUID that ties a model description to the library that reads it.
 
 use super::catalogue::CATALOGUE_TEXT;
 use crate::scene::Source;
@@ -12,7 +12,7 @@ pub fn fingerprint(source: &Source) -> String {
     let tables = source.tables.iter().flat_map(|(name, text)| [&**name, text]);
     let mut name = Vec::new();
     for part in [version, &*source.text].into_iter().chain(CATALOGUE_TEXT).chain(tables) {
-        // Lengths keep two parts from passing for two others.
+        // Lengths keep different parts from giving the same text.
         name.extend_from_slice(&part.len().to_le_bytes());
         name.extend_from_slice(part.as_bytes());
     }

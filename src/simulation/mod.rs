@@ -1,4 +1,4 @@
-//! A model and its motion together: advance, read, write, save, restore.
+//! A simulation: a model together with its motion. It can be advanced, read, written, saved and restored.
 
 mod assumptions;
 pub mod catalogue;
@@ -44,25 +44,25 @@ use signals::{Driven, Reach, moved_contacts};
 use start::{check_closed, initial_motion};
 use std::ops::ControlFlow;
 
-/// Steps taken between two looks at whether the motion is still finite.
+/// Number of steps between two checks that the motion is finite.
 const CHUNK: u64 = 1 << 16;
-/// Steps times degrees of freedom between two questions whether to go on: well below a second.
+/// Number of steps times degrees of freedom between two calls that ask whether to continue: well below a second.
 const UNASKED: u64 = 1_000_000;
 
-/// A scene in motion.
+/// A simulation: a scene and its motion.
 pub struct Simulation {
     /// The scene with its effective values.
     scene: Scene,
-    /// The nominal values: inputs and tunable parameters may have changed since the start.
+    /// The nominal values of parameters and inputs, which may have changed since the start.
     nominal: Parameters,
-    /// What makes effective values differ from the nominal ones.
+    /// The inputs that signals or rates drive, whose effective values may differ from the nominal ones.
     driven: Option<Driven>,
-    /// What a tolerance has chosen, when this simulation was made anew.
+    /// Method and step chosen by a tolerance when this simulation was made; `None` after it was resumed.
     selected: Option<Selected>,
     model: LumpedModel,
-    /// The degrees of freedom of a network's masses.
+    /// Numbers of the degrees of freedom of a network's masses.
     numbering: Numbering,
-    /// Of the step of the method that has a critical one.
+    /// Guard of the critical step, for a method that has one.
     guard: Option<StepGuard>,
     integrator: Box<dyn Integrator>,
     reference: Reference,
@@ -70,9 +70,9 @@ pub struct Simulation {
     clock: Clock,
     drive: Drive,
     contact_forces: Vec<ContactForce>,
-    /// Of a scene that asks for it.
+    /// Stability monitor, in a scene that requests it.
     monitor: Option<Monitor>,
-    /// What a change of values has made out of date.
+    /// Results that a change of values has made out of date.
     stale: Stale,
 }
 
@@ -84,7 +84,7 @@ struct Stale {
 }
 
 impl Stale {
-    /// Takes note of another value of a variable.
+    /// Marks the results that depend on a variable as out of date.
     fn by(&mut self, variable: &Variable) {
         self.drive = true;
         self.contact_forces = true;
@@ -92,8 +92,7 @@ impl Stale {
     }
 }
 
-/// The position that displacements are measured from: the equilibrium at initialization, with the
-/// load that made it.
+/// Reference position of the displacements: the equilibrium at initialization, and its load.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Reference {
     equilibrium: Equilibrium,
@@ -101,19 +100,19 @@ struct Reference {
 }
 
 impl Simulation {
-    /// A simulation of the scene, at `start_time` (s) and in its initial position. Where the scene has a
-    /// tolerance in place of method and step, they are chosen now, for good.
+    /// Makes a simulation of the scene, at `start_time` (s) and in its initial position. If a tolerance chooses
+    /// method and step, the choice is made now and kept.
     ///
     /// # Errors
-    /// Impossible values, no equilibrium, or a step above the critical one.
+    /// Returns an error for impossible values, a scene without an equilibrium, or a step above the critical one.
     pub fn new(scene: Scene, start_time: f64) -> Result<Self, Error> {
         Self::with(Parameters::of(scene), start_time)
     }
 
-    /// A simulation of a scene with these values, at `start_time` (s); else as [`new`](Self::new).
+    /// Makes a simulation of a scene with these values, at `start_time` (s); otherwise like [`new`](Self::new).
     ///
     /// # Errors
-    /// Those of [`new`](Self::new).
+    /// Returns the errors of [`new`](Self::new).
     pub fn with(mut nominal: Parameters, start_time: f64) -> Result<Self, Error> {
         let mut scene = nominal.scene();
         scene.check()?;
@@ -193,73 +192,72 @@ impl Simulation {
         self.clock.time()
     }
 
-    /// Do two times (s) mean the same point of this run? Rounding errors of up to half an internal
-    /// step are forgiven.
+    /// Returns `true` if two times (s) differ by at most half an internal step, so that they mean the same point of
+    /// this run up to rounding.
     #[must_use]
     pub fn same_time(&self, a: f64, b: f64) -> bool {
         Clock::same(a, b, self.scene.step)
     }
 
-    /// The scene with its effective values: the nominal ones, and what signals and rates add to them now.
+    /// The scene with its effective values: the nominal ones plus the present contributions of signals and rates.
     #[must_use]
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// The nominal values of parameters and inputs, without what signals add.
+    /// The nominal values of parameters and inputs, without the contributions of signals.
     #[must_use]
     pub fn nominal(&self) -> &Parameters {
         &self.nominal
     }
 
-    /// What the scene's tolerance has chosen; `None` where method and step are given, and after
-    /// [`resume`](Self::resume), which goes on with what was chosen before.
+    /// Method and step chosen by the scene's tolerance; `None` if they are given, and after [`resume`](Self::resume),
+    /// which keeps the earlier choice.
     #[must_use]
     pub fn selected(&self) -> Option<Selected> {
         self.selected
     }
 
-    /// Displacements from the equilibrium, m, one a degree of freedom.
+    /// Displacements from the equilibrium, m, one for each degree of freedom.
     #[must_use]
     pub fn displacement(&self) -> &[f64] {
         &self.motion.displacement
     }
 
-    /// Velocities, m/s, one a degree of freedom.
+    /// Velocities, m/s, one for each degree of freedom.
     #[must_use]
     pub fn velocity(&self) -> &[f64] {
         &self.motion.velocity
     }
 
-    /// The state of each contact over the last step.
+    /// The state of each contact during the last step.
     #[must_use]
     pub fn contact_states(&self) -> &[ContactState] {
         &self.motion.contacts
     }
 
-    /// Do signals still change something, now or later?
+    /// `true` if signals change an input now or later.
     #[must_use]
     pub fn is_driven_on(&self) -> bool {
         let until = |driven: &Driven| driven.constant_until(self.time());
         self.driven.as_ref().map_or(f64::INFINITY, until) < f64::INFINITY
     }
 
-    /// Adds to the velocity of a degree of freedom, m/s, as a blow would; an energy ledger does not know of it.
+    /// Adds to the velocity of a degree of freedom, m/s, like an impulse. An energy ledger does not account for it.
     pub fn push(&mut self, dof: usize, velocity: f64) {
         self.motion.velocity[dof] += velocity;
         self.stale.contact_forces = true;
     }
 
-    /// Makes displacements from the equilibrium and velocities larger or smaller by a factor; an energy ledger does not know
-    /// of it.
+    /// Multiplies displacements from the equilibrium and velocities by a factor. An energy ledger does not account for it.
     pub fn scale_motion(&mut self, factor: f64) {
         let Motion { displacement, velocity, .. } = &mut self.motion;
         displacement.iter_mut().chain(velocity).for_each(|value| *value *= factor);
         self.stale.contact_forces = true;
     }
 
-    /// Multiplies the difference between the displacements and velocities of this motion and those of another one of the same
-    /// scene by a factor. The other motion and the contact states stay as they are.
+    /// Multiplies the difference between the displacements and velocities of this motion and those of another motion
+    /// of this scene by a factor. The other motion and the contact states do not change.
     pub fn set_apart_from(&mut self, other: &Self, factor: f64) {
         let Motion { displacement, velocity, .. } = &mut self.motion;
         let others = other.motion.displacement.iter().chain(&other.motion.velocity);
@@ -269,40 +267,40 @@ impl Simulation {
         self.stale.contact_forces = true;
     }
 
-    /// What has been counted since the start.
+    /// Counters since the start.
     #[must_use]
     pub fn statistics(&self) -> Statistics {
         self.motion.statistics
     }
 
-    /// Where energy is, and where it has gone since the start; `None` unless the scene asks for it.
+    /// The parts of the energy, and the work and dissipation since the start; `None` unless the scene requests energy.
     #[must_use]
     pub fn energy(&self) -> Option<Energy> {
         self.motion.ledger.as_ref().map(|ledger| ledger.energy(&self.model, &self.motion))
     }
 
-    /// The equilibrium that displacements are measured from.
+    /// The equilibrium from which displacements are measured.
     #[must_use]
     pub fn reference(&self) -> &Equilibrium {
         &self.reference.equilibrium
     }
 
-    /// Moves on to time `target` (s), inputs held but for what signals add: each step has what they
-    /// give at its beginning or, of a slider's velocity, at its end.
+    /// Advances to time `target` (s). Inputs are held, except for the contributions of signals: each step uses their
+    /// values at its beginning or, for a slider's velocity, at its end.
     ///
     /// # Errors
-    /// A target in the past; a step that, with the values as they are now, is above the critical
-    /// one; a step that fails, or leaves the range of numbers; signals that lead to an impossible
-    /// value. Then the motion is not to be used.
+    /// Returns an error for a target in the past, a step above the critical one with the present values, a step that
+    /// fails or leaves the range of numbers, or signals that lead to an impossible value. The motion must not be used
+    /// afterwards.
     pub fn advance_to(&mut self, target: f64) -> Result<(), Error> {
         self.advance(target, CHUNK, || ControlFlow::Continue(())).map(|_| ())
     }
 
-    /// Moves on to time `target` (s) as [`advance_to`](Self::advance_to) does, and asks now and then whether to go on. Where
-    /// the answer is `Break`, the motion stays on its way and is not to be used.
+    /// Advances to time `target` (s) like [`advance_to`](Self::advance_to), and asks at intervals whether to
+    /// continue. If the answer is `Break`, the motion stops before the target and must not be used afterwards.
     ///
     /// # Errors
-    /// [`advance_to`](Self::advance_to) has them.
+    /// Returns the errors of [`advance_to`](Self::advance_to).
     #[allow(clippy::cast_possible_truncation)]
     pub fn advance_while(
         &mut self,
@@ -313,7 +311,7 @@ impl Simulation {
         self.advance(target, most, go_on)
     }
 
-    /// Advances to time `target` (s), by up to `most` steps between two questions whether to go on.
+    /// Advances to time `target` (s), with up to `most` steps between two calls that ask whether to continue.
     fn advance(
         &mut self,
         target: f64,
@@ -343,7 +341,7 @@ impl Simulation {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// The way to time `target` (s).
+    /// The steps to time `target` (s).
     fn leg_to(&mut self, target: f64) -> Result<Leg, Error> {
         let leg = self.clock.way_to(target, self.scene.step);
         let leg = leg.ok_or_else(|| self.unreachable(target))?;
@@ -353,14 +351,15 @@ impl Simulation {
         Ok(leg)
     }
 
-    /// Brings everything up to date for the next steps of a leg; those that can be taken alike, if any are left.
+    /// Brings everything up to date for the next steps of a leg. Returns the steps that can be taken without another
+    /// update, if any are left.
     fn prepare(&mut self, leg: &Leg) -> Result<Option<Steps>, Error> {
         if leg.is_done() {
             return Ok(None);
         }
         let mut count = leg.left();
         let mut edge = None;
-        // Most short steps find nothing changed.
+        // For most short steps nothing has changed.
         if self.driven.is_some() || self.stale.drive || self.stale.limit {
             let [time, end] = leg.next_step();
             edge = self.driven.as_ref().and_then(|driven| driven.edge_between(time, end));
@@ -376,7 +375,7 @@ impl Simulation {
         Ok(Some(Steps { count: count.min(CHUNK - leg.done % CHUNK), edge }))
     }
 
-    /// Looks now and then, and at the end, whether the motion is still finite.
+    /// Checks at intervals, and at the end, that the motion is finite.
     fn check_taken(&self, leg: &Leg) -> Result<(), Error> {
         if leg.done.is_multiple_of(CHUNK) || leg.is_done() {
             self.check_finite(leg.arrival.time())?;
@@ -392,14 +391,14 @@ impl Simulation {
         self.stale.contact_forces = true;
     }
 
-    /// State and forces of every contact, now.
+    /// Present state and forces of every contact.
     ///
     /// # Errors
-    /// Contacts that are coupled in a way that has no solution.
+    /// Returns an error if the contacts are coupled in a way that has no solution.
     pub fn contact_forces(&mut self) -> Result<&[ContactForce], Error> {
         if self.stale.contact_forces {
             let now = self.clock.grid_time(self.scene.step);
-            // What signals make impossible is for the next step to refuse.
+            // An impossible value of a signal is reported by the next step.
             let _ = self.update_drive([now, now]);
             if let Some(driven) = &self.driven {
                 for (i, acceleration) in self.drive.slider_acceleration.iter_mut().enumerate() {
@@ -414,9 +413,9 @@ impl Simulation {
         Ok(&self.contact_forces)
     }
 
-    /// Brings drive and damping up to date for a step between these times (s). The drive is the load's change since the reference, the
-    /// contact forces that balanced it, and the external forces; at the reference nothing but the
-    /// contacts' part is left.
+    /// Brings drive and damping up to date for a step between these times (s). The drive is the change of the load
+    /// since the reference, the contact forces that balanced it there, and the external forces; at the reference only
+    /// the contacts' part is not zero.
     fn update_drive(&mut self, span: [f64; 2]) -> Result<(), Error> {
         let stale = &mut self.stale;
         let brought = match &mut self.driven {
@@ -453,7 +452,7 @@ impl Simulation {
         brought
     }
 
-    /// Brings what changes over a step between these times (s) up to date.
+    /// Brings the rates of change during a step between these times (s) up to date.
     fn update_rates(&mut self, span: [f64; 2], step: f64) {
         let Some(driven) = &self.driven else { return };
         driven.bring_waves(span[0], &mut self.drive.waves);
@@ -472,7 +471,7 @@ impl Simulation {
         }
     }
 
-    /// Refuses a step that the values as they are now make impossible.
+    /// Refuses a step that the present values make impossible.
     fn check_limit(&mut self, time: f64) -> Result<(), Error> {
         if self.stale.limit {
             let scene = &self.scene;
@@ -494,13 +493,13 @@ impl Simulation {
     }
 }
 
-/// Are all of them finite? Without a branch for each, which a short step would feel: times zero only what is
-/// finite is zero, of either sign.
+/// Returns `true` if all values are finite. The test has no branch for each value, which would slow short steps down:
+/// the product of a value and zero is zero, of either sign, only for a finite value.
 fn are_finite(values: &[f64]) -> bool {
     values.iter().fold(0, |any, value| any | (value * 0.0).to_bits()) << 1 == 0
 }
 
-/// The degree of freedom that a variable belongs to.
+/// The degree of freedom to which a variable belongs.
 fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
     let (index, component) = (variable.index, variable.template.component);
     match scene.structure {
@@ -510,14 +509,14 @@ fn dof(scene: &Scene, numbering: &Numbering, variable: &Variable) -> usize {
     }
 }
 
-/// Steps that can be taken alike.
+/// Steps that can be taken without an update in between.
 struct Steps {
     count: u64,
-    /// s, where within the first of them a signal has an edge that exact motion stops at.
+    /// Time of a signal's edge within the first of them, at which event-driven motion stops, s.
     edge: Option<f64>,
 }
 
-/// How long (s) the next step of a leg is, or its part up to an edge.
+/// Length (s) of the next step of a leg, or of its part up to an edge.
 fn length_to(edge: Option<f64>, leg: &Leg) -> f64 {
     let [time, end] = leg.next_step();
     match edge {
@@ -527,7 +526,7 @@ fn length_to(edge: Option<f64>, leg: &Leg) -> f64 {
     }
 }
 
-/// What an input acts on.
+/// The degrees of freedom and contacts on which an input acts.
 fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &Variable) -> Reach {
     let pushes = match variable.template.quantity {
         Quantity::ExternalForce => vec![(dof(scene, numbering, variable), 1.0)],
@@ -541,7 +540,7 @@ fn reach(scene: &Scene, numbering: &Numbering, model: &LumpedModel, variable: &V
     Reach { pushes, moves: moved_contacts(scene, variable) }
 }
 
-/// Words on values that have made the step too long; the step itself may be fixed by now.
+/// Error message for values that have made the step too long; the step itself may be fixed by now.
 fn limit_left(scene: &Scene, time: f64, error: &Error) -> Error {
     let (friction, damping) = (scene.friction_coefficient, scene.damping);
     let damping = match damping.beta {
@@ -552,7 +551,7 @@ fn limit_left(scene: &Scene, time: f64, error: &Error) -> Error {
     error.in_words(format!("at {} s, {with}, {error}", Short(time)))
 }
 
-/// Refuses static friction that inputs or signals have brought below the kinetic one.
+/// Refuses a static friction coefficient that inputs or signals have brought below the kinetic one.
 fn check_friction(model: &LumpedModel, scene: &Scene, time: f64) -> Result<(), Error> {
     for (i, contact) in model.contacts.iter().enumerate() {
         let Friction { kinetic, static_, .. } = contact.friction;

@@ -1,4 +1,4 @@
-//! Watches the stability of the present contact state.
+//! Monitor of the stability of the present contact state.
 
 use super::Simulation;
 use crate::Error;
@@ -8,21 +8,20 @@ use crate::stability::Spectrum;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// The most contact states that are remembered; a long ring may meet any number.
+/// Largest number of contact states that are remembered; a long ring may visit any number.
 const MOST_KNOWN: usize = 4096;
 
-/// What would become of a small disturbance if the contacts stayed in their states.
+/// Stability of a contact state: the growth of a small disturbance while the contacts keep their states.
 ///
-/// All is zero where the contacts hold every motion: what is held stays where it is put.
+/// All values are zero if the contacts constrain every motion, so that a disturbance neither grows nor decays.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Outlook {
-    /// The largest real part of all eigenvalues, 1/s: positive where a disturbance grows.
+    /// Largest real part of all eigenvalues, 1/s: positive if a disturbance grows.
     pub(super) growth_rate: f64,
-    /// The frequency of that mode, Hz; 0 for one that does not oscillate.
+    /// Frequency of the mode with this growth rate, Hz; 0 if it does not oscillate.
     pub(super) frequency: f64,
-    /// How many modes there are: pairs that oscillate, and real eigenvalues. −1 where there are no
-    /// eigenvalues, and so nothing is known: friction wedges the contacts, or their states contradict each
-    /// other.
+    /// Number of modes: oscillating pairs, and real eigenvalues. −1 if the eigenvalues do not exist, so that the
+    /// stability is unknown: friction wedges the contacts, or their states contradict each other.
     pub(super) modes: i32,
 }
 
@@ -43,22 +42,21 @@ impl Outlook {
     }
 }
 
-/// Outlooks of the contact states that were met, each found once. They are found when they are read, and feed
-/// nothing back.
+/// Outlooks of the contact states that were visited, each computed once. They are computed when they are read, and do
+/// not affect the motion.
 #[derive(Default)]
 pub(super) struct Monitor {
-    /// What else they depend on, of that which may change during a run: the friction of each contact and the
-    /// damping.
+    /// Friction of each contact: the outlooks also depend on it and on the damping, which may change during a run.
     friction: Vec<SlidingFriction>,
     damping: Damping,
     dampers: Option<SparseMatrix>,
     known: HashMap<Box<[ContactState]>, Outlook>,
-    /// The states at hand.
+    /// The present contact states.
     states: Vec<ContactState>,
 }
 
 impl Monitor {
-    /// Forgets what was found with another friction or damping.
+    /// Discards the outlooks if friction or damping has changed.
     fn keep_up(&mut self, linear: LinearModel<'_>) {
         let model = linear.model();
         let is_same = self.friction.iter().copied().eq(linear.friction())
@@ -73,7 +71,7 @@ impl Monitor {
         }
     }
 
-    /// The outlook of these states.
+    /// The outlook of these contact states.
     fn outlook(
         &mut self,
         model: LinearModel<'_>,
@@ -95,11 +93,11 @@ impl Monitor {
 }
 
 impl Simulation {
-    /// The outlook of the present contact states, as they are read, with the present friction and damping;
-    /// of a scene that does not ask for it, nothing. It allocates where these states are new.
+    /// The outlook of the present contact states with the present friction and damping; zero in a scene that does not
+    /// request stability. It allocates memory if these states are new.
     ///
     /// # Errors
-    /// Contact forces that have no solution.
+    /// Returns an error if the contact forces have no solution.
     pub(super) fn outlook(&mut self) -> Result<Outlook, Error> {
         self.contact_forces()?;
         let Some(monitor) = &mut self.monitor else { return Ok(Outlook::default()) };

@@ -1,8 +1,8 @@
 //! The values of a scene's parameters and inputs, as one vector over the catalogue.
 //!
-//! A run has such a vector of nominal values: what the scene, an importer or a rate has given each variable. Signals
-//! and rates add to some of them; the effective values are those of [`Simulation::scene`](super::Simulation::scene). A
-//! saved state holds the nominal ones.
+//! A run has such a vector of nominal values: those that the scene, an importer or a rate has given each variable.
+//! Signals and rates add to some of them; the effective values are those of
+//! [`Simulation::scene`](super::Simulation::scene). A saved state holds the nominal values.
 
 use super::catalogue::Quantity;
 use super::values::{impossible, place_in, rule};
@@ -20,21 +20,21 @@ pub struct Parameters {
     values: ParameterValues,
 }
 
-/// A scene, and which variable each value belongs to.
+/// A scene, and the variable to which each value belongs.
 #[derive(Debug, PartialEq)]
 struct Layout {
-    /// The scene without its values: zero stands for each.
+    /// The scene without its values, in place of which it has zeros.
     scene: Scene,
     /// The variables that can be set, in the order of [`variables`].
     variables: Vec<Variable>,
 }
 
-/// The values alone, as a saved state has them.
+/// The values alone, as stored in a saved state.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct ParameterValues {
-    /// One for each variable that can be set, in the order of [`variables`].
+    /// One value for each variable that can be set, in the order of [`variables`].
     numbers: Vec<f64>,
-    /// Where a tolerance chooses method and step.
+    /// Choice of method and step, if a tolerance makes it.
     chosen: Option<Choice>,
 }
 
@@ -42,7 +42,7 @@ pub(crate) struct ParameterValues {
 struct Choice {
     tolerance: f64,
     method: Method,
-    /// s.
+    /// Internal time step, s.
     step: f64,
 }
 
@@ -76,7 +76,7 @@ impl Parameters {
         scene
     }
 
-    /// Gives a scene that has the same parts these values.
+    /// Writes these values into a scene that has the same parts.
     pub(super) fn write_to(&self, scene: &mut Scene) {
         for (variable, number) in self.iter() {
             *place_in(scene, variable).expect("the scene has the variable") = number;
@@ -100,37 +100,37 @@ impl Parameters {
         self.place(variable).map(|place| self.number(place))
     }
 
-    /// Gives a variable a value, which is not checked.
+    /// Sets the value of a variable, which is not checked.
     ///
     /// # Errors
-    /// The variable cannot be set.
+    /// Returns an error if the variable cannot be set.
     pub fn set(&mut self, variable: &Variable, value: f64) -> Result<(), Error> {
         let place = self.place(variable).ok_or_else(|| not_settable(variable))?;
         *self.number_mut(place) = value;
         Ok(())
     }
 
-    /// Where the value of a variable is in the vector.
+    /// Index of a variable's value in the vector.
     pub(super) fn place(&self, variable: &Variable) -> Option<usize> {
         self.layout.variables.iter().position(|other| other.is(variable))
     }
 
-    /// The variable whose value is at this place of the vector.
+    /// The variable whose value has this index in the vector.
     pub(super) fn variable(&self, place: usize) -> Option<&Variable> {
         self.layout.variables.get(place)
     }
 
-    /// The value at this place of the vector.
+    /// The value with this index in the vector.
     pub(super) fn number(&self, place: usize) -> f64 {
         self.values.numbers[place]
     }
 
-    /// The value at this place of the vector, to be changed.
+    /// The value with this index in the vector, as a mutable reference.
     pub(super) fn number_mut(&mut self, place: usize) -> &mut f64 {
         &mut self.values.numbers[place]
     }
 
-    /// The tolerance that chooses method and step; `None` unless the scene leaves it to an importer.
+    /// The tolerance that chooses method and step; `None` unless the scene lets an importer choose it.
     pub(crate) fn tolerance(&self) -> Option<f64> {
         let chosen = self
             .values
@@ -139,14 +139,14 @@ impl Parameters {
         chosen.map(|chosen| chosen.tolerance)
     }
 
-    /// Lets this tolerance choose method and step, where one does.
+    /// Sets the tolerance that chooses method and step, if one does.
     pub(crate) fn set_tolerance(&mut self, value: f64) {
         if let Some(chosen) = &mut self.values.chosen {
             chosen.tolerance = value;
         }
     }
 
-    /// Takes note of the method and step (s) that a tolerance has chosen.
+    /// Records the method and step (s) that a tolerance has chosen.
     pub(super) fn set_choice(&mut self, method: Method, step: f64) {
         if let Some(chosen) = &mut self.values.chosen {
             (chosen.method, chosen.step) = (method, step);
@@ -158,10 +158,10 @@ impl Parameters {
         &self.values
     }
 
-    /// The same parameters and inputs with other values.
+    /// Returns these parameters and inputs with other values.
     ///
     /// # Errors
-    /// The values are those of another scene, or no run can have them.
+    /// Returns an error if the values are those of another scene, or impossible in every run.
     pub(crate) fn with_values(&self, values: ParameterValues) -> Result<Self, Error> {
         let is_like = values.numbers.len() == self.values.numbers.len()
             && values.chosen.is_some() == self.values.chosen.is_some();
@@ -171,10 +171,11 @@ impl Parameters {
         Ok(Self { layout: Arc::clone(&self.layout), values })
     }
 
-    /// Refuses values that no run can have. How they go together is for the scene as a whole, and for each step.
+    /// Refuses values that are impossible in every run. Their combination is checked for the scene as a whole, and at
+    /// each step.
     ///
     /// # Errors
-    /// The first such variable, its value, and what would be right.
+    /// Returns an error with the first such variable, its value, and what would be right.
     pub(super) fn check(&self) -> Result<(), Error> {
         for (variable, value) in self.iter() {
             if let Some(wish) = rule(variable).broken_by(value) {
@@ -213,7 +214,7 @@ impl Parameters {
     }
 }
 
-/// The refusal to set a variable that has no value of its own.
+/// Error for setting a variable that has no value of its own.
 pub(super) fn not_settable(variable: &Variable) -> Error {
     Error::variable(format!("{} cannot be set: it is an output", variable.name))
 }

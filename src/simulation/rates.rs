@@ -1,4 +1,4 @@
-//! Rates of inputs, for importers that know how an input goes on over their next step.
+//! Rates of inputs, for importers that know how an input changes during their next step.
 
 use super::catalogue::Causality;
 use super::signals::{Driven, InputRamp};
@@ -6,21 +6,21 @@ use super::{Parameters, Simulation, Variable};
 use crate::Error;
 use serde::{Deserialize, Serialize};
 
-/// An input's rate as a saved state has it.
+/// The rate of an input as stored in a saved state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct SavedRate {
-    /// Where the input's value is among those of the parameters.
+    /// Index of the input's value among those of the parameters.
     place: usize,
     ramp: InputRamp,
 }
 
 impl Simulation {
-    /// Lets an input change by `rate`, per second, from now on to the end of the next advance; from there on it
-    /// keeps the value that it has reached. Velocities of sliders and loads so change linearly, friction
-    /// coefficients from step to step.
+    /// Lets an input change by `rate`, per second, from now on to the end of the next advance; after that it keeps
+    /// the value that it has reached. Velocities of sliders and loads change linearly, friction coefficients from
+    /// step to step.
     ///
     /// # Errors
-    /// The variable is no input, or the rate no finite number.
+    /// Returns an error if the variable is not an input, or the rate is not a finite number.
     pub fn set_rate(&mut self, variable: &Variable, rate: f64) -> Result<(), Error> {
         check_rate(variable, rate)?;
         let origin = self.clock.grid_time(self.scene.step);
@@ -36,10 +36,10 @@ impl Simulation {
         driven.set_ramp(place, ramp, scene, nominal);
     }
 
-    /// Begins an advance to time `end` (s): rates of the one before no longer hold.
+    /// Begins an advance to time `end` (s) and drops the rates of the previous one.
     ///
     /// # Errors
-    /// A rate that leads to an impossible value.
+    /// Returns an error if a rate leads to an impossible value.
     pub(super) fn begin_rates(&mut self, end: f64) -> Result<(), Error> {
         let Some(driven) = &mut self.driven else { return Ok(()) };
         driven.check_ramps(end, &self.nominal)?;
@@ -47,7 +47,7 @@ impl Simulation {
         Ok(())
     }
 
-    /// Ends an advance: what the rates have led to is given from now on.
+    /// Ends an advance: the values that the rates have reached become the nominal ones.
     pub(super) fn end_rates(&mut self) {
         let end = self.clock.grid_time(self.scene.step);
         if let Some(driven) = &mut self.driven {
@@ -55,13 +55,13 @@ impl Simulation {
         }
     }
 
-    /// The rates, for a saved state.
+    /// The rates of inputs, to be stored in a saved state.
     pub(super) fn saved_rates(&self) -> Vec<SavedRate> {
         let ramps = self.driven.iter().flat_map(Driven::ramps);
         ramps.map(|(place, ramp)| SavedRate { place, ramp }).collect()
     }
 
-    /// Takes over the rates of a saved state in place of those at hand.
+    /// Replaces the present rates by those of a saved state.
     pub(super) fn take_over_rates(&mut self, saved: &[SavedRate]) {
         if let Some(driven) = &mut self.driven {
             driven.drop_ramps(true);
@@ -71,7 +71,7 @@ impl Simulation {
     }
 }
 
-/// Are these rates of inputs among the parameters?
+/// `true` if these rates belong to inputs among the parameters and can occur in a run.
 pub(super) fn belong_to(saved: &[SavedRate], parameters: &Parameters) -> bool {
     saved.iter().all(|&SavedRate { place, ramp }| {
         ramp.origin.is_finite()
@@ -84,7 +84,7 @@ pub(super) fn belong_to(saved: &[SavedRate], parameters: &Parameters) -> bool {
 /// Refuses a rate that a variable cannot have.
 ///
 /// # Errors
-/// The variable is no input, or the rate no finite number.
+/// Returns an error if the variable is not an input, or the rate is not a finite number.
 pub(crate) fn check_rate(variable: &Variable, rate: f64) -> Result<(), Error> {
     let name = &variable.name;
     if variable.causality != Causality::Input {

@@ -1,5 +1,4 @@
-//! Inputs that change over a step: what the signals of a scene, and the rates that an importer gives, make of
-//! them at an instant.
+//! Inputs that change during a step: their values at an instant, from the signals of a scene and the rates of an importer.
 
 use super::catalogue::Quantity;
 use super::clock::NOTHING;
@@ -13,45 +12,43 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
-/// Long steps of exact motion must not blur the edges of signals, s.
+/// Largest slack of a time, s, so that long steps of event-driven motion do not blur the edges of signals.
 const MOST_SLACK: f64 = 1e-9;
 
-/// The inputs that signals or rates drive. Their effective values are the nominal ones and what these add to them.
+/// The inputs that signals or rates drive. The effective value of an input is its nominal value plus their contributions.
 pub(super) struct Driven {
     inputs: Vec<Input>,
     signals: Arc<[Signal]>,
-    /// What times may be off by rounding, s.
+    /// Largest rounding error of a time, s.
     slack: f64,
-    /// Does the motion follow what drives it within a step? Else it takes values at the ends of steps.
+    /// `true` if the motion follows signals within a step. If `false`, it uses values at the ends of steps.
     is_followed: bool,
 }
 
 struct Input {
     variable: Variable,
-    /// Where its nominal value is among those of all parameters.
+    /// Index of the input's nominal value among all parameters.
     place: usize,
-    /// Its present effective value.
+    /// Present effective value of the input.
     effective: f64,
-    /// The contacts whose surface it moves, in ascending order.
+    /// Contacts whose surface the input moves, in ascending order.
     moves: Vec<usize>,
-    /// The places of its signals in the scene.
+    /// Indices of the input's signals in the scene.
     signals: Vec<usize>,
-    /// What an importer adds to it over a step.
+    /// Ramp that an importer adds to the input over a step.
     ramp: Option<InputRamp>,
 }
 
-/// What is added to an input over one step of whoever gives it: nothing at `origin` (s), and from there `rate` per
-/// second more.
+/// Ramp that is added to an input over one step of the importer: zero at `origin` (s), then growing by `rate` per second.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(super) struct InputRamp {
     pub(super) origin: f64,
     pub(super) rate: f64,
-    /// Has its step been taken? Then it only says how fast the input changed up to now.
+    /// `true` if the step of the ramp has been taken. The ramp then only gives the rate of change up to now.
     pub(super) is_over: bool,
 }
 
-/// What an input acts on: degrees of freedom with the force that one unit of it is, N, and contacts whose sliders it
-/// moves.
+/// Effect of an input: degrees of freedom with the force for one unit of the input, N, and contacts whose sliders it moves.
 #[derive(Default)]
 pub(super) struct Reach {
     pub(super) pushes: Vec<(usize, f64)>,
@@ -64,7 +61,7 @@ impl InputRamp {
     }
 }
 
-/// The contacts whose surface an input moves, in ascending order: those that have no velocity of their own move with the slider.
+/// The contacts whose surface an input moves, in ascending order: contacts without their own velocity move with the slider.
 pub(super) fn moved_contacts(scene: &Scene, input: &Variable) -> Vec<usize> {
     let has_own =
         |contact: usize| scene.place(contact).is_some_and(|place| place.velocity.is_some());
@@ -85,12 +82,12 @@ impl Input {
 }
 
 impl Driven {
-    /// The inputs that the signals of a scene drive; `None` if it has none. The scene has been checked.
+    /// The inputs driven by the signals of a scene, which has been checked; `None` if there are no signals.
     pub(super) fn of(scene: &Scene, nominal: &Parameters) -> Option<Self> {
         (!scene.signals.is_empty()).then(|| Self::new(scene, nominal))
     }
 
-    /// The inputs that the signals of a scene drive, which may be none.
+    /// The inputs driven by the signals of a scene, possibly none.
     pub(super) fn new(scene: &Scene, nominal: &Parameters) -> Self {
         let mut inputs: Vec<Input> = Vec::new();
         for (place, (variable, _)) in nominal.iter().enumerate() {
@@ -106,7 +103,7 @@ impl Driven {
         Self { inputs, signals: Arc::clone(&scene.signals), slack, is_followed }
     }
 
-    /// Gives the input whose value is at this place of the nominal ones a ramp, instead of the one that it has.
+    /// Sets the ramp of the input whose nominal value has this index, in place of its present ramp.
     pub(super) fn set_ramp(
         &mut self,
         place: usize,
@@ -114,7 +111,7 @@ impl Driven {
         scene: &Scene,
         nominal: &Parameters,
     ) {
-        // Hosts give a rate of zero to what does not change: then each step is like the one before.
+        // Hosts give a rate of zero to inputs that do not change; without a ramp, each step is like the one before.
         let ramp = Some(ramp).filter(|ramp| ramp.rate != 0.0);
         match self.inputs.iter_mut().find(|input| input.place == place) {
             Some(input) => input.ramp = ramp,
@@ -123,16 +120,16 @@ impl Driven {
         }
     }
 
-    /// Takes all ramps away, or those whose step has been taken. Their inputs stay among those that are looked
-    /// after, and so become again what they are given as.
+    /// Removes all ramps, or those whose step has been taken. Their inputs remain in the list, and so return to their
+    /// nominal values.
     pub(super) fn drop_ramps(&mut self, all: bool) {
         for Input { ramp, .. } in &mut self.inputs {
             ramp.take_if(|ramp| all || ramp.is_over);
         }
     }
 
-    /// Takes note of another nominal value, which is the effective one until the next step adds to it again. How fast
-    /// the input has changed up to now is no longer true then.
+    /// Records a new nominal value, which is the effective one until the next step adds to it. The rate of change up
+    /// to now is then no longer valid.
     pub(super) fn value_is_set(&mut self, variable: &Variable, value: f64) {
         if let Some(input) = self.inputs.iter_mut().find(|input| input.variable.is(variable)) {
             input.ramp.take_if(|ramp| ramp.is_over);
@@ -140,15 +137,15 @@ impl Driven {
         }
     }
 
-    /// The inputs that have ramps, by the places of their nominal values.
+    /// The ramps, each with the index of its input's nominal value.
     pub(super) fn ramps(&self) -> impl Iterator<Item = (usize, InputRamp)> {
         self.inputs.iter().filter_map(|input| Some((input.place, input.ramp?)))
     }
 
-    /// Checks the values that the ramps lead to by time `end` (s).
+    /// Checks the values that the ramps reach at time `end` (s).
     ///
     /// # Errors
-    /// A value that cannot be.
+    /// Returns an error if such a value is impossible.
     pub(super) fn check_ramps(&self, end: f64, nominal: &Parameters) -> Result<(), Error> {
         for Input { variable, place, ramp, .. } in &self.inputs {
             let Some(ramp) = ramp.filter(|ramp| !ramp.is_over) else { continue };
@@ -163,7 +160,7 @@ impl Driven {
         Ok(())
     }
 
-    /// Ends the step of the ramps at time `end` (s): what they have led to are the nominal values from now on.
+    /// Ends the step of the ramps at time `end` (s): the values that they have reached become the nominal ones.
     pub(super) fn end_ramps(&mut self, end: f64, nominal: &mut Parameters) {
         for Input { place, ramp, .. } in &mut self.inputs {
             let Some(ramp) = ramp.as_mut().filter(|ramp| !ramp.is_over) else { continue };
@@ -180,12 +177,13 @@ impl Driven {
         }
     }
 
-    /// Brings the effective values in `scene` to a step from one time to another (s): velocities of sliders are those
-    /// at its end, where contacts are held (in exact motion those that lead there, before any jump), all others those
-    /// at its beginning. Calls `changed` with each variable whose value this changes.
+    /// Updates the effective values in `scene` for a step between two times (s). Velocities of sliders take their
+    /// values at its end, since contacts are enforced there (in event-driven motion the values before any jump at the
+    /// end); all other inputs take their values at its beginning. Calls `changed` with each variable whose value
+    /// changes.
     ///
     /// # Errors
-    /// A value that cannot be: which, when, and what it must be. That input stays as it is.
+    /// Returns an error that names the impossible value, its time and its rule. The input then keeps its value.
     pub(super) fn bring_to(
         &mut self,
         [start, end]: [f64; 2],
@@ -217,8 +215,7 @@ impl Driven {
         result
     }
 
-    /// The time (s) up to which, but not including it, the inputs stay as they are at `t`; `t` itself
-    /// while one of them changes.
+    /// Time (s) up to which, exclusively, the inputs stay as they are at `t`; `t` itself while one of them changes.
     pub(super) fn constant_until(&self, t: f64) -> f64 {
         if self.ramps().any(|(_, ramp)| !ramp.is_over) {
             return t;
@@ -227,12 +224,12 @@ impl Driven {
         shapes.fold(f64::INFINITY, |until, shape| until.min(shape.constant_until(t, self.slack)))
     }
 
-    /// How fast the velocity of a contact's slider changes from time `t` (s) on, m/s².
+    /// Acceleration of a contact's slider from time `t` (s) on, m/s².
     pub(super) fn slider_acceleration(&self, t: f64, contact: usize) -> f64 {
         self.of_slider(contact).fold(0.0, |sum, input| self.rate(input, t, sum))
     }
 
-    /// By how much the velocity of a contact's slider changes over a step, m/s.
+    /// Change of the velocity of a contact's slider during a step, m/s.
     pub(super) fn slider_change(&self, [start, end]: [f64; 2], contact: usize) -> f64 {
         let at = |t: f64| {
             let from = if self.is_followed { start } else { t };
@@ -246,13 +243,13 @@ impl Driven {
         at(end) - at(start)
     }
 
-    /// Is it one of the waves?
+    /// `true` if the shape is a sine that the motion follows within a step.
     fn is_wave(&self, shape: &Shape) -> bool {
         self.is_followed && matches!(shape, Shape::Sine(_))
     }
 
-    /// The sines that drive the motion, where `reach` says what an input acts on; none where the motion takes values
-    /// at the ends of steps.
+    /// The sines that drive the motion; `reach` gives the effect of an input. Empty if the motion uses values at the
+    /// ends of steps.
     pub(super) fn waves(&self, reach: impl Fn(&Variable) -> Reach) -> Vec<Wave> {
         let wave = |(variable, sine): (&Variable, &Sine)| {
             let Reach { pushes, moves } = reach(variable);
@@ -262,7 +259,7 @@ impl Driven {
         self.sines().map(wave).collect()
     }
 
-    /// Brings waves to a step that begins at time `t` (s).
+    /// Updates the waves for a step that begins at time `t` (s).
     pub(super) fn bring_waves(&self, t: f64, waves: &mut [Wave]) {
         for (wave, (_, sine)) in waves.iter_mut().zip(self.sines()) {
             wave.amplitude = if sine.is_on(t + self.slack) { sine.amplitude } else { 0.0 };
@@ -270,7 +267,7 @@ impl Driven {
         }
     }
 
-    /// The sines that are waves, each with the input that it drives.
+    /// The sines that the motion follows as waves, each with the input that it drives.
     fn sines(&self) -> impl Iterator<Item = (&Variable, &Sine)> {
         let all = self.inputs.iter().filter(|_| self.is_followed);
         all.flat_map(move |input| {
@@ -281,7 +278,7 @@ impl Driven {
         })
     }
 
-    /// The first edge of a signal after time `t` (s), before `end`, that the motion must stop at.
+    /// The first edge of a signal after time `t` (s) and before `end` at which the motion must stop.
     pub(super) fn edge_between(&self, t: f64, end: f64) -> Option<f64> {
         if !self.is_followed {
             return None;
@@ -291,19 +288,19 @@ impl Driven {
         Some(edges.fold(f64::INFINITY, f64::min)).filter(|edge| edge + self.slack < end)
     }
 
-    /// How fast the acceleration of a contact's slider changes from time `t` (s) on, m/s³.
+    /// Jerk of a contact's slider from time `t` (s) on, m/s³.
     pub(super) fn slider_jerk(&self, t: f64, contact: usize) -> f64 {
         let shapes = self.of_slider(contact).flat_map(|input| self.shapes(input));
         shapes.fold(0.0, |sum, shape| sum + shape.curvature(t, self.slack))
     }
 
-    /// The driven inputs, with how fast they change from time `t` (s) on, per second.
+    /// The driven inputs, with their rates of change from time `t` (s) on, per second.
     pub(super) fn rates(&self, t: f64) -> impl Iterator<Item = (&Variable, f64)> {
         self.inputs.iter().map(move |input| (&input.variable, self.rate(input, t, 0.0)))
     }
 
-    /// The driven external forces and preloads, with how fast they change from time `t` (s) on, per second,
-    /// [`waves`](Self::waves) apart.
+    /// The driven external forces and preloads, with their rates of change from time `t` (s) on, per second, without
+    /// the [`waves`](Self::waves).
     pub(super) fn load_rates(&self, t: f64) -> impl Iterator<Item = (&Variable, f64)> {
         let loads = self.inputs.iter().filter(|input| {
             let quantity = input.variable.template.quantity;
@@ -317,7 +314,7 @@ impl Driven {
         })
     }
 
-    /// `sum` and how fast an input changes from time `t` (s) on, per second.
+    /// The sum of `sum` and the rate of change of an input from time `t` (s) on, per second.
     fn rate(&self, input: &Input, t: f64, sum: f64) -> f64 {
         let ramp = input.ramp.map_or(0.0, |ramp| ramp.rate);
         self.shapes(input).fold(sum + ramp, |sum, shape| sum + shape.rate(t, self.slack))
@@ -337,10 +334,10 @@ fn is_velocity(variable: &Variable) -> bool {
     matches!(variable.template.quantity, Quantity::SliderVelocity | Quantity::OwnVelocity)
 }
 
-/// The scene as it is at time `t` (s): its signals are added to what they drive, and then left out.
+/// Returns the scene at time `t` (s): its signals are added to the inputs that they drive, and then removed.
 ///
 /// # Errors
-/// A signal gives a value that cannot be.
+/// Returns an error if a signal gives an impossible value.
 pub fn at_instant(scene: &Scene, t: f64) -> Result<Scene, Error> {
     let mut scene = scene.clone();
     if scene.signals.is_empty() {

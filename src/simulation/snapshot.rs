@@ -1,10 +1,10 @@
 //! A saved simulation, in memory or as bytes that another process can resume from.
 //!
-//! Method and step are among the values: where a tolerance has chosen them, a snapshot brings its choice along.
+//! Method and step are among the values: a snapshot includes those that a tolerance has chosen.
 //!
-//! The bytes: a mark, the format's version, the fingerprint of the FMU they belong to, the values
-//! (little-endian), and a CRC-32 of all that precedes it. No pointers, nothing of this machine. The fingerprint
-//! stands for the scene, so of that only the values of parameters and inputs are among them.
+//! The bytes hold a magic number, the version of the format, the fingerprint of the FMU to which they belong, the
+//! values (little-endian), and a CRC-32 of all that precedes it. They contain no pointers and do not depend on the
+//! machine. The fingerprint stands for the scene, of which only the values of parameters and inputs are saved.
 
 use super::clock::Clock;
 use super::rates::{SavedRate, belong_to};
@@ -16,14 +16,14 @@ use crate::model::{Equilibrium, LumpedModel};
 use crate::scene::Scene;
 use serde::{Deserialize, Serialize};
 
-/// Everything that a simulation needs to go on with the same doubles.
+/// Everything that a simulation needs to continue with the same doubles.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Snapshot {
     nominal: Parameters,
     progress: Progress,
 }
 
-/// How far a run has come: all of a snapshot but the values.
+/// Progress of a run: all of a snapshot except the values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Progress {
     reference: Reference,
@@ -38,30 +38,30 @@ impl Snapshot {
         &self.nominal
     }
 
-    /// A run of a scene with these values that has come so far. The scene must be the one that has come there, but for its
+    /// A run of a scene with these values and this progress. The progress must come from this scene, up to its
     /// values: [`Simulation::restore`] checks it.
     #[must_use]
     pub fn new(nominal: Parameters, progress: Progress) -> Self {
         Self { nominal, progress }
     }
 
-    /// How far the run has come, without the values.
+    /// Progress of the run, without the values.
     #[must_use]
     pub fn into_progress(self) -> Progress {
         self.progress
     }
 
-    /// How far the run has come.
+    /// Progress of the run.
     pub(crate) fn progress(&self) -> &Progress {
         &self.progress
     }
 
-    /// Refuses what no run of the scene leads to: values that break a rule, lists of another length, states that
-    /// the law of contact does not have, counts and times that do not belong together. `failed`: after a step that
-    /// failed a motion may be anything.
+    /// Refuses a snapshot that no run of the scene leads to: values that break a rule, lists of another length,
+    /// states that the law of contact excludes, counts and times that do not match. `failed` is `true` after a step
+    /// that failed, when the motion may have any value.
     ///
     /// # Errors
-    /// What it is; only a forged snapshot has it.
+    /// Returns an error that says what is wrong; only a forged snapshot causes one.
     pub(crate) fn check(&self, failed: bool) -> Result<(), Error> {
         self.nominal.check()?;
         let refuse = |what: &str| {
@@ -106,7 +106,7 @@ impl Snapshot {
         Ok(())
     }
 
-    /// Do all lists have the lengths that the scene asks for?
+    /// `true` if all lists have the lengths that the scene requires.
     fn is_consistent(&self, scene: &Scene) -> bool {
         let contacts = scene.contact_count();
         let dofs = scene.external_forces().count();
@@ -124,7 +124,7 @@ impl Snapshot {
 }
 
 impl Simulation {
-    /// Saves everything that is needed to go on from here.
+    /// Saves everything that is needed to continue from here.
     #[must_use]
     pub fn save(&self) -> Snapshot {
         Snapshot {
@@ -138,11 +138,11 @@ impl Simulation {
         }
     }
 
-    /// Goes back to a snapshot. Where it has the same structure only the motion and the values
-    /// are copied, as hosts that repeat steps do this often.
+    /// Restores a snapshot. If it has the same structure, only the motion and the values are copied, since hosts that
+    /// repeat steps restore often.
     ///
     /// # Errors
-    /// The snapshot cannot be resumed ([`resume`](Self::resume)); the simulation is then as it was.
+    /// Returns an error if the snapshot cannot be resumed ([`resume`](Self::resume)); the simulation is then unchanged.
     pub fn restore(&mut self, snapshot: &Snapshot) -> Result<(), Error> {
         let can_take = snapshot.nominal.differ_in_motion_alone(&self.nominal)
             && snapshot.is_consistent(&self.scene);
@@ -161,10 +161,10 @@ impl Simulation {
         Ok(())
     }
 
-    /// Makes a simulation that goes on from a snapshot.
+    /// Makes a simulation that continues from a snapshot.
     ///
     /// # Errors
-    /// The snapshot's values are impossible, which only a forged one can have.
+    /// Returns an error if the snapshot's values are impossible, which only a forged one can have.
     pub fn resume(snapshot: Snapshot) -> Result<Self, Error> {
         let mut scene = snapshot.nominal.scene();
         scene.check()?;
@@ -173,7 +173,7 @@ impl Simulation {
         }
         let Snapshot { nominal, progress } = snapshot;
         let Progress { reference, motion, clock, rates } = progress;
-        // Where signals make a value impossible, the next step says so.
+        // If signals make a value impossible, the next step returns the error.
         let mut driven = Driven::of(&scene, &nominal);
         if let Some(driven) = &mut driven {
             let _ = driven.bring_to([clock.time(); 2], &nominal, &mut scene, |_| {});
@@ -201,10 +201,10 @@ pub(crate) fn to_bytes<T: Serialize>(value: &T, guid: &str) -> Vec<u8> {
     bytes
 }
 
-/// Reads what [`to_bytes`] wrote for the same fingerprint.
+/// Reads a value that [`to_bytes`] wrote for the same fingerprint.
 ///
 /// # Errors
-/// Says whether the bytes are damaged, of another version, or of another FMU.
+/// Returns an error that says whether the bytes are damaged, of another version, or of another FMU.
 pub(crate) fn from_bytes<T: for<'a> Deserialize<'a>>(bytes: &[u8], guid: &str) -> Result<T, Error> {
     let damaged = || Error::saved_state("the saved state is damaged or cut short");
     let end = bytes.len().checked_sub(CHECKSUM).filter(|&end| end >= HEADER).ok_or_else(damaged)?;

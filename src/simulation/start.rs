@@ -1,4 +1,4 @@
-//! How a motion starts.
+//! Initial motion of a simulation.
 
 use crate::Error;
 use crate::contact::ContactState;
@@ -6,8 +6,8 @@ use crate::integrator::Motion;
 use crate::model::{Direction, LumpedModel};
 use crate::scene::Scene;
 
-/// The motion at the start. A contact whose initial gap or opening speed is above zero starts in Dt;
-/// any other is closed and starts in Sl, R-Sl or St by the sign of its slip velocity.
+/// The motion at the start. A contact whose initial gap or opening speed is above zero starts in state Dt; any other
+/// is closed and starts in Sl, R-Sl or St, depending on the sign of its slip velocity.
 pub(super) fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
     let displacement: Vec<f64> = scene.initial_displacements().collect();
     let velocity: Vec<f64> = scene.initial_velocities().collect();
@@ -30,7 +30,7 @@ pub(super) fn initial_motion(scene: &Scene, model: &LumpedModel) -> Motion {
     Motion::new(displacement, velocity, contacts)
 }
 
-/// Refuses to start with a contact that is open, or moves along its normal, where contacts cannot open.
+/// Refuses to start with a contact that is open, or moves along its normal, if contacts cannot open.
 pub(super) fn check_closed(
     scene: &Scene,
     model: &LumpedModel,
@@ -55,8 +55,8 @@ pub(super) fn check_closed(
     Ok(())
 }
 
-/// Does the vector point along the normal, by more than what rounding leaves of zero where the normal
-/// has several components?
+/// Returns `true` if the vector has a positive component along the normal, larger than rounding errors if the normal
+/// has several components.
 fn is_positive(normal: &Direction, vector: &[f64]) -> bool {
     let size = normal.0.iter().fold(0.0, |size, &(dof, n)| f64::max(size, (n * vector[dof]).abs()));
     normal.dot(vector) > if normal.0.len() > 1 { 1e-12 * size } else { 0.0 }

@@ -1,4 +1,4 @@
-//! What each variable of the catalogue reads and writes.
+//! Reading and writing of the catalogue's variables.
 
 use super::Simulation;
 use super::catalogue::{Kind, Quantity, Template, Variable};
@@ -7,7 +7,7 @@ use crate::Error;
 use crate::contact::ContactForce;
 use crate::scene::{Network, Problem, Rule, Scene, Structure};
 
-/// The place of a parameter or input in a scene; `None` for an output, and for what the scene does not have.
+/// Reference to a parameter or input in a scene; `None` for an output, and for a value that the scene does not have.
 pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<&'a mut f64> {
     let i = variable.index;
     let &Template { quantity, component, .. } = variable.template;
@@ -50,21 +50,20 @@ pub(super) fn place_in<'a>(scene: &'a mut Scene, variable: &Variable) -> Option<
     })
 }
 
-/// Writes a parameter or input into a scene; [`Scene::check`] says whether it is possible.
+/// Writes a parameter or input into a scene; [`Scene::check`] checks the value afterwards.
 ///
 /// # Errors
-/// The variable is an output.
+/// Returns an error if the variable is an output.
 pub fn write_scene(scene: &mut Scene, variable: &Variable, value: f64) -> Result<(), Error> {
     *place_in(scene, variable).ok_or_else(|| not_settable(variable))? = value;
     Ok(())
 }
 
 impl Simulation {
-    /// The present value of any variable of this scene; integers and items of enumerations as
-    /// whole numbers.
+    /// Present value of any variable of this scene; integers and items of enumerations are returned as whole numbers.
     ///
     /// # Errors
-    /// Contact forces that have no solution.
+    /// Returns an error if the contact forces have no solution.
     pub fn read(&mut self, variable: &Variable) -> Result<f64, Error> {
         let index = variable.index;
         let dof = || super::dof(&self.scene, &self.numbering, variable);
@@ -90,7 +89,7 @@ impl Simulation {
         })
     }
 
-    /// What the contacts do to the slider, N: the opposite of what they do to the masses.
+    /// Force of the contacts on the slider, N: the opposite of their force on the masses.
     fn reaction(&mut self, part: impl Fn(&ContactForce) -> f64) -> Result<f64, Error> {
         self.contact_forces()?;
         let forces = self.contact_forces.iter().enumerate();
@@ -98,10 +97,10 @@ impl Simulation {
         Ok(-on_slider.map(|(_, force)| part(force)).sum::<f64>())
     }
 
-    /// Gives an input or a tunable parameter another value, from now on.
+    /// Sets an input or a tunable parameter, from now on.
     ///
     /// # Errors
-    /// The variable may not change during a run, or cannot have this value; nothing is changed.
+    /// Returns an error if the variable must not change during a run, or cannot have this value; nothing is changed then.
     pub fn write(&mut self, variable: &Variable, value: f64) -> Result<(), Error> {
         if !variable.is_tunable() {
             return Err(Error::variable(format!(
@@ -110,7 +109,7 @@ impl Simulation {
             )));
         }
         check_value(variable, value)?;
-        // Before a run the scene as a whole is checked; now there is nobody after this.
+        // Before a run the scene is checked as a whole; during a run this is the only check of the rule.
         if let Some(wish) = rule(variable).broken_by(value) {
             return Err(Error::variable(impossible(variable, value, wish)));
         }
@@ -124,15 +123,15 @@ impl Simulation {
     }
 }
 
-/// A count as a variable has it: up to the largest of its type.
+/// Value of a counter as a variable of integer type; it saturates at the largest integer.
 fn count(count: u64) -> f64 {
     f64::from(i32::try_from(count).unwrap_or(i32::MAX))
 }
 
-/// Refuses a value that is outside of what the model description declares.
+/// Refuses a value outside of the range that the model description declares.
 ///
 /// # Errors
-/// The variable, the value, and what would be right.
+/// Returns an error that names the variable, the value, and what would be right.
 pub fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
     let is_declared = match variable.template.kind {
         Kind::Real { min: Some(min), .. } => value >= min,
@@ -146,7 +145,7 @@ pub fn check_value(variable: &Variable, value: f64) -> Result<(), Error> {
     }
 }
 
-/// What every scene asks of a parameter's or input's value.
+/// Rule that the value of a parameter or input satisfies in every scene.
 #[must_use]
 pub fn rule(variable: &Variable) -> Rule {
     match variable.template.quantity {
@@ -159,13 +158,13 @@ pub fn rule(variable: &Variable) -> Rule {
         Quantity::DampingAlpha | Quantity::DampingBeta | Quantity::DamperDamping => Rule::DAMPING,
         Quantity::StribeckVelocity => Rule::STRIBECK_VELOCITY,
         Quantity::IntegratorStep => Rule::TIME,
-        // x4 of a module.
+        // Component 3 is x4 of a module.
         Quantity::InitialDisplacement if variable.template.component == 3 => Rule::GAP,
         _ => Rule::Finite,
     }
 }
 
-/// Says that a variable has an impossible value, and what would be right.
+/// Message for an impossible value of a variable, with what would be right.
 pub(super) fn impossible(variable: &Variable, value: f64, wish: &str) -> String {
     Problem::new(&*variable.name, wish).of(value).to_string()
 }

@@ -1,4 +1,4 @@
-//! Inquiry, creation, initialization, reset and the end.
+//! Inquiry, creation, initialization, reset and termination.
 
 use crate::Error;
 use crate::fmi2::boundary::{self, OK, array, call, string};

@@ -24,8 +24,7 @@ unsafe extern "C" fn fmi2GetFMUstate(
     state: *mut fmi2FMUstate,
 ) -> fmi2Status {
     let body = |instance: &mut Instance| {
-        // SAFETY: the importer's contract: what stands there is NULL or a saved state of ours, which
-        // is then written over.
+        // SAFETY: the importer's contract: the pointer holds NULL or a saved state of ours, which is then overwritten.
         unsafe {
             single(state)?;
             match (*state).cast::<SavedInstance>().as_mut() {

@@ -1,4 +1,4 @@
-//! Steps, and what can be asked about them.
+//! Steps, and queries of their status.
 
 use crate::fmi2::boundary::{OK, call, single};
 use crate::fmi2::instance::Instance;
@@ -25,7 +25,7 @@ unsafe extern "C" fn fmi2DoStep(
     }
 }
 
-/// Steps are done when `fmi2DoStep` returns: there is none to cancel.
+/// Steps are complete when `fmi2DoStep` returns, so that there is none to cancel.
 #[unsafe(no_mangle)]
 unsafe extern "C" fn fmi2CancelStep(component: fmi2Component) -> fmi2Status {
     // SAFETY: the importer's contract.

@@ -59,7 +59,7 @@ unsafe fn set<T: Copy + Into<f64>>(
     unsafe { call(component, Call::Set, body) }
 }
 
-/// Answers for a type of which there is no variable.
+/// Answers a call for a type of which the FMU has no variables.
 ///
 /// # Safety
 /// The importer's contract.

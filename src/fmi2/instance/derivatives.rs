@@ -1,12 +1,12 @@
-//! Derivatives that an instance gives and takes; all are of first order.
+//! Derivatives of first order that an instance returns and accepts.
 
 use super::{Instance, Number};
 use crate::Error;
 use crate::simulation::{Variable, check_rate};
 
 impl Instance {
-    /// What these changes of inputs do to outputs at once; before a run starts also through the equilibrium that it
-    /// starts from.
+    /// Immediate changes of outputs due to these changes of inputs; before a run starts they include the effect of
+    /// the equilibrium from which it starts.
     pub(in crate::fmi2) fn directional_derivative(
         &mut self,
         unknowns: &[u32],
@@ -38,7 +38,7 @@ impl Instance {
         self.answer(found, &places)
     }
 
-    /// How fast outputs change now, per second.
+    /// Rates of change of outputs now, per second.
     pub(in crate::fmi2) fn output_derivatives(
         &mut self,
         references: &[u32],
@@ -54,7 +54,7 @@ impl Instance {
         self.answer(found, &places)
     }
 
-    /// Takes how fast inputs change over the next step, per second; all or none.
+    /// Sets the rates of change of inputs during the next step, per second; all or none.
     pub(in crate::fmi2) fn set_input_derivatives(
         &mut self,
         references: &[u32],
@@ -78,7 +78,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Gives a simulation that has just been made the rates that were set before.
+    /// Passes the rates that were set before to a simulation that has just been made.
     pub(super) fn start_rates(&mut self) -> Result<(), Error> {
         let Some(simulation) = &mut self.simulation else { return Ok(()) };
         for (place, rate) in self.setup.rates.drain(..) {
@@ -98,7 +98,7 @@ impl Instance {
         }
     }
 
-    /// The places of Real variables in the list.
+    /// Indices of the Real variables in the list.
     fn reals(&self, references: &[u32]) -> Result<Vec<usize>, Error> {
         references.iter().map(|&reference| self.find(reference, Number::Real)).collect()
     }

@@ -18,45 +18,45 @@ use std::sync::Arc;
 
 pub(super) use saved::SavedInstance;
 
-/// The file among the FMU's resources that holds the scene.
+/// Name of the file among the FMU's resources that holds the scene.
 pub const SCENE_FILE: &str = "scene.toml";
 
-/// Does an instance refuse what FMI forbids and hosts do, unless it is told otherwise?
+/// Default of the strict mode, in which an instance refuses calls that FMI forbids and hosts nevertheless make.
 pub const STRICT: bool = false;
 
-/// One instance: a scene that is being set up, then a simulation of it.
+/// An instance of the FMU: a scene that is being set up, then a simulation of it.
 pub(super) struct Instance {
     pub(super) logger: Logger,
     setup: Setup,
     guid: Arc<str>,
-    /// The scene's, then the FMU's own; a value reference is a place among them.
+    /// Variables of the scene, then the FMU's own; a value reference is an index of this list.
     variables: Vec<Variable>,
     /// The scene's parameters and inputs with the values that the FMU carries.
     original: Parameters,
-    /// The scene's parameters and inputs with the importer's values, until a simulation is made of them.
+    /// The scene's parameters and inputs with the importer's values, until the simulation is made from them.
     parameters: Parameters,
-    /// Was what the present call does tolerated only?
+    /// `true` if the present call was tolerated although FMI forbids it.
     pub(super) tolerated: bool,
-    /// Which habits the importer has been told of.
+    /// Tolerated calls of which the importer has been warned.
     told: Noted,
-    /// Before initialization has ended it is there only to be read, and leaves no trace.
+    /// The simulation. Before the end of initialization it only serves reading, and has no effect on the run.
     simulation: Option<Simulation>,
-    /// Has initialization ended?
+    /// `true` if initialization has ended.
     has_started: bool,
 }
 
-/// What an importer has set up, but for the values of variables.
+/// Settings of the importer, except the values of variables.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 struct Setup {
     phase: Phase,
-    /// s.
+    /// Start time, s.
     start_time: f64,
-    /// s.
+    /// Stop time, s; `None` if the importer has not given one.
     stop_time: Option<f64>,
-    /// How fast inputs (by their place in the list of variables) will change over the first step, per second.
+    /// Rates of change during the first step, per second, of inputs by their index in the list of variables.
     rates: Vec<(usize, f64)>,
     is_experiment_set_up: bool,
-    /// `true` while the instance refuses what FMI forbids and hosts do.
+    /// `true` if the instance refuses calls that FMI forbids and hosts nevertheless make.
     strict: bool,
 }
 
@@ -73,7 +73,7 @@ impl Default for Setup {
     }
 }
 
-/// Refuses times (s) between which no run can be.
+/// Refuses a start time (s) that is not finite, and a stop time (s) before it.
 fn check_experiment(start: f64, stop: Option<f64>) -> Result<(), Error> {
     if start.is_finite() && stop.is_none_or(|stop| stop >= start) {
         return Ok(());
@@ -82,12 +82,12 @@ fn check_experiment(start: f64, stop: Option<f64>) -> Result<(), Error> {
     Err(Error::call(format!("start time {} and stop time {stop} do not fit", Short(start))))
 }
 
-/// The types of number that cross the boundary.
+/// The types of number in calls of the C interface.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Number {
     Real,
     Integer,
-    /// 0 is false, all else true.
+    /// Boolean: 0 is false, all other values are true.
     Boolean,
 }
 
@@ -103,7 +103,7 @@ impl Number {
 }
 
 impl Instance {
-    /// An instance of the scene in `resources`, if the importer's GUID is that scene's.
+    /// Makes an instance of the scene in `resources`, if the importer's GUID is that scene's.
     pub(super) fn new(
         resources: &Path,
         guid: &str,
@@ -139,14 +139,14 @@ impl Instance {
         }
     }
 
-    /// Refuses a call, or what it is about, that the present phase does not allow. A habit of hosts is
-    /// warned of, or refused where the instance is strict.
+    /// Refuses a call that the present phase does not allow. A tolerated call is answered with a warning, or refused
+    /// if the instance is strict.
     #[inline]
     pub(super) fn require(&mut self, call: Call) -> Result<(), Error> {
         self.require_of(call, "")
     }
 
-    /// Refuses a call that the present phase does not allow; `name` is that of what it is about, for the message.
+    /// Refuses a call that the present phase does not allow; `name` names the object of the call, for the message.
     #[inline]
     fn require_of(&mut self, call: Call, name: &str) -> Result<(), Error> {
         match call.in_phase(self.setup.phase) {
@@ -165,7 +165,7 @@ impl Instance {
         }
     }
 
-    /// Tells of each habit once, since a host that has one has it in every step.
+    /// Warns of each tolerated call once, since a host that makes one repeats it in every step.
     #[cold]
     fn tolerate(&mut self, call: Call, name: &str) -> Result<(), Error> {
         let message =
@@ -183,13 +183,13 @@ impl Instance {
     pub(super) fn set_debug_logging(&mut self, on: bool, names: &[&CStr]) -> Result<(), Error> {
         let unknown = Logger::unknown(names);
         if unknown.is_none() || !self.setup.strict {
-            // First, since the warning may be of what is turned on.
+            // The categories change first, since the warning may belong to one that is turned on.
             self.logger.enable(on, names);
         }
         unknown.map_or(Ok(()), |name| self.require_of(Call::UnknownCategory, &format!(" {name:?}")))
     }
 
-    /// Takes note of a failed call. A caught panic leaves nothing to rely on.
+    /// Records a failed call. After a caught panic the state of the instance is unreliable.
     pub(super) fn fail(&mut self, panicked: bool) {
         if panicked {
             self.setup.phase = Phase::Poisoned;
@@ -198,7 +198,7 @@ impl Instance {
         }
     }
 
-    /// A tolerance counts where the scene leaves method and step to it, and nowhere else.
+    /// Sets up the experiment. The tolerance is used only if the scene leaves the choice of method and step to it.
     pub(super) fn setup_experiment(
         &mut self,
         tolerance: Option<f64>,
@@ -265,7 +265,7 @@ impl Instance {
         self.told = Noted::default();
     }
 
-    /// The simulation; made of the values so far if there is none yet.
+    /// The simulation; it is made from the present values if there is none yet.
     fn start(&mut self) -> Result<&mut Simulation, Error> {
         if self.simulation.is_none() {
             self.simulation =
@@ -278,7 +278,7 @@ impl Instance {
         matches!(self.setup.phase, Phase::Instantiated | Phase::InitializationMode)
     }
 
-    /// The place of a variable of that type in the list.
+    /// Index of a variable of this type in the list.
     fn find(&self, reference: u32, number: Number) -> Result<usize, Error> {
         let place = reference as usize;
         if self.variables.get(place).is_some_and(|variable| Number::of(variable) == number) {
@@ -292,7 +292,7 @@ impl Instance {
         if self.variables[place].template.quantity == Quantity::Strict {
             return Ok(f64::from(u8::from(self.setup.strict)));
         }
-        // Where no run has begun, what was set can be read even if nothing can be made of it.
+        // Before a run has begun, values that were set can be read even if no simulation can be made from them.
         let before_start = self.is_set_up() || self.simulation.is_none();
         let set = before_start.then(|| self.parameters.get(&self.variables[place])).flatten();
         let value = match set {
@@ -309,7 +309,8 @@ impl Instance {
         Err(Error::step(format!("{} is not a finite number", self.variables[place].name)))
     }
 
-    /// May the variable be set now, to this value? Asked of all values before any is set.
+    /// Refuses to set the variable to this value if the phase or the value forbids it. All values are checked before
+    /// any is set.
     pub(super) fn check_set(
         &mut self,
         reference: u32,

@@ -11,7 +11,7 @@ use std::sync::Arc;
 /// A saved instance.
 #[derive(Clone)]
 pub(in crate::fmi2) struct SavedInstance {
-    /// Of the FMU that it belongs to.
+    /// Fingerprint of the FMU to which the saved instance belongs.
     guid: Arc<str>,
     setup: Setup,
     run: Run,
@@ -23,10 +23,10 @@ enum Run {
     Running(Box<Snapshot>),
 }
 
-/// What bytes hold of a saved instance: how it is set up, its nominal values and, of one that runs, its progress.
+/// Content of a saved instance's bytes: its setup, its nominal values and, if it runs, its progress.
 type Record = (Setup, ParameterValues, Option<Progress>);
 
-/// Refuses a phase without what belongs to it, and times that no experiment has.
+/// Refuses a phase that contradicts the presence or absence of a motion, and times that no experiment has.
 fn check(setup: &Setup, has_motion: bool) -> Result<(), Error> {
     let is_possible = match setup.phase {
         Phase::Instantiated | Phase::InitializationMode => !has_motion,
@@ -57,7 +57,7 @@ impl Instance {
         }
     }
 
-    /// A saved instance as bytes.
+    /// Writes a saved instance as bytes.
     pub(in crate::fmi2) fn serialize(&self, saved: &SavedInstance) -> Result<Vec<u8>, Error> {
         self.check_owner(saved)?;
         let (parameters, progress) = match &saved.run {
@@ -67,7 +67,7 @@ impl Instance {
         Ok(to_bytes(&(&saved.setup, parameters.values(), progress), &self.guid))
     }
 
-    /// A saved instance from its bytes.
+    /// Reads a saved instance from its bytes.
     pub(in crate::fmi2) fn deserialize(&self, bytes: &[u8]) -> Result<SavedInstance, Error> {
         let (setup, values, progress): Record = from_bytes(bytes, &self.guid)?;
         for &(place, rate) in &setup.rates {
@@ -106,7 +106,7 @@ impl Instance {
         Ok(())
     }
 
-    /// Refuses the state of another FMU.
+    /// Refuses the saved state of another FMU.
     fn check_owner(&self, saved: &SavedInstance) -> Result<(), Error> {
         if saved.guid == self.guid {
             return Ok(());

@@ -1,4 +1,4 @@
-//! Where the FMU's resources lie.
+//! Location of the FMU's resources.
 
 #[cfg(unix)]
 mod unix;
@@ -14,8 +14,7 @@ use unix as platform;
 #[cfg(windows)]
 use windows as platform;
 
-/// The folder of the resources: from the importer's URI or, where it gives none, beside the
-/// library.
+/// Folder of the resources: from the importer's URI or, if there is none, beside the library.
 pub(super) fn folder(location: Option<&CStr>) -> Option<PathBuf> {
     match location.map(CStr::to_bytes).filter(|uri| !uri.is_empty()) {
         Some(uri) => platform::located(uri),
@@ -24,8 +23,8 @@ pub(super) fn folder(location: Option<&CStr>) -> Option<PathBuf> {
 }
 
 /// The path that a `file:` URI (RFC 8089) names, in the spellings that importers use: `file:/…`, `file:///…`,
-/// `file:////…`, `file://localhost/…`, percent-encoded, with a slash at the end. A bare path is taken as it is.
-/// `spelled` makes a path of a host, which is empty for a file of this one, and what follows it.
+/// `file:////…`, `file://localhost/…`, percent-encoded, with a slash at the end. A bare path is taken unchanged.
+/// `spelled` makes a path from a host, which is empty for a local file, and the rest of the URI.
 fn located<T>(uri: &[u8], spelled: fn(&[u8], Vec<u8>) -> Option<T>) -> Option<T> {
     let Some((_, rest)) =
         uri.split_at_checked(5).filter(|(scheme, _)| scheme.eq_ignore_ascii_case(b"file:"))

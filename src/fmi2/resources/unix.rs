@@ -1,4 +1,4 @@
-//! Paths as Unix has them: any bytes.
+//! Location of the FMU's resources on Unix, where paths may hold any bytes.
 
 use std::ffi::{CStr, OsStr, OsString};
 use std::os::unix::ffi::{OsStrExt, OsStringExt};
@@ -9,7 +9,7 @@ pub(super) fn located(uri: &[u8]) -> Option<PathBuf> {
     super::located(uri, spelled)
 }
 
-/// Files are local: a path on another host is none.
+/// Makes the path of a local file; `None` for a path on another host.
 fn spelled(host: &[u8], path: Vec<u8>) -> Option<PathBuf> {
     let is_local = host.is_empty() && path.starts_with(b"/");
     is_local.then(|| PathBuf::from(OsString::from_vec(path)))

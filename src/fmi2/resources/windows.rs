@@ -1,4 +1,4 @@
-//! Paths as Windows has them.
+//! Location of the FMU's resources on Windows.
 
 use super::windows_path;
 use std::ffi::OsString;
@@ -34,7 +34,7 @@ pub(super) fn library() -> Option<PathBuf> {
         let length = unsafe { GetModuleFileNameW(module, name.as_mut_ptr(), room) } as usize;
         match length {
             0 => return None,
-            // Cut off: paths may be longer than MAX_PATH.
+            // The name was cut off: paths may be longer than MAX_PATH.
             cut if cut >= name.len() => name.resize(2 * name.len(), 0),
             _ => return Some(PathBuf::from(OsString::from_wide(&name[..length]))),
         }

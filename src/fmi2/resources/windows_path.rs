@@ -1,4 +1,4 @@
-//! How Windows spells the path of a `file:` URI; text alone, so that it is tested everywhere.
+//! Windows' spelling of the path in a `file:` URI; this module handles text only, so that it is tested on every system.
 
 /// The path that an importer's URI names, in Windows' own spelling: `C:\…`, `\\host\share\…`, or `\…` on the
 /// drive that the process is on.
@@ -11,7 +11,7 @@ fn spelled(host: &[u8], path: Vec<u8>) -> Option<String> {
     let path = String::from_utf8(path).ok()?.replace('/', r"\");
     let host = str::from_utf8(host).ok()?;
     if is_drive(host) {
-        // file://C:/…, as it comes out where "file://" is put before a path.
+        // The URI file://C:/… results if "file://" is put before a path.
         return path.starts_with('\\').then(|| with_colon(host) + &path);
     }
     if !host.is_empty() {
@@ -24,12 +24,12 @@ fn spelled(host: &[u8], path: Vec<u8>) -> Option<String> {
     match path.len() - after_slashes.len() {
         0 => None,
         1 => Some(path),
-        // file:////host/share/… and file://///host/share/….
+        // These are file:////host/share/… and file://///host/share/….
         _ => Some(format!(r"\\{after_slashes}")),
     }
 }
 
-/// A letter and a colon, or the bar that stands for it in old URIs.
+/// `true` for a letter followed by a colon, or by the bar that stands for it in old URIs.
 fn is_drive(text: &str) -> bool {
     matches!(text.as_bytes(), [letter, b':' | b'|'] if letter.is_ascii_alphabetic())
 }

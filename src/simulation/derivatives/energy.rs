@@ -6,8 +6,8 @@ use crate::model::SparseMatrix;
 use crate::simulation::Simulation;
 
 impl Simulation {
-    /// What the parts of the energy change by, J, in the order of [`Energy::parts`](crate::integrator::Energy::parts);
-    /// over time it is the power of each. All zero in a scene without an energy ledger.
+    /// Changes of the parts of the energy, J, in the order of [`Energy::parts`](crate::integrator::Energy::parts);
+    /// for a change over time, the power of each. All zero in a scene without an energy ledger.
     pub(super) fn energy_change(&self, change: &Change, present: &[ContactForce]) -> [f64; 8] {
         let Some(ledger) = &self.motion.ledger else { return [0.0; 8] };
         let (x, v) = (&*self.motion.displacement, &*self.motion.velocity);
@@ -22,7 +22,7 @@ impl Simulation {
             let passed = change.time * self.drive.slider_velocity[i];
             slider += now.friction_force * passed;
             friction += now.friction_force * (passed - contact.tangent.dot(dx));
-            // The elastic energy counts from the reference position.
+            // The elastic energy is measured from the reference position.
             let [normal, tangential] = change.reference[i];
             moved += normal * contact.normal.dot(x) + tangential * contact.tangent.dot(x);
         }

@@ -1,4 +1,4 @@
-//! What changes of inputs are changes of.
+//! Effect of input changes on the quantities that drive the motion.
 
 use super::Change;
 use super::slope::Slope;
@@ -9,10 +9,10 @@ use crate::simulation::catalogue::{Causality, Quantity};
 use crate::simulation::{Simulation, Variable, dof};
 
 impl Simulation {
-    /// The change of what drives the motion that these changes of inputs are.
+    /// The change of the quantities that drive the motion, due to these changes of inputs.
     ///
     /// # Errors
-    /// What is no input.
+    /// Returns an error if a variable is not an input.
     pub(super) fn change_by(&self, by: &[(&Variable, f64)]) -> Result<Change, Error> {
         let (dofs, contacts) = (self.model.dofs(), self.model.contacts.len());
         let mut change = Change {
@@ -32,7 +32,7 @@ impl Simulation {
 
     fn add(&self, change: &mut Change, input: &Variable, by: f64) -> Result<(), Error> {
         let i = input.index;
-        // Contacts that have no value of their own take the common one.
+        // Contacts without their own value use the common one.
         let common = |own: fn(&RubbingPlace) -> Option<f64>| {
             let lacks = move |contact: &usize| self.scene.place(*contact).and_then(own).is_none();
             (0..self.model.contacts.len()).filter(lacks)
@@ -49,7 +49,7 @@ impl Simulation {
                 common(|place| place.static_friction.or(place.friction))
                     .for_each(|i| change.friction[i][1] += by);
             }
-            // Without static friction of its own a contact has this for both.
+            // A contact without its own static friction uses this coefficient for both.
             (Causality::Input, Quantity::OwnFriction) => {
                 change.friction[i][0] += by;
                 if self.scene.place(i).is_some_and(|place| place.static_friction.is_none()) {
@@ -73,11 +73,11 @@ impl Simulation {
         Ok(())
     }
 
-    /// Lets the reference position, the equilibrium in uniform sliding, move with the inputs. Displacements count
-    /// from it, so that loads then act through its contact forces alone.
+    /// Moves the reference position, the equilibrium in uniform sliding, with the inputs. Displacements are relative
+    /// to it, so that loads then act through its contact forces alone.
     ///
     /// # Errors
-    /// There is no equilibrium.
+    /// Returns an error if there is no equilibrium.
     pub(super) fn move_reference(&self, change: &mut Change) -> Result<(), Error> {
         let (mut slopes, mut by) = (Vec::new(), Vec::new());
         for (i, contact) in self.model.contacts.iter().enumerate() {

@@ -1,17 +1,17 @@
-//! Derivatives of outputs: by inputs, in the present contact states, and by time.
+//! Derivatives of outputs: by inputs in the present contact states, and by time.
 //!
-//! Both are one linear map. Where the contacts keep their states, changes of the motion and of what drives it change
-//! the contact forces by what solves the same linear problem that the forces themselves solve
-//! ([`Integrator::respond`](crate::integrator::Integrator::respond)); friction that changes by itself, d(±µ) N, acts
-//! like one more force along the tangent. Position and velocity are what the steps have led to: no input changes them
-//! at the instant at which it is given.
+//! Both are one linear map. While the contacts keep their states, changes of the motion and of its inputs change the
+//! contact forces by the solution of the linear problem that also gives the forces
+//! ([`Integrator::respond`](crate::integrator::Integrator::respond)). The change of the friction coefficient alone,
+//! d(±µ) N, acts like an additional force along the tangent. Position and velocity result from the steps: no input
+//! changes them at the instant at which it is set.
 //!
-//! | file | what it has |
+//! | file | contents |
 //! | --- | --- |
-//! | `inputs` | what changes of inputs are changes of |
-//! | `slope` | ±µ of a contact that slides, as a function |
+//! | `inputs` | effect of input changes on the quantities that drive the motion |
+//! | `slope` | ±µ of a sliding contact as a function |
 //! | `energy` | the changes of the parts of the energy |
-//! | `feedthrough` | which inputs have one at all |
+//! | `feedthrough` | the inputs on which outputs depend directly |
 
 mod energy;
 mod inputs;
@@ -25,38 +25,40 @@ use crate::integrator::{Kept, Push, Response};
 use crate::model::{Damping, LumpedModel};
 use slope::Slope;
 
-/// Small changes, of inputs or over time, of what outputs are made of.
+/// Small changes of the quantities that determine the outputs, due to inputs or over time.
 struct Change {
-    /// dt, s; none where inputs change at an instant.
+    /// dt, s; zero if inputs change at an instant.
     time: f64,
-    /// dx, m, and dẋ, m/s; one value a degree of freedom, as the next two.
+    /// dx, m, and dẋ, m/s; one value for each degree of freedom, also of `force` and `load`.
     displacement: Vec<f64>,
     velocity: Vec<f64>,
-    /// Of external forces and of the forces of preloads, N.
+    /// Changes of the external forces and of the forces of preloads, N.
     force: Vec<f64>,
     load: Vec<f64>,
-    /// Of the sliders, m/s and m/s²; one value a contact, as the rest.
+    /// Changes of the sliders' velocities and accelerations, m/s and m/s²; one value for each contact, also of the
+    /// next fields.
     slider_velocity: Vec<f64>,
     slider_acceleration: Vec<f64>,
-    /// Of µ_k and µ_s.
+    /// Changes of µ_k and µ_s.
     friction: Vec<[f64; 2]>,
-    /// Of the forces (N, T) of the reference position, N, which moves only before a run starts.
+    /// Changes of the forces (N, T) at the reference position, N, which moves only before a run starts.
     reference: Vec<[f64; 2]>,
 }
 
-/// What comes of it: d(N, T), N, and dv_r, m/s, of each contact.
+/// Result of a change: d(N, T), N, and dv_r, m/s, of each contact.
 struct ForceChange {
     forces: Vec<[f64; 2]>,
     slip: Vec<f64>,
 }
 
 impl Simulation {
-    /// What changes of inputs, `by` (each with its change), do to outputs at once, in the present contact states:
-    /// the product of the Jacobian ∂`of`/∂`by` and these changes. Where contacts hold a mass twice over, what each of them
-    /// takes is not determined, and neither are its changes.
+    /// Returns the immediate change of outputs due to changes of inputs, `by` (each with its change), in the present
+    /// contact states: the product of the Jacobian ∂`of`/∂`by` and these changes. If several contacts constrain a
+    /// mass redundantly, their individual forces are not determined, and neither are the changes of these.
     ///
     /// # Errors
-    /// `of` has what is no output or `by` what is no input; contact forces that have no solution.
+    /// Returns an error if `of` has a variable that is not an output, if `by` has one that is not an input, or if the
+    /// contact forces have no solution.
     pub fn directional_derivative(
         &mut self,
         of: &[&Variable],
@@ -70,7 +72,8 @@ impl Simulation {
     /// The directional derivative before the run has started, when the reference position moves with the inputs.
     ///
     /// # Errors
-    /// `of` has what is no output or `by` what is no input; contact forces that have no solution.
+    /// Returns an error if `of` has a variable that is not an output, if `by` has one that is not an input, or if the
+    /// contact forces have no solution.
     pub fn directional_derivative_at_start(
         &mut self,
         of: &[&Variable],
@@ -82,18 +85,19 @@ impl Simulation {
         self.derivatives(of, &change, &present)
     }
 
-    /// How fast outputs change now, per second, in the present contact states. Signals count from now on, rates of
-    /// inputs ([`set_rate`](Self::set_rate)) up to now or, once set anew, from now on.
+    /// Rates of change of outputs now, per second, in the present contact states. Signals contribute their rate from
+    /// now on; rates of inputs ([`set_rate`](Self::set_rate)) contribute the one up to now or, once set anew, from
+    /// now on.
     ///
     /// # Errors
-    /// `of` has what is no output; contact forces that have no solution.
+    /// Returns an error if `of` has a variable that is not an output, or if the contact forces have no solution.
     pub fn rates(&mut self, of: &[&Variable]) -> Result<Vec<f64>, Error> {
         let present = self.contact_forces()?.to_vec();
         let change = self.change_over_time(&present)?;
         self.derivatives(of, &change, &present)
     }
 
-    /// The change over time, per second.
+    /// Rates of change of the quantities that determine the outputs, per second.
     fn change_over_time(&mut self, present: &[ContactForce]) -> Result<Change, Error> {
         let now = self.clock.grid_time(self.scene.step);
         let mut change = match &self.driven {
@@ -120,7 +124,7 @@ impl Simulation {
         Ok(change)
     }
 
-    /// What the outputs change by.
+    /// Changes of the outputs.
     fn derivatives(
         &mut self,
         of: &[&Variable],
@@ -131,7 +135,7 @@ impl Simulation {
         of.iter().map(|variable| self.derivative(variable, change, &outcome, present)).collect()
     }
 
-    /// What one output changes by.
+    /// Change of one output.
     fn derivative(
         &self,
         variable: &Variable,
@@ -166,7 +170,7 @@ impl Simulation {
         })
     }
 
-    /// What comes of a change.
+    /// Changes of the contact forces and slip velocities that result from a change.
     fn outcome(&mut self, change: &Change, present: &[ContactForce]) -> Result<ForceChange, Error> {
         let slopes = self.slopes(present);
         let sum = change.force.iter().zip(&change.load).map(|(force, load)| force + load);
@@ -178,7 +182,7 @@ impl Simulation {
                 ContactState::Stick => 0.0,
                 _ => change.slider_velocity[i] - along,
             });
-            // What friction changes by of itself acts on the masses like one more force.
+            // The change of the friction coefficient acts on the masses like an additional force.
             weakened.push(now.normal_force * slopes[i].change(slip[i], change.friction[i]));
             let [normal, tangential] = change.reference[i];
             contact.normal.add_to(&mut push, -normal);
@@ -197,7 +201,7 @@ impl Simulation {
         contacts.map(|(force, &friction)| Slope::of(self.model.law, friction, force)).collect()
     }
 
-    /// What a push does to contacts that keep their states.
+    /// Response to forces of contacts that keep their states.
     fn respond(
         &mut self,
         present: &[ContactForce],
@@ -218,7 +222,7 @@ impl Simulation {
         Ok(response)
     }
 
-    /// `force` less what springs and dampers make of these displacements (m) and velocities (m/s), N.
+    /// `force` minus the forces of springs and dampers at these displacements (m) and velocities (m/s), N.
     fn held_back(&self, mut force: Vec<f64>, x: &[f64], v: &[f64]) -> Vec<f64> {
         let LumpedModel { mass, stiffness, dampers, damping, .. } = &self.model;
         let Damping { alpha, beta } = *damping;

@@ -1,4 +1,4 @@
-//! Saved instances that pose as ones of ours: their bytes are well-formed, what they say is not.
+//! Forged saved instances: their bytes are well-formed, but their content is not.
 
 use super::*;
 use crate::fmi2::instance::{Number, SCENE_FILE};
@@ -24,7 +24,7 @@ fn running() -> Instance {
     instance
 }
 
-/// What an instance makes of its own bytes with a change in them.
+/// Result of reading an instance's own bytes with a change in them.
 fn forged(instance: &Instance, change: impl FnOnce(&mut Setup)) -> Result<(), Error> {
     let bytes = instance.serialize(&instance.save()).unwrap();
     let mut record: Record = from_bytes(&bytes, &instance.guid).unwrap();
@@ -38,7 +38,7 @@ fn assert_refused(result: Result<(), Error>, words: &str) {
     assert!(error.is_saved_state() && error.to_string().contains(words), "{error}");
 }
 
-/// A phase that steps, without a motion to step from, ended in a panic.
+/// A phase that allows steps, without a motion to advance, once ended in a panic.
 #[test]
 fn a_phase_without_what_belongs_to_it_is_refused() {
     let (new, running) = (instance(), running());
@@ -56,7 +56,7 @@ fn a_phase_without_what_belongs_to_it_is_refused() {
     }
 }
 
-/// A stop time that is no number let every step pass it.
+/// A stop time that is not a number once let every step pass it.
 #[test]
 fn times_between_which_no_run_can_be_are_refused() {
     let running = running();
