@@ -1,11 +1,11 @@
-//! Which sources the library inside an FMU is made of, in one word. The library says it, and so a program is
-//! never built around a library of other sources.
+//! Digest of the sources of the library inside an FMU. The library contains it, so that a program is never built
+//! around a library of other sources.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 use uuid::Uuid;
 
-/// All that the library's code depends on.
+/// All files and folders on which the library's code depends.
 const SOURCES: [&str; 15] = [
     "Cargo.toml",
     "Cargo.lock",
@@ -24,14 +24,14 @@ const SOURCES: [&str; 15] = [
     "scenes",
 ];
 
-/// A word of 36 characters that changes with any of the sources.
+/// Returns a digest of 36 characters that changes with any of the sources.
 pub fn digest() -> String {
     let mut files = Vec::new();
     for path in SOURCES {
         println!("cargo::rerun-if-changed={path}");
         find(Path::new(path), &mut files);
     }
-    // By text, not by parts: the same order where paths are written with backslashes.
+    // Sorting by text, not by path components, gives the same order for paths written with backslashes.
     let mut files: Vec<(String, PathBuf)> = files
         .into_iter()
         .map(|file| (file.display().to_string().replace('\\', "/"), file))
@@ -40,7 +40,7 @@ pub fn digest() -> String {
     let mut all = Vec::new();
     for (name, file) in files {
         let mut content = read(&file);
-        // Git may check out text with Windows' line ends.
+        // Git may check out text with Windows line ends.
         content.retain(|&byte| byte != b'\r');
         all.extend(format!("{name}\n{}\n", content.len()).into_bytes());
         all.extend(content);
@@ -62,7 +62,7 @@ fn find(path: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// Pictures and what editors leave behind are none.
+/// `true` for Rust and TOML files; pictures and files that editors leave behind are not sources.
 fn is_source(path: &Path) -> bool {
     let is_hidden = path.file_name().is_some_and(|name| name.to_string_lossy().starts_with('.'));
     !is_hidden && path.extension().is_some_and(|end| end == "rs" || end == "toml")

@@ -52,7 +52,7 @@ macro_rules! table {
     };
 }
 
-// A call has to be allowed by its own row and by the rows of its special cases.
+// A call has to be allowed by its own row and by the rows of the special cases that apply.
 #[rustfmt::skip]
 table! {
     //                                                              instan- initia- step-     termi-
@@ -91,7 +91,7 @@ table! {
     DoStep               "fmi2DoStep"                               NO      NO      YES     NO      NO      NO;
     /// `fmi2DoStep` of length zero.
     StepOfLengthZero     "fmi2DoStep of length zero"                NO      NO      HABIT   NO      NO      NO;
-    /// FMI allows this call only while a step is in progress, but no step is after `fmi2DoStep` has returned.
+    /// FMI allows this call only while a step is in progress; none is after `fmi2DoStep` has returned.
     CancelStep           "fmi2CancelStep"                           NO      NO      NO      NO      NO      NO;
     Status               "fmi2Get…Status"                           HABIT   HABIT   YES     YES     HABIT   NO;
 }
@@ -110,7 +110,7 @@ impl Call {
         if phases.is_empty() { "it is in none".to_owned() } else { format!("it is in {phases}") }
     }
 
-    /// The call that FMI requires in place of a tolerated one, as text for a message.
+    /// FMI's requirement that a tolerated call breaks, as text for a message.
     pub(super) fn wish(self) -> &'static str {
         match self {
             Self::EnterUnprepared => "fmi2SetupExperiment first; the run starts at time 0",

@@ -16,8 +16,7 @@ pub(super) struct EffectsTable {
     /// `true` to account for energy: kinetic, elastic, dissipated, and work done; false unless given.
     #[serde(default)]
     energy: bool,
-    /// `true` to compute the largest growth rate of the present contact state, and the frequency of its mode; false
-    /// unless given.
+    /// `true` to compute the present contact state's largest growth rate and that mode's frequency; false unless given.
     #[serde(default)]
     stability: bool,
 }

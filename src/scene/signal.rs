@@ -294,7 +294,7 @@ impl Shape {
 }
 
 impl Sine {
-    /// `true` if the sine is not switched off at time `t` (s): start ≤ t < end.
+    /// `true` if the sine acts at time `t` (s): start ≤ t < end.
     #[must_use]
     pub fn is_on(&self, t: f64) -> bool {
         is_on(self.start, self.end, t)

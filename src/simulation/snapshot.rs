@@ -408,7 +408,7 @@ mod tests {
         assert!(error.to_string().contains("another FMU"), "{error}");
     }
 
-    /// How many bytes the state of a scene has at the start, where all counts are zero.
+    /// Number of bytes of a scene's saved state at the start, when all counters are zero.
     fn size_at_start(scene: &Scene) -> usize {
         const NUMBER: usize = 8;
         // Lengths have seven bits a byte; a count of zero, a choice and the tag of what may be missing are a byte.
@@ -420,7 +420,7 @@ mod tests {
         let reference = 2 * list(dofs) + 2 * list(contacts);
         // Entries of the four states, and nine others.
         let counts = 4 + 9;
-        // Of each contact its state and whether it pulls.
+        // For each contact: its state, and whether it pulls.
         let motion = 2 * list(dofs) + 2 * (length(contacts) + contacts) + counts;
         let ledger = 1 + if scene.effects.energy { list(dofs) + 6 * NUMBER } else { 0 };
         let clock = 2 * NUMBER + 1;

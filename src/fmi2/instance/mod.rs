@@ -39,7 +39,7 @@ pub(super) struct Instance {
     pub(super) tolerated: bool,
     /// Tolerated calls of which the importer has been warned.
     told: Noted,
-    /// The simulation. Before the end of initialization it only serves reading, and has no effect on the run.
+    /// The simulation. Before the end of initialization it only serves to read values, and has no effect on the run.
     simulation: Option<Simulation>,
     /// `true` if initialization has ended.
     has_started: bool,
