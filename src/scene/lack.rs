@@ -4,7 +4,7 @@ use super::roles::{Group, Role};
 use super::{Scene, Spring};
 use crate::contact::Law;
 
-/// Explanation of a variable that a scene does not have.
+/// Explanation why a scene does not have a variable.
 pub struct Lack {
     /// The feature that the scene does not use.
     pub reason: String,

@@ -441,7 +441,7 @@ mod tests {
 
     #[test]
     fn a_table_that_stays_where_it_is_does_not_waver_by_a_bit() {
-        // Interpolated between two equal values a slider that stands would creep to and fro.
+        // Interpolation between two equal values would make a slider at rest creep by rounding.
         let points = vec![[0.2, 0.0], [0.3, -0.1], [1.0, -0.1], [1.1, 0.0]];
         let shape = Shape::Table(Table { points, between: Between::Linear });
         for i in 0..700 {
@@ -475,7 +475,7 @@ mod tests {
                 assert_eq!(shape.constant_until(t, 0.0), expected, "{shape:?} at {t}");
                 let later = t + 0.999 * (expected.min(9.0) - t);
                 assert_eq!(shape.at(t, 0.0), shape.at(later, 0.0), "{shape:?} at {t}");
-                // Ahead of the present a change is the rate times the time that passes.
+                // Within a linear stretch, the change is the rate times the elapsed time.
                 let (t, ahead) = (t + 1e-9, 1e-7);
                 let change = (shape.at(t + ahead, 0.0) - shape.at(t, 0.0)) / ahead;
                 assert!((change - shape.rate(t, 0.0)).abs() < 1e-5, "{shape:?} at {t}: {change}");

@@ -186,7 +186,7 @@ mod tests {
 
     const H: f64 = 1e-5;
 
-    /// The clock after steps of the given lengths, added up as hosts do, and the steps taken.
+    /// The clock after steps of the given lengths, added up as hosts do, and the number of steps taken.
     fn after(steps: impl IntoIterator<Item = f64>) -> (Clock, u64) {
         let (mut clock, mut host, mut taken) = (Clock::at(0.0), 0.0, 0);
         for size in steps {
@@ -204,7 +204,7 @@ mod tests {
     fn times_that_are_added_up_stay_on_the_grid() {
         assert_eq!(after(std::iter::repeat_n(0.1, 10_000)).1, 100_000_000);
         assert_eq!(after(std::iter::repeat_n(1e-4, 100_000)).1, 1_000_000);
-        // Each of these ends in a step shorter than the rounding errors gathered before it.
+        // The last step is ten internal steps long, or shorter than the rounding errors accumulated before it.
         for (last, taken) in [(1e-4, 10), (1.7e-13, 0), (1.1e-16, 0)] {
             let steps = std::iter::repeat_n(0.01, 1000).chain([last]);
             assert_eq!(after(steps).1, 1_000_000 + taken);
@@ -212,7 +212,7 @@ mod tests {
         assert_eq!(after(std::iter::repeat_n(0.1, 1000).chain([1e-3])).1, 10_000_100);
     }
 
-    /// A step of exact motion may be longer than all else; what is asked for in between is no rounding.
+    /// A step of event-driven motion may be longer than the whole run; a requested time within it is not a rounding error.
     #[test]
     fn however_long_the_internal_step_what_is_asked_for_is_gone() {
         for (size, internal) in [(2e-4, 1e3), (5e-9, 1e-2), (2e-10, 2.5e-4)] {
@@ -233,7 +233,7 @@ mod tests {
 
     #[test]
     fn steps_that_are_too_long_by_a_hair_never_lead_astray() {
-        // Within the tolerance each, half an internal step after 10⁴ of them.
+        // Each step is within the tolerance; together they deviate by 0.27 internal steps.
         let (clock, taken) = after(std::iter::repeat_n(0.1 * (1.0 + 0.9e-9), 30_000));
         let reached = f64::from(u32::try_from(taken).unwrap()) * H;
         assert!((clock.time() - reached).abs() <= 0.5 * H + 1e-9, "{clock:?} {reached}");

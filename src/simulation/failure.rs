@@ -189,7 +189,7 @@ mod tests {
 
     const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
 
-    /// Error message of a run of a scene to which this force (N) is applied after the first step of output.
+    /// Error message of a run of a scene to which this force (N) is applied after 1 ms.
     fn pushed(scene: &Scene, name: &str, force: f64) -> String {
         let mut simulation = Simulation::new(scene.clone(), 0.0).unwrap();
         simulation.advance_to(1e-3).unwrap();

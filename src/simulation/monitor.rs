@@ -142,7 +142,7 @@ mod tests {
         assert_eq!(Outlook::of(two, &[Slide, ReverseSlide]), unknown);
         assert_eq!(Outlook::of(two, &[Stick, Stick]), Outlook::default());
         assert_eq!(Outlook::of(two, &[Slide, Slide]).modes, 1);
-        // M̃ = 1 ± µ a: one way friction wedges the mass, the other way it is twice as heavy.
+        // M̃ = 1 ± µ a: with one sign friction wedges the mass, with the other it doubles the mass.
         let coupled = mass(0.5, 1, 2.0);
         let coupled = coupled.linear().unwrap();
         let ways = [Slide, ReverseSlide].map(|state| Outlook::of(coupled, &[state]));

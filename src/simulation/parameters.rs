@@ -224,7 +224,7 @@ mod tests {
     use super::*;
     use crate::scene::{BUILTIN, Preset};
 
-    /// The scene with every value another one, and where a tolerance chooses, another choice.
+    /// The scene with all values changed and, if a tolerance chooses method and step, another choice.
     fn changed(original: &Scene) -> Scene {
         let mut scene = original.clone();
         let known = variables(original);

@@ -244,7 +244,7 @@ mod tests {
         simulation
     }
 
-    /// Gives a snapshot another nominal value.
+    /// Changes a nominal value of a snapshot.
     fn set(snapshot: &mut Snapshot, name: &str, value: f64) {
         let place = snapshot.nominal.iter().position(|(variable, _)| variable.name == name);
         *snapshot.nominal.number_mut(place.unwrap()) = value;
@@ -254,12 +254,12 @@ mod tests {
         super::super::fingerprint(&"scene".into())
     }
 
-    /// A snapshot as bytes of a scene's FMU.
+    /// A snapshot as bytes of the FMU of a scene.
     fn write(snapshot: &Snapshot) -> Vec<u8> {
         to_bytes(&(snapshot.nominal.values(), &snapshot.progress), &guid())
     }
 
-    /// The snapshot in bytes of a scene's FMU.
+    /// Reads a snapshot from bytes of the FMU of a scene.
     fn read(bytes: &[u8], original: &Scene) -> Result<Snapshot, Error> {
         let (values, progress) = from_bytes(bytes, &guid())?;
         Ok(Snapshot::new(Parameters::of(original.clone()).with_values(values)?, progress))
@@ -356,7 +356,7 @@ mod tests {
             (|s| s.progress.motion.statistics.entered[2] = u64::MAX, "counted more than a run can"),
             (|s| s.progress.motion.statistics.steps = u64::MAX, "counted more than a run can"),
             (|s| s.progress.clock = Clock::at(f64::NAN), "its time is not that of its steps"),
-            // A thousand million steps would be made up for.
+            // A thousand million steps would have to be made up for.
             (|s| set(s, "integrator.step", 1e-9), "its time is not that of its steps"),
         ];
         let good = running().save();
@@ -367,11 +367,11 @@ mod tests {
             let error = forged.check(false).unwrap_err();
             assert!(error.is_saved_state() && error.to_string().contains(words), "{error}");
         }
-        // A motion that a step has left unfinished may be anything.
+        // A motion after a failed step may have any value.
         let mut failed = good;
         failed.progress.motion.displacement[0] = f64::NAN;
         failed.check(true).unwrap();
-        // Without sticking there is no such state.
+        // Without sticking this state does not exist.
         let mut scene = set1();
         scene.effects.sticking = false;
         for method in [Method::ForwardIncrement, Method::EventDriven] {
@@ -411,14 +411,14 @@ mod tests {
     /// Number of bytes of a scene's saved state at the start, when all counters are zero.
     fn size_at_start(scene: &Scene) -> usize {
         const NUMBER: usize = 8;
-        // Lengths have seven bits a byte; a count of zero, a choice and the tag of what may be missing are a byte.
+        // A length has seven bits in each byte; a count of zero, a choice, and the tag of an optional value take one byte.
         let length = |count: usize| if count < 1 << 7 { 1 } else { 2 };
         let list = |count| length(count) + NUMBER * count;
         let (dofs, contacts) = (scene.dof_names().len(), scene.contact_count());
         let values = variables(scene).iter().filter(|variable| variable.is_settable()).count();
         let chosen = if scene.selection == Selection::Given { 1 } else { 1 + NUMBER + 1 + NUMBER };
         let reference = 2 * list(dofs) + 2 * list(contacts);
-        // Entries of the four states, and nine others.
+        // Entries into the four states, and nine other counters.
         let counts = 4 + 9;
         // For each contact: its state, and whether it pulls.
         let motion = 2 * list(dofs) + 2 * (length(contacts) + contacts) + counts;
@@ -429,7 +429,7 @@ mod tests {
         HEADER + content + CHECKSUM
     }
 
-    /// An effect of a scene, by its name, and what turns it on or off.
+    /// Name of an effect of a scene, and the function that turns it on or off.
     type Switch = (&'static str, fn(&mut Scene, bool));
     const SWITCHES: [Switch; 9] = [
         ("energy", |scene, on| scene.effects.energy = on),
@@ -447,8 +447,8 @@ mod tests {
         }),
     ];
 
-    /// Neither do names nor the scene's description. The tag of the ledger is there without one, and so are the
-    /// counts of what a reduced law of contact has needed: a byte each, of every scene.
+    /// Names and the scene's description take no bytes either. The tag of the energy ledger exists without a ledger,
+    /// and the counters of violated idealisations exist in every scene: one byte each.
     #[test]
     fn what_is_off_is_nothing_in_the_bytes_and_what_is_on_has_its_values_there() {
         let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/scenes/effects");
@@ -462,7 +462,7 @@ mod tests {
                 for on in [false, true] {
                     let mut scene = scene.clone();
                     turn(&mut scene, on);
-                    // Not every scene can do without every effect.
+                    // Some scenes are impossible without some effects.
                     let Ok(simulation) = Simulation::new(scene.clone(), 0.0) else { continue };
                     let bytes = write(&simulation.save());
                     assert_eq!(bytes.len(), size_at_start(&scene), "{}, {name}", scene.name);
