@@ -36,7 +36,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
 }
 
-/// aᵀ A b.
+/// The bilinear form aᵀ A b.
 fn form(a: &[f64], matrix: &SparseMatrix, b: &[f64]) -> f64 {
     a.iter().enumerate().fold(0.0, |sum, (row, a)| sum + a * matrix.row_times(row, b))
 }
