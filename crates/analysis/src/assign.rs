@@ -115,7 +115,7 @@ mod tests {
         for variable in variables(&scene).iter().filter(|variable| variable.is_settable()) {
             for value in [-1.0, 0.0, 1.0, f64::NAN] {
                 let name = &variable.name;
-                // Where a displacement leads is a matter of the contacts, not of one value.
+                // The consequence of an initial displacement depends on all contacts, not on one value.
                 if name.starts_with("initial.") {
                     continue;
                 }

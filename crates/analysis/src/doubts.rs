@@ -9,7 +9,7 @@ use std::f64::consts::{PI, TAU};
 /// A spring whose ends the equilibrium moves apart or together by more, m, is doubtful: those of machines yield by
 /// less than a millimetre, and their stiffnesses in N/mm, read in N/m, by a thousand times that.
 const FAR: f64 = 0.05;
-/// Yet weights do hang on soft springs: its force must be more than so many times the weight of all masses.
+/// Weights do hang on soft springs, so the spring's force must be more than this many times the weight of all masses.
 const WEIGHTS: f64 = 10.0;
 /// Preloads that press all contacts on with less than this part of the masses' weight are doubtful.
 const FAINT: f64 = 0.02;
@@ -18,7 +18,7 @@ const GRAVITY: f64 = 9.81;
 /// Tangents whose product is this near to −1 are opposite.
 const OPPOSITE: f64 = 1e-6;
 
-/// What is doubtful in a scene, a sentence each.
+/// The doubtful values of a scene, one sentence for each.
 pub(crate) fn doubts(simulation: &Simulation) -> Vec<String> {
     let (scene, reference) = (simulation.scene(), simulation.reference());
     let mut doubts: Vec<String> = angles(scene).filter_map(doubtful_angle).collect();
@@ -28,8 +28,8 @@ pub(crate) fn doubts(simulation: &Simulation) -> Vec<String> {
     doubts
 }
 
-/// What is doubtful in a scene that is not run, a sentence each. Without an equilibrium nothing is said of springs that it
-/// would strain.
+/// The doubtful values of a scene that is not run, one sentence for each. Without an equilibrium, springs that it
+/// would strain are not reported.
 #[must_use]
 pub fn doubts_of(scene: &Scene) -> Vec<String> {
     match Simulation::new(scene.clone(), 0.0) {
@@ -244,7 +244,7 @@ mod tests {
             "`velocity = 0.05` and `velocity = -0.05`",
         ];
         assert!(words.iter().all(|word| told[0].contains(word)), "{told:?}");
-        // What stands still is parted by nothing, and one side alone goes one way.
+        // A slider at rest moves nothing apart, and a single side moves in one direction only.
         let slider = Slider { velocity: 0.0, ..scene.slider };
         assert_eq!(of(Scene { slider, ..scene.clone() }), Vec::<String>::new());
         let mut alone = scene.clone();

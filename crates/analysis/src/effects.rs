@@ -1,4 +1,4 @@
-//! Every effect that there is, for one scene: on or off, and the scene with it the other way round.
+//! All effects of the model for one scene: each is on or off, with the scene that has the effect the other way round.
 
 use amontons::contact::Law;
 use amontons::scene::{Damper, ForceRole, Scene, Structure};
@@ -10,11 +10,11 @@ const NEXT_TO_NOTHING: f64 = 1e-30;
 
 /// An effect of a scene.
 pub struct Effect {
-    /// What it is: friction, sticking, …
+    /// Name of the effect: friction, sticking, …
     pub name: &'static str,
-    /// What it adds to the equation of motion, or to what is known.
+    /// The term that the effect adds to the equation of motion, or the quantity that it adds to the results.
     pub equation: &'static str,
-    /// Does the scene call for it?
+    /// `true` if the scene uses the effect.
     pub is_on: bool,
     /// The scene with it.
     pub with: Scene,

@@ -15,7 +15,7 @@ const CLOSE: f64 = 1e-9;
 /// The inputs of one scene over time.
 pub struct Inputs {
     columns: Vec<(Variable, Table)>,
-    /// Where values jump, s, in ascending order.
+    /// Times at which values jump, s, in ascending order.
     jumps: Vec<f64>,
 }
 
@@ -92,7 +92,7 @@ impl Inputs {
     }
 }
 
-/// Are two times one but for rounding errors?
+/// `true` if two times are equal but for rounding errors.
 #[must_use]
 pub fn is_close(a: f64, b: f64) -> bool {
     (a - b).abs() <= CLOSE * f64::max(a.abs(), b.abs())

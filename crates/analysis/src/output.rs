@@ -70,7 +70,7 @@ impl Pending {
         open().map_err(|error| Error::file(target, &error))
     }
 
-    /// Where a run that is cut short leaves what it had; none where it is written to directly.
+    /// Path of the partial file that an interrupted run leaves; `None` if the file is written directly.
     #[must_use]
     pub fn partial(&self) -> Option<&Path> {
         self.partial.as_deref()
@@ -79,7 +79,8 @@ impl Pending {
     /// Puts the file at its place.
     ///
     /// # Errors
-    /// What it holds could not all be written; what stood at its place still stands there.
+    /// Returns an error if the content could not all be written; the file that was at the target before is then
+    /// unchanged.
     pub fn complete(self) -> Result<(), Error> {
         let Self { target, partial, writer } = self;
         let finish = || {

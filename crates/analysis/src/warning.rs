@@ -1,4 +1,4 @@
-//! What is possible, but hardly meant.
+//! Warnings about values that are possible, but hardly meant.
 
 use crate::doubts::doubts;
 use amontons::error::Short;
@@ -15,7 +15,7 @@ const SUSPICIOUS: f64 = 1e3;
 /// step, or above it. A stiffness or mass in other units than SI shows so.
 #[must_use]
 pub fn step_warning(scene: &Scene) -> Option<String> {
-    // What a tolerance has chosen is as short as that asks for.
+    // A step that a tolerance has chosen is as short as the tolerance requires.
     if scene.method != Method::ForwardIncrement || scene.selection != Selection::Given {
         return None;
     }
@@ -40,7 +40,7 @@ pub fn warnings(simulation: &Simulation) -> Vec<String> {
     let step = step_warning(simulation.scene()).into_iter();
     let tolerance = simulation.selected().and_then(|selected| selected.shortfall());
     let scene = simulation.scene();
-    // What a tolerance has chosen follows the signals as well as it asks for.
+    // A step that a tolerance has chosen follows the signals as well as the tolerance requires.
     let signals = signal_warnings(scene).filter(|_| scene.selection == Selection::Given);
     let direction = direction_warning(simulation.scene());
     let steps = step_at_start_warnings(scene);

@@ -2,7 +2,7 @@
 
 use std::ops::ControlFlow;
 
-/// What long work asks and tells while it is at work, from any of its threads.
+/// The interface by which long work reports its progress and asks if it is over, from any of its threads.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
     /// Asked often: whether to go on. After the first `Break` the work ends with what is done.
@@ -16,7 +16,7 @@ impl Watch<'_> {
     pub const IDLE: Watch<'static> =
         Watch { go_on: &|| ControlFlow::Continue(()), progress: &|_| {} };
 
-    /// Has the work been ended?
+    /// `true` if the work has been ended.
     #[must_use]
     pub fn is_over(&self) -> bool {
         (self.go_on)().is_break()

@@ -3,7 +3,8 @@
 use crate::spectral::cycles;
 use amontons::numerics::range;
 
-/// How well the search finds a peak, in cycles: it is flat to rounding over the root of that.
+/// Accuracy with which the search locates a peak, in cycles: the peak is flat to rounding over the square root of the
+/// rounding.
 const FLAT: f64 = 1e-7;
 
 /// The cycle of a displacement.
@@ -11,11 +12,11 @@ const FLAT: f64 = 1e-7;
 pub struct Cycle {
     /// Half of what lies between its smallest and largest value, m; `None` if it does not move.
     pub amplitude: Option<f64>,
-    /// How far the amplitude may be off, relative, since a run is looked at now and then only.
+    /// Bound on the relative error of the amplitude, because a run is sampled at intervals only.
     pub amplitude_error: f64,
-    /// Where its spectrum is largest, Hz; `None` if it does not oscillate.
+    /// Frequency at which the spectrum is largest, Hz; `None` if the displacement does not oscillate.
     pub frequency: Option<f64>,
-    /// How far the search for the frequency may be off, relative.
+    /// Bound on the relative error of the frequency from the search.
     pub frequency_error: f64,
 }
 
@@ -54,7 +55,7 @@ pub(crate) fn half_range(values: &[f64]) -> f64 {
     0.5 * (most - least)
 }
 
-/// Where the polynomial through five values turns, next to the middle one.
+/// The value at which the polynomial through five values has its turning point, next to the middle one.
 fn turn(five: &[f64]) -> Option<f64> {
     let &[a, b, c, d, e] = five else { return None };
     if (c - b) * (d - c) >= 0.0 {
@@ -70,7 +71,7 @@ fn turn(five: &[f64]) -> Option<f64> {
         let bend = 2.0 * second + s * (6.0 * third + s * 12.0 * fourth);
         s -= rise / bend;
     }
-    // Where Newton's method leads elsewhere, the values themselves have to do.
+    // If Newton's method leads elsewhere, the values themselves are used.
     let value = c + s * (slope + s * (second + s * (third + s * fourth)));
     (s.abs() <= 1.0).then_some(value)
 }

@@ -9,8 +9,8 @@ use amontons::scene::{Method, Scene};
 const FEWEST: u64 = 200;
 /// The most displacements that are kept of a run.
 const MOST_KEPT: f64 = 2e7;
-/// Steps are the interval over 1, 2, 5, 10, … with so many rows at most: of the paper's scheme and of the
-/// event-driven integrator, whose step decides little.
+/// Steps are the interval divided by 1, 2, 5, 10, …; these are the largest numbers of rows for the paper's scheme and
+/// for the event-driven integrator, whose step matters little.
 const SCHEME_ROWS: usize = 11;
 const EVENT_DRIVEN_ROWS: usize = 4;
 /// The most work of a row: steps times degrees of freedom, of which those of a network cost more.
@@ -22,7 +22,7 @@ const NETWORK: f64 = 30.0;
 pub struct Grid {
     /// Their length, s.
     pub interval: f64,
-    /// How many.
+    /// Number of intervals.
     pub intervals: u64,
 }
 
@@ -74,7 +74,7 @@ impl Grid {
         interval as f64 * self.interval
     }
 
-    /// A method with a step of which so many make an interval.
+    /// A method with the step that divides an interval into `steps` steps.
     #[must_use]
     #[allow(clippy::cast_precision_loss)]
     pub fn rung(&self, method: Method, steps: u64) -> Rung {

@@ -1,4 +1,4 @@
-//! What accuracy costs: how far each method, with each step of a ladder, is from a reference.
+//! The cost of accuracy: the distance of each method, at each step of a ladder, from a reference.
 //!
 //! The reference is the event-driven integrator at a step that none of the ladder has, halved until two
 //! runs agree. How far those two are apart is the reference's own error, the *floor*: no error below it is
@@ -46,29 +46,29 @@ const OUT_OF_PHASE: f64 = 0.5;
 /// Errors closer to the floor than this give no order.
 const ABOVE_FLOOR: f64 = 10.0;
 
-/// How far two runs are apart; `None` where there is nothing to compare.
+/// Differences between two runs; `None` where there is nothing to compare.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
-    /// Of all displacements together over the window, root mean square, in parts of the reference's
-    /// about its mean. A scene that does not move has none.
+    /// Root mean square error of all displacements together over the window, in parts of the reference's root mean
+    /// square about its mean. `None` for a scene that does not move.
     pub rms: Option<f64>,
-    /// Of the amplitude of the cycle, relative.
+    /// Relative error of the amplitude of the cycle.
     pub amplitude: Option<f64>,
-    /// Of its frequency, relative.
+    /// Relative error of the frequency of the cycle.
     pub frequency: Option<f64>,
-    /// Of the times at which contacts change their state, root mean square, s. Only where each contact
-    /// goes through the same states.
+    /// Root mean square error of the times at which contacts change their state, s. Only where each contact goes
+    /// through the same states.
     pub event_time: Option<f64>,
     /// The largest error of such a time, s.
     pub largest_event_time: Option<f64>,
 }
 
-/// What one method with one step does.
+/// Result of one method with one step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     /// The method and its step.
     pub rung: Rung,
-    /// What has been counted.
+    /// The counts of the run.
     pub statistics: Statistics,
     /// Changes of state, less those of the reference.
     pub events_more: i64,
@@ -77,8 +77,8 @@ pub struct Row {
 }
 
 impl Row {
-    /// Is the motion out of phase with the reference, so that amplitude and frequency are what is left to
-    /// judge it by?
+    /// `true` if the motion is out of phase with the reference, so that only amplitude and frequency are left to
+    /// judge it by.
     #[must_use]
     pub fn is_out_of_phase(&self) -> bool {
         self.errors.rms.is_some_and(|rms| rms >= OUT_OF_PHASE)
@@ -184,7 +184,7 @@ impl Study {
     /// `dof`, or else of the one that moves most.
     ///
     /// # Errors
-    /// What is wrong with the scene; a run that fails; a window too long to keep.
+    /// Returns an error if the scene is invalid, a run fails or the window is too long to keep.
     pub fn new(scene: &Scene, dof: Option<usize>, watch: Watch<'_>) -> Result<Option<Self>, Error> {
         let law = scene.contact_law();
         if !law.friction.info().is_constant() || law.follows_size() {
@@ -266,7 +266,7 @@ impl Study {
         self.reference_step
     }
 
-    /// What has been counted in the reference.
+    /// Returns the counts of the reference run.
     #[must_use]
     pub fn reference_statistics(&self) -> Statistics {
         self.reference.statistics
@@ -297,7 +297,7 @@ impl Study {
         self.floor
     }
 
-    /// Is the reference itself known only by amplitude and frequency, as a chaotic motion is?
+    /// `true` if the reference itself is known only by amplitude and frequency, as a chaotic motion is.
     #[must_use]
     pub fn is_chaotic(&self) -> bool {
         self.floor.rms.is_some_and(|rms| rms >= 0.1 * OUT_OF_PHASE)
@@ -311,10 +311,10 @@ impl Study {
         self.grid.ladder(&self.scene, critical)
     }
 
-    /// What one method with one step does: `None` if the watch ended it.
+    /// Runs one method with one step and returns its result; `None` if the watch ended it.
     ///
     /// # Errors
-    /// A run that fails: a step above the critical one, contact forces that do not converge.
+    /// Returns an error if the run fails: a step above the critical one, contact forces that do not converge.
     pub fn row(&self, rung: Rung, watch: Watch<'_>) -> Result<Option<Row>, Error> {
         let Some(run) = AccuracyRun::of(&self.scene, self.grid, rung, watch)? else {
             return Ok(None);

@@ -9,10 +9,11 @@ use amontons::integrator::Statistics;
 use amontons::scene::{Method, Scene};
 use amontons::simulation::{Simulation, Snapshot};
 
-/// Up to so many steps an interval is walked through; a longer one is halved until the step is found.
+/// An interval of up to this number of steps is searched step by step; a longer one is halved until the step is
+/// found.
 const WALKED: u64 = 32;
-/// Into so many parts the event-driven integrator's step is halved, which is how well its times are known; a
-/// simulation takes a millionth of its step for nothing.
+/// The event-driven integrator's step is halved into this number of parts, which is the accuracy of its event times;
+/// a simulation ignores a millionth of its step.
 const PARTS: u64 = 1 << 18;
 
 /// A contact takes another state.
@@ -26,7 +27,7 @@ pub struct StateChange {
     pub time: f64,
 }
 
-/// What is kept of a run.
+/// The recorded data of a run.
 pub(super) struct AccuracyRun {
     pub(super) statistics: Statistics,
     dofs: usize,
@@ -74,7 +75,7 @@ impl AccuracyRun {
         Ok(Some(Self { statistics: simulation.statistics(), dofs, displacements, changes }))
     }
 
-    /// What the times of changes are known to, s, with the event-driven integrator at this step (s).
+    /// Resolution of the times of state changes, s, with the event-driven integrator at this step (s).
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn resolution(step: f64) -> f64 {
         step / PARTS as f64
@@ -95,7 +96,7 @@ impl AccuracyRun {
         (self.variances().iter().sum::<f64>() / self.dofs.max(1) as f64).sqrt()
     }
 
-    /// Of each displacement, m².
+    /// Variance of each displacement, m².
     fn variances(&self) -> Vec<f64> {
         (0..self.dofs).map(|dof| variance(&self.history(dof))).collect()
     }
@@ -113,8 +114,8 @@ impl AccuracyRun {
         (squares / self.displacements.len().max(1) as f64).sqrt()
     }
 
-    /// How far the times of changes are from those of another run, s, root mean square and the largest;
-    /// `None` unless each contact goes through the same states, or if there are no changes.
+    /// Distance between the times of state changes and those of another run, s: root mean square and largest; `None`
+    /// unless each contact goes through the same states, or if there are no changes.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn event_times_apart(&self, other: &Self) -> Option<[f64; 2]> {
         let sorted = |run: &Self| {
@@ -145,7 +146,7 @@ struct Units {
     length: f64,
     from: u64,
     to: u64,
-    /// Into so many parts a unit itself is divided.
+    /// Number of parts into which a unit itself is divided.
     parts: u64,
 }
 

@@ -5,7 +5,7 @@ use amontons::decimal::to_significant;
 use amontons::integrator::Statistics;
 use amontons::scene::Scene;
 
-/// What stands over the columns.
+/// Headings of the columns.
 pub const COLUMNS: [&str; 10] = [
     "method",
     "step [s]",
@@ -19,7 +19,7 @@ pub const COLUMNS: [&str; 10] = [
     "order",
 ];
 
-/// What the columns mean.
+/// Meaning of the columns.
 pub const LEGEND: &str = "rms error: of all displacements, over their deviation from the mean; amplitude, \
 frequency: of the cycle above.\n≤: below the reference's own error. order: how often the rms error halves where \
 the step does; with few\nevents they hide it. events: changes of contact state, and how many more than the \
@@ -48,7 +48,7 @@ impl Study {
         format!("{name}: what accuracy costs over {} s", experiment.stop_time)
     }
 
-    /// What the rows are compared with, as pairs of a word and a text.
+    /// The reference that the rows are compared with, as pairs of a word and a text.
     #[must_use]
     pub fn facts(&self) -> Vec<(&'static str, String)> {
         let statistics = self.reference.statistics;

@@ -14,13 +14,13 @@ pub struct Phasor {
     pub phase: f64,
 }
 
-/// What a history, in steps of `interval` (s), has at a `frequency` f (Hz): the values turned back at that
-/// frequency and averaged through a Blackman–Harris window of `count` values, which leaves out what is more than
-/// 4 cycles over the window away to 2.5e-5. One phasor for each window that fits, `hop` values apart; its time is
-/// the window's middle, for the first 0.5 (count − 1) intervals from the start.
+/// Demodulates a history, in steps of `interval` (s), at a `frequency` f (Hz): the values are turned back at that
+/// frequency and averaged through a Blackman–Harris window of `count` values, which suppresses all that is more than
+/// 4 cycles over the window away to 2.5e-5. Returns one phasor for each window that fits, `hop` values apart; its
+/// time is the window's middle, for the first 0.5 (count − 1) intervals from the start.
 ///
-/// A line at f + δ that grows as exp(σ t) comes out times a factor that does not depend on the time: the slopes
-/// of logarithm and phase are σ and 2π δ exactly.
+/// A line at f + δ that grows as exp(σ t) is multiplied by a factor that does not depend on the time: the slopes of
+/// logarithm and phase are σ and 2π δ exactly.
 #[must_use]
 #[allow(clippy::cast_precision_loss)]
 pub fn demodulate(

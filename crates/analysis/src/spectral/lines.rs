@@ -7,9 +7,9 @@ use serde::Serialize;
 
 /// Low side lobes matter more than narrow lines: a faint line beside a strong one is what is looked for.
 const WINDOW: Window = Window::BlackmanHarris;
-/// The spectrum has so many values a cycle over the history, or more, with zeros behind the history.
+/// Least number of spectrum values for each cycle over the history, reached by zero padding behind the history.
 const FINENESS: usize = 4;
-/// What moves less than this about its mean, in parts of its largest value, rests: rounding.
+/// A history that varies about its mean by less than this part of its largest value is at rest: rounding.
 const REST: f64 = 1e-14;
 
 /// One line of a spectrum.
@@ -26,7 +26,7 @@ pub struct Line {
 pub struct Lines {
     /// Strongest first.
     pub lines: Vec<Line>,
-    /// What part of the power, the mean left out, lies within [`resolution`](Self::resolution) of one of the
+    /// The part of the power, without the mean, that lies within [`resolution`](Self::resolution) of one of the
     /// lines: near 1 for a motion of few frequencies, less for a chaotic one. 0 where nothing moves.
     pub share: f64,
     /// Two lines nearer than this are not told apart, Hz: half the width of a line.
@@ -114,7 +114,7 @@ mod tests {
         assert_eq!(found.lines.len(), 3, "{found:?}");
         for (line, [frequency, amplitude, _]) in found.lines.iter().zip([0, 2, 1].map(|i| parts[i]))
         {
-            // What is left of the strong line at the faint one: 2.5e-5 of 2e-3, 1e-2 of 5e-6.
+            // Leakage of the strong line at the faint one: 2.5e-5 of 2e-3, 1e-2 of 5e-6.
             let allowed = if amplitude < 1e-5 { 1.1e-2 } else { 1e-3 };
             assert!((line.amplitude / amplitude - 1.0).abs() < allowed, "{line:?}");
             let off = (line.frequency - frequency).abs() / found.resolution;

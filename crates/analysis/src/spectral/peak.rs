@@ -1,15 +1,15 @@
-//! Where a spectrum is largest.
+//! The peak of a spectrum.
 
 use super::transform::{power, powers};
 use super::window::{Window, weighted};
 
-/// A cycle must fit in so many times.
+/// The cycle must fit into the values at least this many times.
 const FEWEST_CYCLES: f64 = 1.5;
 /// A peak of less than this part of the spectrum's largest power is a side lobe of a drift.
 const SIDE_LOBE: f64 = 1e-2;
 
-/// How often the cycle fits in the values: where their spectrum, through a Hann window, has its largest peak.
-/// The search is flat to rounding over some 1e-7 of a cycle. `None` where nothing oscillates.
+/// Number of cycles in the values: the position of the largest peak of their spectrum through a Hann window. The
+/// search is flat to rounding over some 1e-7 of a cycle. `None` where nothing oscillates.
 #[must_use]
 #[allow(clippy::cast_precision_loss)]
 pub fn cycles(values: &[f64]) -> Option<f64> {
@@ -32,7 +32,7 @@ pub fn cycles(values: &[f64]) -> Option<f64> {
     Some(largest(&power, [peak as f64 - 1.0, peak as f64 + 1.0]) * of_line)
 }
 
-/// Where a function with one maximum between two places has it, by golden sections.
+/// Position of the maximum of a function that has one maximum between two places, by golden-section search.
 fn largest(function: &impl Fn(f64) -> f64, [mut from, mut to]: [f64; 2]) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_8;
     let mut inner = [to - GOLDEN * (to - from), from + GOLDEN * (to - from)];

@@ -4,7 +4,7 @@ use super::transform::Transform;
 use super::window::{Window, weighted};
 use serde::Serialize;
 
-/// What is less than this, dB, or nothing at all, is given as this.
+/// Lower bound of a spectrogram, dB: smaller values, and zero, are given as this.
 pub const LEAST_DB: f64 = -200.0;
 
 /// Power over time and frequency.

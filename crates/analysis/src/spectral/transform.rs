@@ -34,7 +34,7 @@ pub(super) struct Transform {
 }
 
 impl Transform {
-    /// Of a power of two.
+    /// Transform of a size that is a power of two.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn of_size(size: usize) -> Self {
         let turns = (0..size / 2).map(|i| libm::sincos(-TAU * i as f64 / size as f64)).collect();

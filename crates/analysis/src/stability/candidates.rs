@@ -13,14 +13,14 @@ use amontons::model::{Contact, LumpedModel};
 use amontons::numerics::bisect;
 use amontons::scene::Scene;
 
-/// What a range of µ holds.
+/// Bi-stability over a range of µ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bistability {
     /// The range that was looked at: what was asked for, up to the static friction.
     pub range: [f64; 2],
     /// Ranges of µ in which there is an equilibrium in uniform sliding.
     pub equilibrium: Vec<[f64; 2]>,
-    /// Where modes of uniform sliding begin or cease to grow in them, by µ.
+    /// Values of µ at which modes of uniform sliding begin or cease to grow in the ranges, by µ.
     pub uniform: Vec<Crossing>,
     /// Ranges of µ in which there is an equilibrium that no mode leaves.
     pub stable: Vec<[f64; 2]>,
@@ -37,11 +37,11 @@ pub struct Candidate {
     /// The contact state; symmetry of masses and stiffnesses makes the modes of `alike` states equal, itself included. Where
     /// loads are not symmetric, too, this is the one that needs least.
     pub states: Vec<ContactState>,
-    /// How many states symmetry makes equal to this one.
+    /// Number of states that symmetry makes equal to this one, itself included.
     pub alike: usize,
     /// From which µ on, and up to which, the mode grows while uniform sliding does not.
     pub range: [f64; 2],
-    /// Does the mode begin to grow at the range's start (or did it grow before)?
+    /// `true` if the mode begins to grow at the range's start; `false` if it grew before.
     pub begins: bool,
     /// The mode's frequency at the range's start, Hz.
     pub frequency_hz: f64,
@@ -266,7 +266,7 @@ fn growing_ranges(locus: &Locus, mode: usize) -> Vec<[f64; 2]> {
     ranges
 }
 
-/// What ranges, sorted by their starts, leave of an interval.
+/// The parts of an interval that ranges, sorted by their starts, leave uncovered.
 fn gaps(ranges: &[[f64; 2]], first: f64, last: f64) -> Vec<[f64; 2]> {
     let (mut gaps, mut from) = (Vec::new(), first);
     for range in ranges {

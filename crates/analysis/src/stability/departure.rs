@@ -54,7 +54,7 @@ pub fn departure(
         };
         let slow = (slow, velocity.abs() / speed);
         let open = (ContactState::Detached, equilibrium.normal_force[contact] / normal[contact]);
-        // What the law of contact leaves out does not happen.
+        // Transitions that the law of contact leaves out do not happen.
         let may = [!model.law.is_frozen(), model.law.detachment];
         let happens = [slow, open].into_iter().zip(may).filter_map(|(to, may)| may.then_some(to));
         happens.map(move |(into, amplitude)| Departure { contact, into, amplitude, dof })

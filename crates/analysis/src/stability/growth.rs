@@ -80,7 +80,7 @@ impl GrowthFollower<'_> {
         Ok(())
     }
 
-    /// Which growing mode continues in which: the nearest first.
+    /// Pairs of growing modes that continue each other, the nearest first.
     fn pairs(&self, next: &[Root]) -> Vec<(usize, usize)> {
         let mut all: Vec<(f64, usize, usize)> = Vec::new();
         for (i, before) in self.now.iter().enumerate() {

@@ -9,7 +9,7 @@ use amontons::contact::ContactState;
 use amontons::scene::Scene;
 use amontons::stability::Spectrum;
 
-/// What uniform sliding is for one scene.
+/// The stability of uniform sliding for one scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// No contact state grows; with more than [`MAX_CONTACTS`] contacts uniform sliding does not, and
@@ -42,7 +42,7 @@ impl Verdict {
     ];
 }
 
-/// As a person reads it.
+/// The verdict in words.
 impl std::fmt::Display for Verdict {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.pad(match self {

@@ -59,7 +59,7 @@ pub struct Modes {
 }
 
 impl Modes {
-    /// Does any mode grow?
+    /// `true` if any mode grows.
     #[must_use]
     pub fn unstable(&self) -> bool {
         self.all().any(|mode| mode.growth_rate() > 0.0)

@@ -35,7 +35,7 @@ pub(crate) fn collect<T: Send + Clone>(
             scope.spawn(run);
         }
     });
-    // What was not begun stands behind the error that was its reason.
+    // Work that was not begun stands behind the error that was its reason.
     results.into_inner().expect("no worker panics").1.into_iter().flatten().collect()
 }
 

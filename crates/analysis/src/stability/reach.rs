@@ -1,4 +1,4 @@
-//! How large a motion is when contacts are in another state than that of uniform sliding.
+//! Size of the motion at which contacts are in another state than that of uniform sliding.
 //!
 //! The measure is the energy ½ q̇ᵀ M q̇ + ½ qᵀ K q of the deviation q from the equilibrium. A contact that sticks, or slides
 //! the other way, has its surface's velocity at that instant; one that opens has a normal force that falls to zero. The
@@ -11,7 +11,7 @@ use amontons::contact::ContactState;
 use amontons::model::{LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::{DMatrix, DVector};
 
-/// How large a motion is whose contacts are in a state. It ranks states and is no threshold: friction may feed a smaller
+/// Size of the motion whose contacts are in a state. It ranks states and is no threshold: friction may feed a smaller
 /// motion until it is as large.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Reach {

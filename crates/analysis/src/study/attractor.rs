@@ -1,4 +1,4 @@
-//! Which endings are the same motion.
+//! Comparison of endings: this module tells which endings are the same motion.
 
 use super::ending::{Ending, Kind};
 
@@ -9,16 +9,16 @@ const SAME_IRREGULAR: f64 = 0.25;
 /// Frequencies of one cycle differ by less than this, relative.
 const SAME_FREQUENCY: f64 = 1e-3;
 
-/// Are these endings one motion? All rest is one, and so is all growth without bound; cycles are that agree in the
-/// extents of all displacements and in their periods or strongest frequencies; motions without a period that agree in
-/// about these extents. What has not settled is like nothing.
+/// `true` if the endings are one motion. All rest is one motion, and so is all growth without bound; cycles are one
+/// if they agree in the extents of all displacements and in their periods or strongest frequencies; motions without a
+/// period are one if they agree in about these extents. A motion that has not settled equals no other.
 ///
 /// Cycles that are each other's mirror image, or the same wave running the other way round a ring, agree in all of this
 /// and count as one.
 #[must_use]
 pub fn is_same(a: &Ending, b: &Ending) -> bool {
     let near = |a: f64, b: f64, part: f64| (a - b).abs() <= part * a.abs().max(b.abs());
-    // Of two lines that are equally strong either may be the first.
+    // If two lines are equally strong, either may be the first.
     let has = |ending: &Ending, other: &Ending| {
         other.frequency.is_none_or(|frequency| {
             ending.lines.iter().any(|[line, _]| near(*line, frequency, SAME_FREQUENCY))
@@ -51,7 +51,7 @@ pub fn is_same(a: &Ending, b: &Ending) -> bool {
 pub fn attractors<'a>(
     endings: impl IntoIterator<Item = Option<&'a Ending>>,
 ) -> (Vec<Ending>, Vec<Option<usize>>) {
-    // Of a linear motion that nothing damps every size is one.
+    // A linear motion that nothing damps is one motion at every size.
     let is_motion = |ending: &&Ending| ending.kind != Kind::Unsettled && ending.is_known();
     let endings: Vec<Option<&Ending>> =
         endings.into_iter().map(|ending| ending.filter(is_motion)).collect();

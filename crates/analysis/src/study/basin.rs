@@ -33,12 +33,13 @@ use std::collections::VecDeque;
 const FIRST: usize = 6;
 /// Short windows in a window: with a window of 50 periods of the slowest mode one has ten of them.
 pub const SHORT_WINDOWS: u32 = 5;
-/// Short windows whose habits are an attractor's: those of the four windows in which a motion was found settled. In the
-/// first of them what comes to a cycle may still be on its way; then those of the last window.
+/// Number of short windows whose habits are an attractor's: those of the four windows in which a motion was found
+/// settled. In the first of them a motion that converges to a cycle may still be on its way; for a cycle those of the
+/// last window are used.
 const HABITUAL: usize = 4 * SHORT_WINDOWS as usize;
 const OF_A_CYCLE: usize = SHORT_WINDOWS as usize;
-/// A point has the habits of an attractor if it keeps to them, up to this part of the largest displacement or
-/// velocity, over so many short windows. Cycles of one size and nearly one frequency differ by more.
+/// A point has the habits of an attractor if it keeps to them, up to `ALIKE` times the largest displacement or
+/// velocity, over `KEPT` short windows. Cycles of one size and nearly one frequency differ by more.
 const ALIKE: f64 = 2e-3;
 const KEPT: usize = 2;
 /// The part of the longest time that a point takes which is decided early, as a guess for what is left.
@@ -49,7 +50,7 @@ const PIECE: usize = 8;
 const TRACED: f64 = 0.2;
 const ROUNDS: f64 = 3.0;
 
-/// Which points of a plane are run, and for how long.
+/// The points of a plane that are run, and the time for which they are run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coverage {
     /// Every fourth point along both axes is run, and all points between which basins meet; the others are filled in. A part
@@ -70,10 +71,10 @@ pub struct Axis {
     pub values: Vec<f64>,
 }
 
-/// What a point ends in.
+/// The result of one point.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Cell {
-    /// Which attractor; `None` if it has not settled, or failed.
+    /// The attractor of the point; `None` if it has not settled, or failed.
     pub attractor: Option<usize>,
     /// `true` if the point was run; `false` if it is filled in, since all points around it that were run end in its
     /// attractor.
@@ -84,7 +85,7 @@ pub struct Cell {
     pub failure: Option<String>,
 }
 
-/// Which point ends where.
+/// The attractors of all points of a plane.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Basin {
     /// One ending of each attractor: rest first, then cycles by amplitude.
@@ -93,7 +94,7 @@ pub struct Basin {
     pub rows: Vec<Vec<Cell>>,
 }
 
-/// What is known of a point, as it is noted.
+/// The knowledge of a point, as it is noted.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum PointOutcome {
     /// It has the habits of this one of the attractors of the first points.
@@ -110,7 +111,7 @@ struct Known {
     habits: Vec<[f64; 2]>,
 }
 
-/// What is known before a point is followed.
+/// The knowledge that is available before a point is followed.
 #[derive(Default)]
 struct Knowledge {
     /// The attractors that the first points end in.
@@ -398,7 +399,7 @@ impl Traveller {
 }
 
 impl Known {
-    /// Are these the sizes of a short window of this attractor?
+    /// `true` if these are the sizes of a short window of this attractor.
     fn has(&self, sizes: &[f64]) -> bool {
         if !self.ending.kind.is_cycle() {
             return false;
@@ -414,8 +415,8 @@ impl Known {
     }
 }
 
-/// How much displacements and velocities vary: weighted sums over a short window. What begins and ends at zero hardly
-/// knows where in its period the window began.
+/// Variation of displacements and velocities: weighted sums over a short window. Weights that begin and end at zero
+/// make it nearly independent of the phase at which the window began.
 #[derive(Default)]
 struct Meter {
     weight: f64,
@@ -485,8 +486,8 @@ fn what_is_known(found: &[&PointOutcome]) -> Vec<Known> {
     known
 }
 
-/// The state in which all contacts rest, where nothing grows in it and a motion without a change of state is linear
-/// and free: what decays there goes on to.
+/// The state in which all contacts rest, if nothing grows in it and a motion without a change of state is linear and
+/// free: a motion that decays there continues to do so.
 fn stable_rest(scene: &Scene) -> Option<Vec<ContactState>> {
     let model = LumpedModel::from(scene);
     if !scene.signals.is_empty() || EventDriven::new(&model).is_err() {

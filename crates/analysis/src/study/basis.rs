@@ -83,8 +83,8 @@ fn modes_of_scheme(
 }
 
 impl Basis {
-    /// Of exact motion, or of the paper's scheme with a step (s). `None` where the modes do not span the motions, or are too
-    /// nearly parallel to be told from each other.
+    /// The basis of exact motion, or of the paper's scheme with a step (s). `None` where the modes do not span the
+    /// motions, or are too nearly parallel to be told from each other.
     pub(super) fn of(
         model: LinearModel<'_>,
         states: &[ContactState],
@@ -98,7 +98,7 @@ impl Basis {
             None => modes(model, states),
         }
         .ok()?;
-        // By which the mode's amplitude goes on over time.
+        // The eigenvalue of the mode's amplitude over time.
         let eigenvalue = |s: Complex<f64>| match step {
             Some(step) => {
                 let left: Complex<f64> = Complex::from(1.0) - s * step;

@@ -11,10 +11,10 @@ const TELLING: f64 = 1e-2;
 const FADED: f64 = 0.01;
 /// The highest order of a combination of two frequencies.
 const HIGHEST_ORDER: i32 = 12;
-/// How well a frequency meets a multiple, in parts of the lines' resolution.
+/// Tolerance with which a frequency meets a multiple, in parts of the lines' resolution.
 const MEETS: f64 = 0.01;
 
-/// Are all telling lines, the strongest first, combinations of two frequencies?
+/// `true` if all telling lines, the strongest first, are combinations of two frequencies.
 pub(super) fn has_two_frequencies(found: &Lines) -> bool {
     let Some(strongest) = found.lines.first() else { return false };
     let main = strongest.frequency;
@@ -48,8 +48,8 @@ pub(super) fn beat(found: &Lines) -> f64 {
     squares.sum::<f64>().sqrt() / strongest.amplitude
 }
 
-/// Has the [`beat`] of a motion fallen through the last three of four equal parts of the windows that were looked at? Then it
-/// may end in one with a period, however slowly.
+/// `true` if the [`beat`] of a motion has fallen through the last three of four equal parts of the windows that were
+/// observed. Such a motion may end in one with a period, however slowly.
 pub(super) fn is_fading(beats: &[f64]) -> bool {
     let part = beats.len() / 4;
     let means: Vec<f64> = beats.rchunks_exact(part.max(1)).take(3).map(mean).collect();

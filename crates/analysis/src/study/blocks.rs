@@ -13,7 +13,7 @@ use std::ops::RangeInclusive;
 /// The most spacings along a side of a block.
 const LARGEST: usize = 4;
 
-/// How a point of the plane ends, if it was run: in which attractor, or in none that is known.
+/// The end of a point of the plane, if it was run: a known attractor, or none that is known.
 pub(super) type End = Option<Option<usize>>;
 
 /// Runs the points at these places; the end of each point of the plane then, or `None` if the watch ended it.
@@ -123,7 +123,7 @@ fn middle(side: &RangeInclusive<usize>) -> usize {
 mod tests {
     use super::*;
 
-    /// How many points of a plane are run, and the attractor of each as it is traced.
+    /// Number of points of a plane that are run, and the attractor of each as it is traced.
     fn traced(
         size: [usize; 2],
         end: &dyn Fn([usize; 2]) -> Option<usize>,

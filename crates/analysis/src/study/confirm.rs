@@ -1,4 +1,5 @@
-//! Whether a motion takes the contact state of a candidate and stays: pushes along its mode, followed to what they end in.
+//! Confirmation of candidates: pushes along the mode of a candidate, followed to their ends, show whether a motion
+//! takes the candidate's contact state and stays.
 
 use super::Watch;
 use super::ending::{Ending, Kind};
@@ -65,7 +66,7 @@ pub struct Tried {
 }
 
 impl Tried {
-    /// How many attempts ended in rest, in another motion, had not settled, and failed.
+    /// Number of attempts that ended in rest, that ended in another motion, that had not settled, and that failed.
     #[must_use]
     pub fn count(&self) -> [usize; 4] {
         let mut count = [0; 4];
@@ -187,8 +188,8 @@ fn direction(scene: &Scene, candidate: &Candidate) -> Result<Option<Vec<f64>>, E
     Ok((largest > 0.0).then_some(along))
 }
 
-/// Pushes the scene and follows the motion to its end. Gives that motion and, if it goes on, the states that contacts
-/// take together in it.
+/// Pushes the scene and follows the motion to its end. Returns that motion and, if it persists, the states that
+/// contacts take together in it.
 fn run(
     scene: &Scene,
     along: &[f64],

@@ -11,7 +11,8 @@ pub(super) const OTHER_EXTENT: f64 = 0.05;
 const SAME_EXTENT: f64 = 5e-3;
 /// Sizes of irregular motions that differ by more than this part may.
 const OTHER_IRREGULAR: f64 = 0.25;
-/// Sizes of undecided motions that differ by more than so many times their own scatter may.
+/// Sizes of undecided motions may belong to different motions if they differ by more than this many times their own
+/// scatter.
 const OTHER_SCATTER: f64 = 2.0;
 /// Frequencies that differ by more than this part may.
 const OTHER_FREQUENCY: f64 = 0.02;
@@ -21,25 +22,25 @@ const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
 /// Displacements with less than this part of the largest extent do not tell motions apart.
 const SEEN: f64 = 1e-2;
 
-/// Are two motions known to be of different kinds?
+/// `true` if two motions are known to be of different kinds.
 pub(super) fn have_other_kinds(a: &Ending, b: &Ending) -> bool {
     let is_open = |ending: &Ending| matches!(ending.kind, Kind::Undecided | Kind::Unsettled);
     a.kind != b.kind && !is_open(a) && !is_open(b)
 }
 
-/// Is a motion known so exactly that a small difference tells it from another one?
+/// `true` if a motion is known so exactly that a small difference tells it from another one.
 pub(super) fn is_exact(ending: &Ending) -> bool {
     ending.kind == Kind::Periodic && ending.closure.is_some_and(|closure| closure <= CLOSED)
 }
 
-/// Are these two motions, looked at as closely as they are known? Both are at the same value of a parameter, or at values that
-/// hardly differ.
+/// `true` if these are two motions, compared as closely as they are known. Both are at the same value of a parameter,
+/// or at values that hardly differ.
 pub(super) fn are_two(a: &Ending, b: &Ending) -> bool {
     distance(a, b) > if is_exact(a) && is_exact(b) { SAME_EXTENT } else { OTHER_EXTENT }
 }
 
-/// How different two motions are: 0 for the same; where one rests or grows without bound and the other does not, as far
-/// as can be.
+/// Distance between two motions: 0 for the same motion; the largest possible where one rests or grows without bound
+/// and the other does not.
 pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
     const FAR: f64 = 10.0;
     let is_unbounded = |ending: &Ending| ending.kind == Kind::Unbounded;
@@ -73,7 +74,7 @@ pub(super) fn distance(a: &Ending, b: &Ending) -> f64 {
         }
         _ => extents.max(log(a.size, b.size)),
     };
-    // Of two lines that are equally strong either may be the first.
+    // If two lines are equally strong, either may be the first.
     let pitch = |a: &Ending, b: &Ending| match (&a.lines[..], &b.lines[..]) {
         ([[a, _], ..], [_, ..]) => b.lines.iter().map(|line| log(*a, line[0])).fold(1.0, f64::min),
         ([], []) => 0.0,

@@ -42,8 +42,8 @@ pub(super) fn period(simulation: &Simulation) -> Option<f64> {
     common
 }
 
-/// Does what drives a simulation do in each window (s) what it has done in the one before: is it constant, or does it have a
-/// period that is no longer than that?
+/// `true` if the drive of a simulation repeats itself from each window (s) to the next: it is constant, or has a
+/// period that is no longer than the window.
 pub(super) fn is_repeated(simulation: &Simulation, window: f64) -> bool {
     !simulation.is_driven_on() || period(simulation).is_some_and(|period| period <= window)
 }
@@ -66,7 +66,7 @@ fn common_period(a: f64, b: f64) -> Option<f64> {
             return None;
         }
     }
-    // As p periods b last as long as q periods a.
+    // q periods a last as long as p periods b.
     Some(q * a)
 }
 

@@ -1,4 +1,4 @@
-//! What a motion ends in: rest, a motion of some kind for ever, or growth without bound.
+//! The ending of a motion: rest, a motion of some kind for ever, or growth without bound.
 //!
 //! # What is measured
 //!
@@ -10,7 +10,7 @@
 //! - whether a contact changed its state, and whether all contacts are in states in which the scene can rest;
 //! - the growth rates of the linear motion in the present contact states, by eigenvalues.
 //!
-//! Of a motion that has settled there are two more, which need runs of their own:
+//! Two more quantities of a motion that has settled need runs of their own:
 //!
 //! - its *closure*: the time after which the whole state comes back nearest, and how far it is then from where it was, in parts of
 //!   the motion's size (`recurrence`);
@@ -74,7 +74,7 @@ pub enum Kind {
     QuasiPeriodic,
     /// Its state does not come back, and neighbouring motions part exponentially.
     Irregular,
-    /// It goes on with a steady size, but none of the other kinds could be shown.
+    /// The motion continues with a steady size, but none of the other kinds could be shown.
     Undecided,
     /// It grows, and nothing in the scene can stop it: the motion leaves the range in which the model holds.
     Unbounded,
@@ -83,7 +83,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// As a table has it.
+    /// Name of the kind in tables.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -104,23 +104,24 @@ impl Kind {
     }
 }
 
-/// What a motion ends in.
+/// The ending of a motion.
 ///
-/// Amplitude, extents and shares of a periodic motion are found over one period, those of another one that goes on over a
-/// window after the last one, all in the motion itself; of what rests or has not settled in the rows of the last window.
+/// Amplitude, extents and shares of a periodic motion are found over one period, those of another persisting motion
+/// over a window after the last one, all in the motion itself; those of a motion that rests or has not settled are
+/// found in the rows of the last window.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ending {
-    /// What kind of motion it is.
+    /// The kind of the motion.
     pub kind: Kind,
     /// Half of the difference between the output's largest and smallest value, in its unit; 0 of an equilibrium.
     pub amplitude: f64,
-    /// Of the output's strongest line, Hz; `None` where nothing oscillates, or the motion has not settled and its lines may
-    /// yet be others.
+    /// Frequency of the output's strongest line, Hz; `None` where nothing oscillates, or where the motion has not
+    /// settled and its lines may still change.
     pub frequency: Option<f64>,
     /// s after which the whole state of a periodic motion comes back.
     pub period: Option<f64>,
-    /// How far the state of a motion with a period is from itself after that period, root mean square over a period, in
-    /// parts of the motion's size; 0 is exact.
+    /// Distance of the state of a motion with a period from itself after that period, root mean square over a period,
+    /// in parts of the motion's size; 0 is exact.
     #[serde(default)]
     pub closure: Option<f64>,
     /// `true` of a quasi-periodic motion whose strong lines are all combinations of two frequencies.
@@ -129,7 +130,8 @@ pub struct Ending {
     /// `true` of a quasi-periodic motion that follows signals without a common period: neighbouring motions come together.
     #[serde(default)]
     pub follows: bool,
-    /// Of an undecided motion, the longest step of the paper's scheme, s, that can tell its kind, where the steps were longer.
+    /// For an undecided motion, the longest step of the paper's scheme, s, that can tell its kind, where the steps
+    /// were longer.
     #[serde(default)]
     pub longest_step: Option<f64>,
     /// The rate at which neighbours of an irregular motion part, 1/s.
@@ -148,8 +150,8 @@ pub struct Ending {
     pub fading: [bool; 4],
     /// s from where the motion was first looked at.
     pub time: f64,
-    /// How fast the motion still grew or, below zero, decayed at the end, 1/s: of a linear motion the growth rate of its
-    /// fastest growing mode. 0 where signals drive it on.
+    /// Rate at which the motion still grew or, below zero, decayed at the end, 1/s: for a linear motion the growth
+    /// rate of its fastest growing mode. 0 where signals drive it on.
     pub rate: f64,
     /// `true` of a small motion about the equilibrium that goes on with whatever size it has: contacts were in the states
     /// of rest throughout the last window, their forces are linear, and motions of every size near this one are possible.
@@ -190,7 +192,7 @@ impl Ending {
             || self.kind == Kind::Unsettled && self.rate < 0.0 && self.linear
     }
 
-    /// How the kind is known, in words; `None` where the kind says all.
+    /// The evidence for the kind, in words; `None` where the kind needs none.
     #[must_use]
     pub fn evidence(&self) -> Option<String> {
         if let (Kind::Undecided, Some(step)) = (self.kind, self.longest_step) {
@@ -278,7 +280,7 @@ impl Ending {
     }
 }
 
-/// Does no other line that counts beside this one lie so near that they have moved each other?
+/// `true` if no other line that counts beside this one lies so near that they have shifted each other.
 fn is_told_apart(line: &Line, found: &Lines) -> bool {
     let blurs = |other: &&Line| {
         other.frequency != line.frequency

@@ -38,7 +38,7 @@ pub(super) struct Lasting {
     pub fading: [bool; 4],
 }
 
-/// What becomes of the share of time that a contact state takes, as the motion goes on.
+/// Long-term behaviour of the share of time that a contact state takes.
 #[derive(Clone, Copy, PartialEq)]
 enum Fate {
     Stays,
@@ -84,7 +84,8 @@ pub(super) fn lasting(
     }
 }
 
-/// How a share goes on that had these values at three times. Each time is twice as long after the beginning as the one before.
+/// Behaviour of a share that had these values at three times. Each time is twice as long after the beginning as the
+/// one before.
 fn fate(three: [f64; 3]) -> Fate {
     let [_, before, last] = three;
     if last == 0.0 || tends_to_zero(three) {

@@ -1,8 +1,8 @@
-//! This module tells a motion that others come to from one of a family in which motions of every size go on as they are.
+//! This module tells a motion that attracts others from one of a family in which motions of every size persist.
 //!
-//! A linear motion that nothing damps goes on with the size that it has, so none of its sizes is where other motions end.
-//! Two linear motions are: one that signals drive while everything else decays, and the largest one of a family. A larger
-//! motion than that makes a contact change its state and loses energy, until it is as small.
+//! A linear motion that nothing damps keeps its size, so other motions converge to none of its sizes. They do
+//! converge to two linear motions: one that signals drive while everything else decays, and the largest one of a
+//! family. A larger motion than that makes a contact change its state and loses energy, until it is as small.
 
 use super::basis::{Basis, Members, scheme_step};
 use super::linear::{GrowthRate, MORE_THAN_ROUNDING, growth};
@@ -24,16 +24,16 @@ const FAIR: f64 = 1e-3;
 struct Neutral {
     /// rad/s.
     pulsation: f64,
-    /// Of each degree of freedom, in parts of the largest.
+    /// Amplitude of each degree of freedom, in parts of the largest.
     shape: Vec<f64>,
 }
 
-/// Is a settled motion one of a family of motions with every size near its own? Its strongest frequency is `frequency`, Hz. It is
-/// one if it is linear, but for contacts that reach their limit for an instant, and a mode that neither grows nor decays can be
-/// larger and smaller with no contact changing its state.
+/// `true` if a settled motion is one of a family of motions with every size near its own. Its strongest frequency is
+/// `frequency`, Hz. It is one of a family if it is linear, but for contacts that reach their limit for an instant,
+/// and a mode that neither grows nor decays can be larger and smaller with no contact changing its state.
 ///
 /// # Errors
-/// A step fails.
+/// Returns an error if a step fails.
 pub(super) fn is_one_of_many(
     simulation: &Simulation,
     look: &Look,
@@ -63,8 +63,8 @@ pub(super) fn is_one_of_many(
     Ok(false)
 }
 
-/// Does a contact change its state if a mode gets larger or smaller by a push, m/s? Where a mode stands still a push does not
-/// change its size, so it is pushed a quarter of its period later, too.
+/// `true` if a contact changes its state when a mode gets larger or smaller by a push, m/s. Where a mode stands still
+/// a push does not change its size, so it is pushed a quarter of its period later, too.
 fn is_limited(
     smaller: &Simulation,
     mode: &Neutral,
@@ -87,7 +87,7 @@ fn is_limited(
     Ok(false)
 }
 
-/// Does a contact change its state within a window?
+/// `true` if a contact changes its state within a window.
 fn changes_states(
     motion: &Simulation,
     look: &Look,
@@ -135,8 +135,8 @@ fn neutral_modes(simulation: &Simulation) -> Option<Vec<Neutral>> {
     Some(modes.collect())
 }
 
-/// How many frequencies has a motion that is a sum of modes, if those count that are a fair part of it? `None` where the modes
-/// are not known.
+/// Number of frequencies of a motion that is a sum of modes, counting those that are a fair part of it; `None` where
+/// the modes are not known.
 pub(super) fn frequencies_of_sum(simulation: &Simulation) -> Option<usize> {
     let basis = basis(simulation)?;
     let state = [simulation.displacement(), simulation.velocity()].concat();
@@ -170,7 +170,7 @@ fn parted(mut shapes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     }
     for shape in &mut shapes {
         let most = shape[largest(shape)];
-        // What elimination leaves by rounding would push parts that do not move.
+        // Rounding errors of the elimination would push parts that do not move.
         shape.iter_mut().for_each(|part| {
             *part = if part.abs() <= MORE_THAN_ROUNDING * most.abs() { 0.0 } else { *part / most };
         });

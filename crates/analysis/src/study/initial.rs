@@ -28,7 +28,7 @@ pub fn initial_value(scene: &Scene, name: &str) -> Result<String, Error> {
     let help = match nearest(short, names.iter().map(String::as_str)) {
         Some(near) => format!("did you mean {PREFIX}{near}?"),
         None => {
-            // Of one module or mass, where that is known: it stands for all.
+            // The value of one module or mass, where that is known, stands for all.
             let group = |name: &str| name.rsplit_once('.').map(|(group, _)| group.to_owned());
             let wanted =
                 Some(group(short)).filter(|of| names.iter().any(|name| group(name) == *of));

@@ -54,7 +54,7 @@ impl Journal {
         }
         let mut bytes = Vec::new();
         file.read_to_end(&mut bytes).map_err(failed)?;
-        // What follows the last end of a line was cut off.
+        // Data after the last end of a line was cut off.
         let whole = bytes.iter().rposition(|byte| *byte == b'\n').map_or(0, |end| end + 1);
         let (mut done, mut kept) = (HashMap::new(), 0);
         let has_lines = !anew && whole > 0;
@@ -70,13 +70,13 @@ impl Journal {
         Ok(Self { path: Some(path.to_owned()), pages })
     }
 
-    /// How many pieces are finished.
+    /// Number of finished pieces.
     #[must_use]
     pub fn len(&self) -> usize {
         self.pages().done.len()
     }
 
-    /// Is nothing finished?
+    /// `true` if no piece is finished.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
@@ -132,7 +132,7 @@ pub enum Owner {
     Another {
         /// In what it is another.
         why: String,
-        /// Is any of its pieces finished?
+        /// `true` if any of its pieces is finished.
         has_pieces: bool,
     },
 }
@@ -163,7 +163,7 @@ fn append(file: &mut File, line: &Value) -> std::io::Result<()> {
     text.push('\n');
     file.write_all(text.as_bytes())?;
     match file.sync_data() {
-        // What cannot be brought to a disk, as a pipe.
+        // Outputs such as a pipe cannot be synchronised to a disk.
         Err(error) if error.kind() == ErrorKind::InvalidInput => Ok(()),
         synced => synced,
     }
@@ -200,7 +200,8 @@ fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<Strin
 fn difference(there: &Value, here: &Value) -> String {
     let (mut path, mut two) = (String::new(), [there, here]);
     while let [Value::Object(a), Value::Object(b)] = two {
-        // What kind it is says more than the settings that go with it, and these more than what follows from them.
+        // The kind of study says more than the settings that go with it, and these more than the values that follow
+        // from them.
         let first = ["study", "scene", "set", "settings"].into_iter();
         let keys = first.chain(a.keys().chain(b.keys()).map(String::as_str));
         let mut keys = keys.filter(|key| a.get(*key) != b.get(*key));

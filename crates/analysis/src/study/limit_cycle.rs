@@ -1,5 +1,5 @@
-//! What a scene ends in over the values of a parameter (the paper's Fig. 3): amplitude, frequency and contact states
-//! of each limit cycle, and from which value on contacts take a state or no longer do.
+//! The endings of a scene over the values of a parameter (the paper's Fig. 3): amplitude, frequency and contact
+//! states of each limit cycle, and the values from which on contacts take a state or no longer do.
 
 use super::ending::{Ending, Kind};
 use super::portrait::{Portrait, portrait};
@@ -16,7 +16,7 @@ use amontons::simulation::Simulation;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What is asked of a scene.
+/// Input of a study of limit cycles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Question {
     /// The parameter or input, by its name in the FMU.
@@ -27,22 +27,22 @@ pub struct Question {
     pub resolution: f64,
     /// Values whose cycles are drawn; `None` for one in the middle of each regime.
     pub portraits: Option<Vec<f64>>,
-    /// How many contacts a portrait has, the first ones.
+    /// Number of contacts that a portrait shows, the first ones.
     pub contacts: usize,
 }
 
-/// What the motion with one value ends in, or why there is none.
+/// The ending of the motion with one value, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Outcome {
-    /// What it ends in, settled or not.
+    /// The ending of the motion, settled or not.
     Ending(Ending),
     /// It has no equilibrium, the step is above its critical one, or a step fails: what is wrong.
     Failure(String),
 }
 
 impl Outcome {
-    /// What the motion ends in, if it has settled.
+    /// The ending of the motion, if it has settled.
     #[must_use]
     pub fn settled(&self) -> Option<&Ending> {
         match self {
@@ -51,7 +51,8 @@ impl Outcome {
         }
     }
 
-    /// Does it go on moving? One that was left on its way out of the equilibrium will. `None` where that is not known.
+    /// `true` if the motion persists, as does one that was left on its way out of the equilibrium. `None` where that
+    /// is not known.
     fn moves(&self) -> Option<bool> {
         match self {
             Self::Ending(ending) if ending.rests() => Some(false),
@@ -73,17 +74,17 @@ impl Outcome {
         }
     }
 
-    /// Rests or goes on, and which states contacts take.
+    /// The regime of the motion: `true` if it persists, and the states that contacts take.
     fn regime(&self) -> Option<(bool, [bool; 4])> {
         self.moves().zip(self.taken())
     }
 }
 
-/// What is new beyond a threshold, as the parameter rises.
+/// A change beyond a threshold, as the parameter rises.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Change {
-    /// Below it the motion comes to rest, above it it does not.
+    /// The motion comes to rest below the threshold and persists above it.
     RestEnds,
     /// The other way round.
     RestBegins,
@@ -109,7 +110,7 @@ impl fmt::Display for Change {
 pub struct MotionBracket {
     /// The last value below the change, and the first above.
     pub between: [f64; 2],
-    /// What changes.
+    /// The changes at the threshold.
     pub changes: Vec<Change>,
     /// A value between them that does not settle, or has no motion, where the search ended.
     pub unknown: Option<f64>,
@@ -120,13 +121,13 @@ pub struct MotionBracket {
 pub struct Regime {
     /// The places of its first and last value.
     pub places: [usize; 2],
-    /// Does the motion go on for ever?
+    /// `true` if the motion persists for ever.
     pub is_cycle: bool,
     /// The states that contacts take, in the order of [`ContactState::ALL`].
     pub taken: [bool; 4],
 }
 
-/// What a study of limit cycles finds.
+/// Results of a study of limit cycles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LimitCycles {
     /// One a value.
@@ -200,7 +201,7 @@ fn whole<T>(pieces: Vec<Option<T>>) -> Option<Vec<T>> {
     pieces.into_iter().collect()
 }
 
-/// What part of the work is done after the values and after the thresholds, of which there may be two.
+/// The part of the work that is done after the values and after the thresholds, of which there may be two.
 #[allow(clippy::cast_precision_loss)]
 fn parts(question: &Question) -> [f64; 2] {
     let values = question.values.len() as f64;
@@ -210,7 +211,7 @@ fn parts(question: &Question) -> [f64; 2] {
     [values / all, (values + thresholds) / all]
 }
 
-/// What changes from one motion to the next, as far as both are known.
+/// Changes from one motion to the next, as far as both are known.
 fn changes(before: &Outcome, after: &Outcome) -> Vec<Change> {
     let cycle = match (before.moves(), after.moves()) {
         (Some(false), Some(true)) => Some(Change::RestEnds),
@@ -244,7 +245,7 @@ fn regimes(outcomes: &[Outcome]) -> Vec<Regime> {
     regimes
 }
 
-/// What all runs share.
+/// Data shared by all runs.
 struct Runs<'a> {
     scene: &'a Scene,
     prepare: Prepare<'a>,
@@ -291,7 +292,7 @@ impl Runs<'_> {
         format!("{} = {value:?}", self.name)
     }
 
-    /// What the motion with a value ends in.
+    /// The outcome of the motion with a value.
     fn outcome(&self, value: f64) -> Result<Option<Outcome>, Error> {
         let prepared = self.with(value)?;
         self.journal.piece(&self.key(value), || {
@@ -302,7 +303,7 @@ impl Runs<'_> {
         })
     }
 
-    /// Where each change between two neighbouring values is, by value.
+    /// Thresholds of all changes between two neighbouring values, by value.
     fn thresholds(
         &self,
         pairs: &[(f64, Outcome); 2],

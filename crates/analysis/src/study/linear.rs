@@ -23,12 +23,12 @@ pub(super) struct GrowthRate {
 }
 
 impl GrowthRate {
-    /// Does a mode grow, by more than rounding?
+    /// `true` if a mode grows, by more than rounding.
     pub(super) fn is_growing(self) -> bool {
         self.relative > MORE_THAN_ROUNDING
     }
 
-    /// Do all modes decay, by more than rounding?
+    /// `true` if all modes decay, by more than rounding.
     pub(super) fn is_decaying(self) -> bool {
         self.relative < -MORE_THAN_ROUNDING
     }
@@ -50,12 +50,12 @@ pub(super) fn growth_of_small(simulation: &Simulation) -> Option<GrowthRate> {
     Some(GrowthRate { rate, relative: rate / fastest.max(rate.abs()) })
 }
 
-/// Can friction take no other size than in proportion to the normal force?
+/// `true` if friction is always proportional to the normal force.
 pub(super) fn has_linear_friction(scene: &Scene) -> bool {
     scene.friction_law.info().is_constant()
 }
 
-/// Can a contact pull while its friction follows the size of the normal force?
+/// `true` if a contact can pull while its friction follows the size of the normal force.
 pub(super) fn may_pull(scene: &Scene) -> bool {
     scene.effects.sticking && !scene.effects.detachment && scene.contact_count() > 0
 }
@@ -65,7 +65,8 @@ fn rubs(scene: &Scene, contact: &Contact) -> bool {
     scene.effects.sticking || contact.surface_velocity != 0.0
 }
 
-/// Is every contact closed in a state of rest, or open? One that sticks to a moving surface is carried on by it.
+/// `true` if every contact is closed in a state of rest, or open. A contact that sticks to a moving surface is
+/// carried on by it.
 pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
     let scene = simulation.scene();
     let model = LumpedModel::from(scene);
@@ -76,8 +77,8 @@ pub(super) fn has_states_of_rest(simulation: &Simulation) -> bool {
     })
 }
 
-/// How far, m, its load and the contact forces at rest, along the normal or the tangent, would bend the degree of freedom that
-/// they bend most, each held by its own stiffness alone.
+/// Deflection, m, that its load and the contact forces at rest, along the normal or the tangent, would cause in the
+/// degree of freedom that they bend most, each held by its own stiffness alone.
 pub(super) fn deflection(simulation: &Simulation) -> f64 {
     let model = LumpedModel::from(&simulation.nominal().scene());
     let mut forces: Vec<f64> = model.load.iter().map(|load| load.abs()).collect();
@@ -93,8 +94,8 @@ pub(super) fn deflection(simulation: &Simulation) -> f64 {
     forces.iter().enumerate().map(bend).fold(0.0, f64::max)
 }
 
-/// Is a motion so large that what loads and moves the surfaces no longer matters? Its equations are then homogeneous: what
-/// they do with a motion they do with one that is larger by any factor.
+/// `true` if a motion is so large that loads and the motion of surfaces no longer matter. Its equations are then
+/// homogeneous: their effect on a motion is the same on one that is larger by any factor.
 pub(super) fn is_far(simulation: &Simulation) -> bool {
     const FAR: f64 = 1e6;
     let scene = simulation.scene();

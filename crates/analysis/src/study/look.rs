@@ -1,4 +1,4 @@
-//! How a motion is looked at: which output, how often, for how long.
+//! Settings of the observation of a motion: the output, the time between rows and the windows.
 
 use super::drive::last_edge;
 pub(super) use crate::sweep::observed::{ROWS_A_PERIOD, frequencies};
@@ -14,7 +14,7 @@ use serde::Serialize;
 const PERIODS: f64 = 50.0;
 /// A person may ask for fewer, but not for less than these.
 const FEWEST_PERIODS: f64 = 5.0;
-/// A window has at most so many rows, whatever lies between the slowest and the fastest mode.
+/// The most rows of a window, whatever lies between the slowest and the fastest mode.
 const MOST_ROWS: f64 = 100_000.0;
 /// Nor may a person ask for more than these, whose spectrum would take all memory.
 const MOST_WISHED_ROWS: f64 = 5e6;
@@ -26,7 +26,7 @@ const STEPS_A_SIGNAL: f64 = 2000.0;
 const LONGEST: f64 = 60.0;
 const MOST_WAITED: f64 = 1000.0;
 
-/// What is looked at of a motion.
+/// Settings with which a motion is observed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Look {
     /// The output whose amplitude and frequency are told, by its name in the FMU.
@@ -39,7 +39,7 @@ pub struct Look {
     pub longest: f64,
 }
 
-/// What a person wants otherwise; `None` is derived from the scene.
+/// Settings that a person asks for; `None` is derived from the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wish<'a> {
     /// The output that is looked at ([`Look::of`]).
@@ -53,15 +53,16 @@ pub struct Wish<'a> {
 }
 
 impl Look {
-    /// How a scene is looked at: its first displacement; rows a twentieth of the fastest mode's period apart,
-    /// rounded down to a 1, 2 or 5; windows of 50 periods of the slowest mode at rest in sliding, rounded up;
-    /// 60 windows after the last edge of a signal. What has no modes is looked at as its experiment says.
+    /// Derives the settings from a scene: its first displacement; rows a twentieth of the fastest mode's period
+    /// apart, rounded down to a 1, 2 or 5; windows of 50 periods of the slowest mode at rest in sliding, rounded up;
+    /// 60 windows after the last edge of a signal. A scene without modes is observed as its experiment says.
     ///
-    /// Rows that are wished farther apart than the fastest mode allows are taken as often as that asks for, at a whole
-    /// part of the interval, so that no frequency is mistaken for another one.
+    /// If rows are asked for that lie farther apart than the fastest mode allows, rows are taken at a whole part of
+    /// the interval that is short enough, so that no frequency is mistaken for another one.
     ///
     /// # Errors
-    /// No such output, a window of fewer than 64 rows or five periods, or a signal whose last edge is more than 1000 windows away.
+    /// Returns an error if there is no such output, a window has fewer than 64 rows or five periods, or the last edge
+    /// of a signal is more than 1000 windows away.
     pub fn of(scene: &Scene, wish: &Wish<'_>) -> Result<Self, Error> {
         let of = match wish.of {
             Some(name) => output(scene, name)?.name,
@@ -131,7 +132,7 @@ impl Look {
     /// Looks at a scene as [`of`](Self::of) does, and gives it the method and step of [`pace`].
     ///
     /// # Errors
-    /// As of [`of`](Self::of).
+    /// Returns an error in the same cases as [`of`](Self::of).
     pub fn paced(scene: &mut Scene, wish: &Wish<'_>) -> Result<Self, Error> {
         let look = Self::of(scene, wish)?;
         pace(scene, &look);

@@ -1,4 +1,4 @@
-//! What a person asks of a scene beyond one run: what it ends in, over which values of a parameter.
+//! Studies of a scene beyond one run: the motions that it ends in, over the values of a parameter.
 //!
 //! | file | what it is |
 //! | --- | --- |

@@ -1,11 +1,12 @@
-//! How neighbouring motions part. A motion whose state does not come back is irregular where they part exponentially, and
-//! quasi-periodic where they stay near over many windows; where neither can be shown, its kind stays undecided.
+//! Separation of neighbouring motions. A motion whose state does not come back is irregular where they part
+//! exponentially, and quasi-periodic where they stay near over many windows; where neither can be shown, its kind
+//! stays undecided.
 
 use super::recurrence::{Scale, State, begin_fast};
 use amontons::Error;
 use amontons::simulation::Simulation;
 
-/// How far apart neighbouring motions start, in parts of the motion's size.
+/// Initial distance of neighbouring motions, in parts of the motion's size.
 const APART: f64 = 1e-9;
 /// Neighbours beyond the larger distance, or below the smaller one, are brought back to the first one along the line through both.
 /// Farther away they are no neighbours, and much nearer the difference is lost in rounding.
@@ -26,7 +27,7 @@ const LEAST_WINDOWS_TOGETHER: u64 = 8;
 /// Slower ones have shrunk to this part from the first half of the longest time to the second.
 const SLOWLY: f64 = 0.5;
 
-/// How neighbouring motions part.
+/// The separation of neighbouring motions over time.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Parting {
     /// Exponentially, at about this rate, 1/s.
@@ -77,7 +78,7 @@ pub(super) fn parting(
             motion.advance_to(start + after)?;
             neighbour.advance_to(start + after)?;
             let distance = scale.distance(&motion, &State::of(&neighbour));
-            // What is left of the difference is lost in rounding.
+            // The rest of the difference is lost in rounding.
             if distance == 0.0 {
                 return Ok(Parting::Together);
             }
@@ -137,7 +138,7 @@ fn neighbour(
     let count = motion.velocity().len();
     let mut neighbour = Simulation::resume(motion.save())?;
     let mut is_apart = vec![false; count];
-    // What undoes a push goes on to do so until a contact changes its state.
+    // A state that undoes a push continues to do so until a contact changes its state.
     let mut tried_in = Vec::new();
     for row in 1..=rows {
         if is_over() || is_apart.iter().all(|apart| *apart) {

@@ -1,4 +1,4 @@
-//! What a motion that has settled does over one period or, without one, over a window, found from the motion itself.
+//! Quantities of a settled motion over one period or, without one, over a window, found from the motion itself.
 
 use crate::spectral::{Lines, lines};
 use crate::sweep::passage::Passage;
@@ -13,7 +13,7 @@ const PERIODS: usize = 16;
 const FEWEST_PERIODS: usize = 8;
 const MOST_REPEATED: usize = 2_000_000;
 
-/// What a motion does over a span of time.
+/// Quantities of a motion over a span of time.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct OverSpan {
     /// Half of the difference between the output's largest and smallest value, in its unit.

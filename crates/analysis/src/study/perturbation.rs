@@ -1,4 +1,4 @@
-//! How far a scene may be pushed: what it ends in from each of many initial values, and the thresholds between.
+//! The response to perturbations: the ending of a scene from each of many initial values, and the thresholds between.
 
 use super::attractor::attractors;
 use super::ending::Ending;
@@ -18,7 +18,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 /// A threshold is found relative to itself, or to this part of the largest perturbation: it may be at zero.
 const SMALLEST: f64 = 1e-3;
 
-/// Which initial value is varied, and how far.
+/// The initial value that is varied, and its range.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Direction {
     /// An initial value of the scene, in full.
@@ -29,16 +29,16 @@ pub struct Direction {
     pub resolution: f64,
 }
 
-/// What one perturbation ends in.
+/// The result of one perturbation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Run {
     /// The initial value, m or m/s.
     pub amplitude: f64,
-    /// What it ends in; `None` if it failed.
+    /// The ending of the motion; `None` if it failed.
     pub ending: Option<Ending>,
     /// Why it failed.
     pub failure: Option<String>,
-    /// Which attractor that is; `None` if it has not settled, or failed.
+    /// The attractor of the motion; `None` if it has not settled, or failed.
     pub attractor: Option<usize>,
 }
 
@@ -51,7 +51,7 @@ pub struct Threshold {
     pub attractors: [usize; 2],
 }
 
-/// What perturbations end in.
+/// The results of perturbations.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Perturbations {
     /// One ending of each attractor: rest first, then cycles by amplitude.
@@ -132,7 +132,7 @@ pub fn perturbation(
     Ok(Some(Perturbations { attractors, thresholds: thresholds(&runs), runs }))
 }
 
-/// Where neighbours end in different attractors.
+/// Thresholds between neighbours that end in different attractors.
 fn thresholds(runs: &[Run]) -> Vec<Threshold> {
     let threshold = |two: &[Run]| {
         let attractors = [two[0].attractor?, two[1].attractor?];
@@ -142,7 +142,7 @@ fn thresholds(runs: &[Run]) -> Vec<Threshold> {
     runs.windows(2).filter_map(threshold).collect()
 }
 
-/// How many halvings make a width of another.
+/// Number of halvings that turn one width into another.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn halvings(from: f64, to: f64) -> usize {
     (from / to).log2().ceil().max(0.0) as usize

@@ -16,11 +16,11 @@ const OTHER: [f64; 2] = [150.0, 20.0];
 /// The orbits of a motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Portrait {
-    /// Of the parameter.
+    /// The value of the parameter.
     pub value: f64,
-    /// What the motion ends in.
+    /// The ending of the motion.
     pub ending: Ending,
-    /// One a contact.
+    /// One orbit for each contact.
     pub orbits: Vec<Orbit>,
 }
 

@@ -8,7 +8,7 @@ use serde::Serialize;
 
 /// In parts of the fastest surface's velocity, and of a motion's own: far below what makes a contact stick, far above rounding.
 const SMALL: f64 = 1e-3;
-/// Where all surfaces stand still, m/s.
+/// The velocity of the push where all surfaces stand still, m/s.
 const STANDING: f64 = 1e-6;
 
 /// Another velocity of one degree of freedom.
@@ -16,7 +16,7 @@ const STANDING: f64 = 1e-6;
 pub struct Push {
     /// The degree of freedom, from 0.
     pub dof: usize,
-    /// What is added to its velocity, m/s.
+    /// The velocity that is added to that of the degree of freedom, m/s.
     pub velocity: f64,
 }
 

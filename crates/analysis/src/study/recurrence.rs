@@ -33,8 +33,8 @@ const ROWS_AT_ONCE: f64 = 256.0;
 /// From one window to the next a state that converges comes back nearer each time, by about the same factor: the
 /// factors of the last windows differ by less than this.
 const SAME_FACTOR: f64 = 1.5;
-/// A convergence that goes on does not slow down: over three windows the difference between the factor and one falls to no
-/// less than this part.
+/// Least part of the difference between the factor and one that is left after three windows of a convergence that
+/// does not slow down.
 const SAME_SPEED: f64 = 0.9;
 /// A shorter return of a periodic motion is as far away one or more periods later, but for this part.
 const SAME_RETURN: f64 = 0.02;
@@ -43,12 +43,13 @@ const SAME_RETURN: f64 = 0.02;
 const MOST_PARTS: u32 = 4;
 const NEARER: f64 = 0.1;
 
-/// How a motion comes back to where it was.
+/// The return of a motion to its earlier state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Closure {
     /// s after which the state comes back.
     pub period: f64,
-    /// How far the state then is from where it was, root mean square over a period, in parts of the motion's size.
+    /// Distance of the state then from the earlier one, root mean square over a period, in parts of the motion's
+    /// size.
     pub distance: f64,
     /// `true` if it is the shortest period. A motion that winds itself round a periodic one comes back best after several of
     /// that one's periods; then its shorter returns come nearer, too, from one of these periods to the next.
@@ -96,7 +97,7 @@ impl State {
         }
     }
 
-    /// Where a simulation is, along the direction in which this state moves, m²/s: zero where it passes this state.
+    /// Position of a simulation along the direction in which this state moves, m²/s: zero where it passes this state.
     fn passed(&self, simulation: &Simulation) -> f64 {
         let pairs = simulation.displacement().iter().zip(&self.displacement);
         pairs.zip(&self.velocity).fold(0.0, |sum, ((a, b), v)| sum + (a - b) * v)
@@ -152,7 +153,7 @@ pub(super) fn closure(
             // A drive much faster than the motion does not carry it far in one of its periods.
             found = seeker.among_multiples(period, [0.9 / frequency, longest])?;
         }
-        // What does not feel the drive may come back sooner, and nearer.
+        // A motion that does not feel the drive may come back sooner, and nearer.
         if found.is_none_or(|found| !found.is_closed) {
             let elsewhere = seeker.anywhere(own.min(most))?;
             found = elsewhere.filter(|there| there.is_closed || found.is_none()).or(found);
@@ -355,8 +356,8 @@ impl Seeker<'_> {
         Ok(Closure { period, distance, is_shortest, is_closed: distance <= self.closed })
     }
 
-    /// Is a shorter return as far away some periods later? The motion is so far (`distance`) from itself after `there`, a
-    /// period.
+    /// `true` if a shorter return is as far away some periods later. The motion is at `distance` from itself after
+    /// `there`, a period.
     fn stays_away(&self, shorter: &Return, there: &Return, distance: f64) -> Result<bool, Error> {
         let period = there.after;
         let before = self.distance_over([self.begin, shorter], period, f64::INFINITY)?;
@@ -385,8 +386,8 @@ impl Seeker<'_> {
         Ok(Return { after, state: motion.save() })
     }
 
-    /// How far a motion is from itself between two of its states on, root mean square over a time (s), in parts of its size. Where
-    /// that is more than `most`, something between `most` and it.
+    /// Distance of a motion from itself between two of its states on, root mean square over a time (s), in parts of
+    /// its size. Where that is more than `most`, a value between `most` and the distance.
     fn distance_over(&self, states: [&Return; 2], span: f64, most: f64) -> Result<f64, Error> {
         let [mut now, mut later] = [
             Simulation::resume(states[0].state.clone())?,
@@ -416,8 +417,8 @@ fn keep_nearest(nearest: &mut Option<(f64, Return)>, away: f64, there: Return) {
     }
 }
 
-/// Does the state come back nearer from window to window, by about the same factor each time? One that only passes near
-/// where a periodic motion has ceased to exist comes nearer by ever less.
+/// `true` if the state comes back nearer from window to window, by about the same factor each time. A motion that
+/// only passes near the place where a periodic motion has ceased to exist comes nearer by ever less.
 pub(super) fn is_closing(closures: &[Closure]) -> bool {
     let Some(first) = closures.len().checked_sub(4) else { return false };
     let last = &closures[first..];
@@ -450,7 +451,8 @@ pub(super) fn longest_step(simulation: &Simulation, frequency: f64) -> Option<f6
     (way_of_a_step(simulation, frequency) > COMES_BACK).then(|| COMES_BACK / (TAU * frequency))
 }
 
-/// May a motion that comes back to such a distance be one that the paper's scheme does not let come back nearer?
+/// `true` if a motion that comes back to such a distance may be one that the paper's scheme does not let come back
+/// nearer.
 pub(super) fn may_wobble(simulation: &Simulation, frequency: f64, distance: f64) -> bool {
     distance <= MOST_WOBBLE * way_of_a_step(simulation, frequency)
 }

@@ -1,7 +1,7 @@
-//! Whether a motion has settled.
+//! Detection of settled motions.
 //!
 //! A motion is looked at window by window. It is *settled* when it rests, or when its size and its lines are the
-//! same in windows that follow each other, and no faint line grows. What is compared is a mixture of all
+//! same in windows that follow each other, and no faint line grows. The compared quantity is a mixture of all
 //! displacements, so that nothing hides where one output does not see it.
 
 use super::beat::{beat, is_fading};
@@ -31,8 +31,8 @@ use amontons::simulation::{Simulation, Variable};
 
 /// Lines of more than this part of the strongest one are told.
 const TOLD: f64 = 1e-3;
-/// Lines of a motion without a period are told from so many windows before the last one too, since they may lie near each
-/// other.
+/// Number of windows before the last one from which lines of a motion without a period are told too, since they may
+/// lie near each other.
 const MORE_WINDOWS: usize = 3;
 /// Windows from one look at how neighbouring motions part to the next.
 const WINDOWS_BETWEEN: usize = 12;
@@ -61,21 +61,21 @@ pub(crate) struct Settling {
     before: Statistics,
     /// s, from when on signals only repeat themselves.
     last_edge: f64,
-    /// How far the forces at rest would bend the structure, m: [`deflection`].
+    /// Deflection of the structure by the forces at rest, m: [`deflection`].
     deflection: f64,
-    /// How many windows have ended.
+    /// Number of windows that have ended.
     windows: usize,
     /// Those since the last edge.
     seen: Windows,
-    /// How the state came back at the end of each window since the motion was steady.
+    /// The closure at the end of each window since the motion was steady.
     closures: Vec<Closure>,
-    /// Of all windows whose kind was asked for.
+    /// The beats of all windows whose kind was asked for.
     beats: Vec<f64>,
     /// `true` if all strong lines combined two frequencies when the kind was last asked for.
     is_of_two: bool,
     /// The longest step of the paper's scheme, s, that can tell the kind; `None` where the scene's step can.
     longest_step: Option<f64>,
-    /// How many windows had ended when the state was last seen not to come back.
+    /// Number of windows that had ended when the state was last seen not to come back.
     looked_in_vain: usize,
 }
 
@@ -166,7 +166,7 @@ impl Settling {
         }
     }
 
-    /// Is the window that has ended the last one that the motion may take?
+    /// `true` if the window that has ended is the last one that the motion may take.
     fn is_last(&self) -> bool {
         self.windows >= self.look.windows()
     }
@@ -205,9 +205,9 @@ impl Settling {
                 growth: &|| growth(simulation),
             },
         );
-        // What a surface carries along, or flies on, comes to an end.
+        // A motion that a surface carries along, or that flies on, is transient.
         let goes_on = !changed && !may_rest && !simulation.is_driven_on();
-        // A window with the last edge of a signal in it shows what comes to an end, too.
+        // A window that contains the last edge of a signal shows transient motion, too.
         let began = (self.row - self.look.rows()) as f64 * self.look.interval;
         let waits = began < self.last_edge;
         let is_open = goes_on || waits && course != Trend::Unbounded;
@@ -304,7 +304,8 @@ impl Settling {
         Ok(Some(ending))
     }
 
-    /// Does the motion follow signals that have no common period, as neighbours that come together show? That is asked now and then.
+    /// `true` if the motion follows signals that have no common period, as neighbours that come together show. This
+    /// is checked at intervals of some windows.
     fn follows(
         &mut self,
         simulation: &Simulation,
@@ -320,8 +321,8 @@ impl Settling {
         Ok(self.parting(simulation, main, false, is_over)? == Parting::Together)
     }
 
-    /// How neighbouring motions part ([`parting`]). The paper's scheme, which sees events at whole steps only, cannot show that
-    /// they come together: so near they have the same events even where exact motions part.
+    /// Separation of neighbouring motions ([`parting`]). The paper's scheme, which sees events at whole steps only,
+    /// cannot show that they come together: so near they have the same events even where exact motions part.
     fn parting(
         &self,
         simulation: &Simulation,
@@ -381,7 +382,7 @@ impl Settling {
                 return Ok(None);
             }
         }
-        // What cannot be told of a motion that still converges may be told later.
+        // The kind of a motion that still converges may be found later.
         if !is_due {
             return Ok(None);
         }
@@ -399,7 +400,7 @@ impl Settling {
                 return Ok(Some((Kind::Periodic, None)));
             }
         }
-        // What has more frequencies than two may yet converge, unless its size has stayed as it is for long.
+        // A motion of more than two frequencies may still converge, unless its size has been constant for long.
         let has_come = is_of_two || self.closures.is_empty() && !self.seen.varies_less();
         let last = self.closures.last();
         let is_open = last.is_some_and(|last| may_wobble(simulation, main, last.distance));
@@ -495,7 +496,7 @@ mod tests {
     use crate::study::Wish;
     use amontons::scene::builtin;
 
-    /// What a built-in scene with other values ends in, by exact motion.
+    /// The ending of a built-in scene with other values, by exact motion.
     fn ending(name: &str, values: &[(&str, f64)]) -> Ending {
         let mut scene = builtin(name).unwrap().scene();
         for (name, value) in values {

@@ -19,7 +19,7 @@ pub struct Visited {
 }
 
 impl Visited {
-    /// Are these states among them, or states that symmetry makes equal to these?
+    /// `true` if these states are among them, or states that symmetry makes equal to these.
     #[must_use]
     pub fn has(&self, states: &[ContactState]) -> bool {
         self.states.contains(&self.symmetry.representative(states))

@@ -35,7 +35,7 @@ struct SeenWindow {
     lines: Option<Lines>,
 }
 
-/// What the last window and those before it show of a motion.
+/// The trend of a motion over the last window and those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Trend {
     /// It rests, or decays to rest.
@@ -50,7 +50,7 @@ pub(super) enum Trend {
     Open,
 }
 
-/// What one must know of a motion and its scene to judge a window.
+/// Properties of a motion and its scene that are needed to judge a window.
 #[derive(Clone, Copy)]
 pub(super) struct Surroundings<'a> {
     /// The largest displacement, m, of the motion, and of the equilibrium or what loads would bend ([`deflection`](super::linear::deflection)).
@@ -74,7 +74,7 @@ pub(super) struct Surroundings<'a> {
 pub(super) struct Windows {
     /// Between two rows, s.
     interval: f64,
-    /// Of the rows of a window.
+    /// Weights of the rows of a window.
     weights: Vec<f64>,
     seen: Vec<SeenWindow>,
 }
@@ -85,7 +85,7 @@ impl Windows {
         Self { interval, weights: Window::BlackmanHarris.weights(rows), seen: Vec::new() }
     }
 
-    /// How many there are.
+    /// Number of windows.
     pub(super) fn count(&self) -> usize {
         self.seen.len()
     }
@@ -112,8 +112,8 @@ impl Windows {
         self.seen.last().and_then(|last| last.lines.as_ref())
     }
 
-    /// How many windows a motion has stood still for without a change of state, the one that has ended included; 1 of any
-    /// other motion. Over so long the drive must have repeated itself.
+    /// Number of windows that a motion has stood still for without a change of state, the one that has ended
+    /// included; 1 for any other motion. The drive must have repeated itself over that time.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn still(&self, changed: bool) -> f64 {
         let is_still = |seen: &&SeenWindow| seen.size == 0.0 && !seen.changed;
@@ -121,7 +121,7 @@ impl Windows {
         1.0 + if changed { 0.0 } else { before as f64 }
     }
 
-    /// Are all strong lines of the last window combinations of two frequencies?
+    /// `true` if all strong lines of the last window are combinations of two frequencies.
     pub(super) fn has_two_frequencies(&self) -> bool {
         self.known_lines().is_some_and(has_two_frequencies)
     }
@@ -147,7 +147,8 @@ impl Windows {
         let nothing = ROUNDING * around.largest.max(around.at_rest);
         let is_rounding = size <= nothing;
         let is_free = !around.is_driven;
-        // What does not move at all while a sine pulls at it is held by friction, which is as it was after each period.
+        // A motion that stands still while a sine pulls at it is held by friction, which is as it was after each
+        // period.
         if size == 0.0 && !changed && around.is_repeated {
             return Trend::Rests;
         }
@@ -158,7 +159,7 @@ impl Windows {
             let is_growing = (around.growth)().is_some_and(GrowthRate::is_growing);
             return if is_growing { Trend::Open } else { Trend::Rests };
         }
-        // What a sine keeps pushing gets no smaller, so only what rests already does.
+        // A motion that a sine keeps pushing gets no smaller, so it rests only if it already does.
         let is_resting = is_rounding || is_free && rests(&self.seen);
         if around.is_repeated && around.may_rest && (is_resting || is_free && is_calm(&self.seen)) {
             let growth = (around.growth)();
@@ -185,7 +186,7 @@ impl Windows {
         if changed && lengths.iter().any(varies) { Trend::Varies } else { Trend::Open }
     }
 
-    /// Are the lines of the last windows the same, and does none grow?
+    /// `true` if the lines of the last windows are the same and none grows.
     fn has_steady_lines(&mut self) -> bool {
         let Some(first) = self.seen.len().checked_sub(4) else { return false };
         for seen in &mut self.seen[first..] {
@@ -224,7 +225,8 @@ impl Windows {
         if least > 0.0 && most > 0.0 { libm::log(most / least) } else { 0.0 }
     }
 
-    /// Does the size of a motion vary less and less? Then it may come to stay, and the motion to one with a period.
+    /// `true` if the size of a motion varies less and less. Then the size may become constant, and the motion
+    /// periodic.
     pub(super) fn varies_less(&self) -> bool {
         varies_less(&self.sizes())
     }
@@ -241,12 +243,12 @@ impl SeenWindow {
     }
 }
 
-/// Has no contact changed its state over two windows, in the last of which the motion got smaller?
+/// `true` if no contact has changed its state over two windows, in the last of which the motion got smaller.
 fn is_calm(seen: &[SeenWindow]) -> bool {
     matches!(seen, [.., before, last] if !before.changed && !last.changed && last.size < before.size)
 }
 
-/// Does the size of a motion vary less and less? Then it may come to stay, and the motion to one with a period.
+/// `true` if the size of a motion varies less and less. Then the size may become constant, and the motion periodic.
 fn varies_less(sizes: &[f64]) -> bool {
     const LESS: f64 = 0.8;
     let parts: Vec<f64> = sizes
@@ -259,7 +261,7 @@ fn varies_less(sizes: &[f64]) -> bool {
     last < middle && middle < first && last < LESS * first
 }
 
-/// Has a motion grown by about the same factor over each of the last windows?
+/// `true` if a motion has grown by about the same factor over each of the last windows.
 fn grows_evenly(sizes: &[f64]) -> bool {
     const FACTOR: f64 = 1.01;
     const SAME: f64 = 1.2;
@@ -270,13 +272,13 @@ fn grows_evenly(sizes: &[f64]) -> bool {
     least > FACTOR && libm::log(most) <= SAME * libm::log(least)
 }
 
-/// Does a motion grow that nothing can stop, since its contacts cannot change their states?
+/// `true` if a motion grows that nothing can stop, since its contacts cannot change their states.
 fn is_unbounded(around: Surroundings<'_>) -> bool {
     around.stays_linear && (around.growth)().is_some_and(GrowthRate::is_growing)
 }
 
-/// Does a motion decay to rest? No contact changes its state any more, and the limit of its size, by Aitken's
-/// extrapolation, is near zero: twice one after the other.
+/// `true` if a motion decays to rest: no contact changes its state any more, and the limit of its size, by Aitken's
+/// extrapolation, is near zero, twice one after the other.
 fn rests(seen: &[SeenWindow]) -> bool {
     let Some(first) = seen.len().checked_sub(4) else { return false };
     let last = &seen[first..];
@@ -284,8 +286,8 @@ fn rests(seen: &[SeenWindow]) -> bool {
     last[1..].iter().all(|seen| !seen.changed) && last.windows(3).all(tends)
 }
 
-/// Do sizes tend to zero like a power of time, as over times that double? So does the creep of a mass from slip to slip, which get
-/// ever shorter.
+/// `true` if sizes tend to zero like a power of time, as over times that double. This includes the creep of a mass by
+/// ever shorter slips.
 fn fades(sizes: &[f64]) -> bool {
     let windows = sizes.len();
     let after = |part: usize| sizes[windows / part - 1];
@@ -296,13 +298,13 @@ fn fades(sizes: &[f64]) -> bool {
         && after(1) <= CREEP * after(8)
 }
 
-/// Do amplitudes only grow, or only decay, by more than rounding?
+/// `true` if amplitudes only grow, or only decay, by more than rounding.
 fn goes_one_way(amplitudes: &[f64]) -> bool {
     let ratios = amplitudes.windows(2).map(|two| two[1] / two[0] - 1.0);
     ratios.clone().all(|ratio| ratio > STANDING) || ratios.clone().all(|ratio| ratio < -STANDING)
 }
 
-/// Has the size, though it varies, no trend over the last `windows`?
+/// `true` if the size, though it varies, has no trend over the last `windows`.
 fn has_no_trend(sizes: &[f64], windows: usize) -> bool {
     let Some(first) = sizes.len().checked_sub(windows) else { return false };
     let (a, b) = sizes[first..].split_at(windows / 2);
@@ -447,7 +449,7 @@ mod tests {
         // Nor where a line beside the main one does, of a motion without events, by 0.2 % a window.
         let beside = |t: f64| sine(200.0, t) + 0.05 * (-1e-3 * t).exp() * sine(91.3, t);
         assert_eq!(known(false, beside), None);
-        // What comes to its end is.
+        // A size that converges is steady.
         let ends = |t: f64| (1.0 - (-t).exp()) * sine(200.0, t);
         let (windows, course) = known(true, ends).unwrap();
         assert!((5..8).contains(&windows) && course == Trend::Steady, "{windows}");
@@ -491,7 +493,7 @@ mod tests {
             weighted_deviation(&(0..2000).map(wave).collect::<Vec<_>>(), &weights)
         };
         for i in 1..20 {
-            // Of a triangle from 0 to 0.8: that over √12.
+            // The expected size is that of a triangle from 0 to 0.8: 0.8 / √12.
             let off = size(0.05 * f64::from(i)) / (0.8 / 12.0_f64.sqrt()) - 1.0;
             assert!(off.abs() < 1e-4, "{i}: {off}");
         }

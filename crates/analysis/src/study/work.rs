@@ -1,13 +1,14 @@
-//! How far the work on many points is.
+//! Progress of the work on many points.
 
 use super::Watch;
 use std::cell::Cell;
 use std::sync::{Mutex, PoisonError};
 
-/// How much of the work on some points is done: of one that is followed, the part of the longest time that it may take.
+/// Progress of the work on some points: a point that is followed counts by the part of the longest time that it may
+/// take.
 pub(super) struct Work<'a> {
     points: usize,
-    /// Where this work begins and ends in that of the basin, from 0 to 1.
+    /// Beginning and end of this work within that of the basin, from 0 to 1.
     within: [f64; 2],
     watch: Watch<'a>,
     /// In points.
@@ -15,12 +16,12 @@ pub(super) struct Work<'a> {
 }
 
 impl<'a> Work<'a> {
-    /// Work on so many points.
+    /// Work on `points` points.
     pub(super) fn of(points: usize, within: [f64; 2], watch: Watch<'a>) -> Self {
         Self { points, within, watch, done: Mutex::new(0.0) }
     }
 
-    /// Does a piece of the work, which may tell how many of its points' work is done since it told last.
+    /// Does a piece of the work, which may report the number of points done since its last report.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn piece<T>(&self, points: usize, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
         let told = Cell::new(0.0);

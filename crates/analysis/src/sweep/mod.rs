@@ -44,12 +44,12 @@ pub fn axis(scene: &Scene, name: &str) -> String {
 /// The name of µ among the parameters.
 pub const FRICTION: &str = "friction.coefficient";
 
-/// What to look at.
+/// The outputs to observe, and the window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
     /// The outputs whose amplitudes are looked at ([`observed::output`]).
     pub outputs: Vec<Variable>,
-    /// How long before the end of a run one looks, s.
+    /// Length of the window before the end of a run, s.
     pub window: f64,
 }
 
@@ -60,8 +60,9 @@ impl View {
     }
 }
 
-/// What a run ends in: its motion in the window, in rows that are as near to each other as the fastest mode asks for
-/// ([`observed::interval`]), whatever the output interval is, and closer in where it turns or contacts change their states.
+/// Summary of the end of a run: its motion in the window, in rows that are as near to each other as the fastest mode
+/// asks for ([`observed::interval`]), whatever the output interval is, and refined where it turns or contacts change
+/// their states.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Half of the difference between the largest and the smallest value of each output, wherever the rows are, in its
@@ -72,10 +73,10 @@ pub struct Summary {
     pub settled: Result<bool, Doubt>,
     /// Energies at the end, J, in the order of [`ENERGIES`]; empty unless the scene asks for them.
     pub energies: Vec<f64>,
-    /// Of the one with the largest amplitude, Hz; `None` if it does not oscillate, or for fewer than
+    /// Frequency of the output with the largest amplitude, Hz; `None` if it does not oscillate, or for fewer than
     /// [`FEWEST_PERIODS`].
     pub frequency: Option<f64>,
-    /// How much of the time contacts are in each state, all contacts together, in the order of
+    /// The part of the time that contacts are in each state, all contacts together, in the order of
     /// [`ContactState::ALL`](amontons::contact::ContactState::ALL).
     pub shares: [f64; 4],
 }
@@ -114,7 +115,8 @@ impl fmt::Display for Doubt {
 pub const ENERGIES: [&str; 8] =
     ["kinetic", "elastic", "damping", "friction", "impact", "slider", "forces", "residual"];
 
-/// A quarter of a window has so many periods of the slowest mode, or the size of the motion in it says nothing.
+/// The least number of periods of the slowest mode in a quarter of a window: with fewer the size of the motion in it
+/// says nothing.
 const PERIODS_TO_SETTLE: f64 = 5.0;
 
 /// A window with fewer periods of an oscillation does not tell its frequency.
@@ -188,7 +190,7 @@ fn smallest(simulation: &Simulation) -> f64 {
     ROUNDING * max_norm(&simulation.reference().displacement)
 }
 
-/// What is kept of a run.
+/// Recorded data of a run.
 struct RunRecord {
     /// One history an output, in its unit.
     histories: Vec<Vec<f64>>,
@@ -241,7 +243,7 @@ impl RunRecord {
         let quarter = self.displacements.rows() as f64 * interval;
         let slowest = self.slowest.ok_or(Doubt::NoMode)?;
         if slowest * quarter < PERIODS_TO_SETTLE {
-            // A window of so many quarters, and of the rows that no quarter has.
+            // A window consists of four such quarters, and of the rows that no quarter has.
             return Err(Doubt::Short(4.0 * (PERIODS_TO_SETTLE / slowest + interval)));
         }
         self.displacements.settled(least).ok_or(Doubt::Mixed)

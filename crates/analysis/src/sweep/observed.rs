@@ -1,4 +1,4 @@
-//! What is observed of a run: outputs by their names, and rows near enough to each other for the scene's fastest mode.
+//! Observation of a run: outputs by their names, and rows near enough to each other for the scene's fastest mode.
 
 use crate::stability::Linearised;
 use crate::stability::candidates::resting_state;

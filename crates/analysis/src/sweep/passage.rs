@@ -1,9 +1,10 @@
-//! What a motion does from row to row: how long contacts are in each state, and the smallest and largest values of
-//! outputs. Changes of contact states and turning points between two rows are closed in on in the motion itself, so none
-//! of this depends on where the rows are.
+//! Analysis of a motion between rows: the time that contacts are in each state, and the smallest and largest values
+//! of outputs. Changes of contact states and turning points between two rows are located in the motion itself, so
+//! none of this depends on the positions of the rows.
 //!
-//! Where a contact changes its state or lands, a value has a kink, beside which no polynomial through rows holds. So a span between
-//! two rows is halved until nothing changes in it. There a displacement is a cubic through its values and velocities.
+//! When a contact changes its state or lands, a value has a kink, beside which no polynomial through rows holds. So a
+//! span between two rows is halved until nothing changes in it. There a displacement is a cubic through its values
+//! and velocities.
 
 use amontons::Error;
 use amontons::contact::ContactState;
@@ -17,12 +18,12 @@ const CHANGE_DEPTH: u32 = 16;
 const TURN_DEPTH: u32 = 2;
 /// A span in which another output may have its extreme value is halved this often.
 const OTHER_DEPTH: u32 = 12;
-/// What a cubic adds to the values beside it is known to this part.
+/// Relative accuracy of the cubic's contribution beyond the values beside it.
 const CUBIC: f64 = 0.01;
-/// What cannot move an extreme value by more than this part of the range is not looked for.
+/// A change of an extreme value by less than this part of the range is ignored.
 const NOTHING: f64 = 1e-9;
 
-/// What is followed.
+/// A quantity that is followed.
 enum FollowedQuantity {
     /// The displacement of a degree of freedom, whose velocity is known.
     Displacement(usize),
@@ -34,12 +35,12 @@ struct PassagePoint {
     saved: Snapshot,
     /// s.
     time: f64,
-    /// Of what is followed, in its unit, and of displacements how fast they change, m/s.
+    /// The followed quantities, in their units, and the rates of displacements, m/s.
     values: Vec<f64>,
     rates: Vec<Option<f64>>,
     states: Vec<ContactState>,
-    /// How often contacts have changed their states or landed since the start: one that is thrown off where it lands keeps its
-    /// state.
+    /// Number of changes of state and landings of contacts since the start: a contact that is thrown off at its
+    /// landing keeps its state.
     changes: u64,
 }
 
@@ -195,7 +196,8 @@ impl Passage {
         Ok(())
     }
 
-    /// May a value turn in this span where it is smaller or larger than it was ever seen, as far as that is not known yet?
+    /// `true` if a value may turn in this span where it is smaller or larger than it was ever seen, as far as that is
+    /// not known yet.
     fn may_turn(
         &self,
         before: &PassagePoint,
@@ -247,7 +249,7 @@ fn turn(before: &PassagePoint, now: &PassagePoint, place: usize, has_kink: bool)
     let [from, to, rise] = [from * span, to * span, end - start];
     let (second, third) = (3.0 * rise - 2.0 * from - to, from + to - 2.0 * rise);
     let value = |s: f64| start + s * (from + s * (second + s * third));
-    // Of a quadratic whose values at both ends have opposite signs one root lies between them.
+    // A quadratic whose values at both ends have opposite signs has one root between them.
     let root = (second * second - 3.0 * third * from).max(0.0).sqrt();
     let q = -(second + root.copysign(second));
     let roots = [from / q, q / (3.0 * third)];

@@ -1,4 +1,4 @@
-//! Which values of a parameter a scene can have beside its others.
+//! Values of a parameter that a scene can have with its other values.
 
 use crate::assign::assign;
 use amontons::Error;

@@ -19,7 +19,7 @@ pub(super) struct Quarters {
     /// Rows that come before the first quarter, since a window need not have a multiple of four.
     before: usize,
     row: usize,
-    /// Of the rows in a quarter.
+    /// Weights of the rows in a quarter.
     weights: Vec<f64>,
     /// For each displacement the sums of its quarters.
     sums: Vec<[Sums; 4]>,
@@ -34,7 +34,7 @@ impl Quarters {
         Self { before: rows % 4, row: 0, weights, sums: Vec::new(), extents: Vec::new() }
     }
 
-    /// How many rows a quarter has.
+    /// Number of rows of a quarter.
     pub fn rows(&self) -> usize {
         self.weights.len()
     }
@@ -62,13 +62,14 @@ impl Quarters {
         }
     }
 
-    /// Does everything rest: does no displacement vary by more than `least` (m)?
+    /// `true` if everything rests: no displacement varies by more than `least` (m).
     pub fn rest(&self, least: f64) -> bool {
         self.extents.iter().all(|[low, high]| high - low <= least)
     }
 
-    /// Does the size of each displacement stay? `false` where some do not and all of these grow, or all of them decay, from
-    /// each quarter to the next; `None` where neither is so, as of a beat. What is smaller than `least` (m) rests. A quarter that
+    /// `true` if the size of each displacement is constant; `false` where some are not and all of these grow, or all
+    /// of them decay, from each quarter to the next; `None` where neither is so, for example for a beat. A
+    /// displacement smaller than `least` (m) rests. A quarter that
     /// holds few periods has another root mean square with each phase, so the largest and smallest values must go the same way.
     pub fn settled(&self, least: f64) -> Option<bool> {
         let whole: f64 = self.weights.iter().sum();
@@ -98,7 +99,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// What is said of two displacements over 4003 rows.
+    /// The result for two displacements over 4003 rows.
     fn said(motion: impl Fn(f64) -> [f64; 2]) -> Option<bool> {
         let mut quarters = Quarters::new(4003);
         (0..4003).for_each(|row| quarters.note(&motion(f64::from(row) / 1000.0)));

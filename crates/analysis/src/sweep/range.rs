@@ -10,7 +10,7 @@ use amontons::decimal::to_significant;
 /// The most values of a range.
 pub const MAX_VALUES: f64 = 1e6;
 
-/// How a range is written.
+/// The notation of a range.
 const WISH: &str =
     "write it as A:B:STEP, such as 0:3.5:0.005, or as A:B/N for N values, such as 0:3.5/100";
 
@@ -29,7 +29,7 @@ fn finite(text: &str) -> Option<f64> {
     text.trim().parse().ok().filter(|value: &f64| value.is_finite())
 }
 
-/// What is meant by a number with a comma: a point, or thousands apart.
+/// The possible meanings of a number with a comma: a decimal point, or thousands apart.
 fn with_point(text: &str) -> Option<String> {
     let text = text.trim();
     let (whole, rest) = text.split_once(',')?;
@@ -78,14 +78,14 @@ pub fn decimal(value: f64) -> f64 {
     to_significant(value, 14)
 }
 
-/// What stands in a range.
+/// The parts of a range.
 struct Range<'a> {
     ends: [f64; 2],
     rest: Rest<'a>,
 }
 
 enum Rest<'a> {
-    /// Of `A:B:STEP`, as it is written.
+    /// STEP of `A:B:STEP`, as it is written.
     Third(&'a str),
     /// N of `A:B/N`, as it is written.
     Number(&'a str),

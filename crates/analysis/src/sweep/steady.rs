@@ -1,4 +1,4 @@
-//! Whether the size of a motion stays.
+//! Constancy of the size of a motion.
 
 /// The size of a settled motion differs by less than this from one window to the next, relative.
 const SAME_SIZE: f64 = 1e-3;
@@ -8,7 +8,7 @@ const LEFT_TO_GO: f64 = 2e-3;
 pub(crate) const STANDING: f64 = 1e-7;
 /// A size tends to zero if its limit is at most this part of the last size.
 const REST: f64 = 0.2;
-/// What moves by less than this part of the largest displacement, or of the equilibrium's, rests.
+/// A displacement that moves by less than this part of the largest displacement, or of the equilibrium's, rests.
 pub(crate) const ROUNDING: f64 = 1e-12;
 
 /// A sum of all displacements with factors that no symmetry of a structure has.

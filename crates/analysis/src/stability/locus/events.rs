@@ -1,4 +1,4 @@
-//! Where roots merge and where they begin to grow, located to the last digits.
+//! Events of root loci, located to the last digits: roots that merge, and modes that begin to grow.
 
 use super::follow::Evaluate;
 use super::{Approach, Coalescence, Crossing, Root};
@@ -99,7 +99,7 @@ fn other_side(
 /// Modes further apart than this part of their frequency do not come near each other.
 const NEAR: f64 = 0.05;
 
-/// Where modes come nearest to each other, by the points of all branches, which are at the same values.
+/// Values at which modes come nearest to each other, by the points of all branches, which are at the same values.
 pub(super) fn closest_approaches(
     evaluate: &Evaluate<'_>,
     trace: &[Vec<BranchPoint>],
@@ -126,12 +126,12 @@ pub(super) fn closest_approaches(
     Ok(found)
 }
 
-/// How far two roots are apart, 1/s.
+/// Distance of two roots, 1/s.
 fn distance([a, b]: &[Root; 2]) -> f64 {
     (a.lambda - b.lambda).norm()
 }
 
-/// Where two branches are nearest to each other, between three points of which the middle one has them nearest.
+/// The closest approach of two branches between three points, of which the middle one has them nearest.
 fn nearest_of_pair(
     evaluate: &Evaluate<'_>,
     around: [(f64, [Root; 2]); 3],

@@ -27,7 +27,7 @@ pub(super) struct FollowedRoots {
     pub(super) branches: Vec<Vec<Root>>,
     pub(super) coalescences: Vec<Coalescence>,
     pub(super) crossings: Vec<Crossing>,
-    /// Of roots that do not merge.
+    /// Closest approaches of roots that do not merge.
     pub(super) approaches: Vec<Approach>,
     /// Values near which roots could not be told apart by continuity.
     pub(super) undecided: Vec<f64>,
@@ -73,7 +73,7 @@ pub(super) fn follow(
         done();
     }
     let Tracker { trace, mut found, .. } = tracker;
-    // Where two merge they are alike by nature, and numbered by a rule.
+    // Roots that merge are undecided by nature at the merging, and are numbered by a rule.
     let range = last - values[0];
     let FollowedRoots { undecided, coalescences, .. } = &mut found;
     undecided.retain(|value| {
@@ -178,7 +178,7 @@ impl Tracker<'_> {
     }
 }
 
-/// Which found root continues which branch: the assignment that a swap of no two improves.
+/// Assignment of found roots to branches, which no swap of two improves.
 fn assign(predicted: &[Complex<f64>], found: &[Root]) -> Vec<usize> {
     let cost = |branch: usize, place: usize| (predicted[branch] - found[place].sigma).norm_sqr();
     let mut order: Vec<usize> = (0..found.len()).collect();
@@ -199,7 +199,7 @@ fn assign(predicted: &[Complex<f64>], found: &[Root]) -> Vec<usize> {
     order
 }
 
-/// Might a branch as well continue in another root? Roots that are double are one.
+/// `true` if a branch might as well continue in another root. Double roots count as one.
 fn is_ambiguous(predicted: &[Complex<f64>], found: &[Root], order: &[usize]) -> bool {
     predicted.iter().zip(order).any(|(predicted, &place)| {
         let own = found[place].sigma;

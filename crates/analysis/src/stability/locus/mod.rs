@@ -1,6 +1,6 @@
 //! Root loci: the modes of a contact state followed while a parameter changes.
 //!
-//! What is followed are the eigenvalues σ of M̃⁻¹ K̃, whose number never changes; each has one
+//! The followed quantities are the eigenvalues σ of M̃⁻¹ K̃, whose number never changes; each has one
 //! eigenvalue λ with Im λ ≥ 0, or two real ones. Real σ may cross (symmetric structures) or merge
 //! into a pair; the merging is exact, damped or not, because C̃ = α M̃ + β K̃ has the same
 //! eigenvectors. With single dampers there are no such σ, and modes come near each other instead of
@@ -47,7 +47,7 @@ impl Root {
     }
 }
 
-/// What is followed of a contact state.
+/// The quantity that is followed of a contact state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Followable {
     /// The eigenvalues σ of a part that does not couple with the others.
@@ -109,7 +109,7 @@ fn damped_roots(model: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<R
     Ok(roots)
 }
 
-/// Of a mode's two λ the one with the larger imaginary or, if both are real, real part.
+/// The one of a mode's two λ with the larger imaginary or, if both are real, real part.
 fn upper([a, b]: [Complex<f64>; 2]) -> Complex<f64> {
     if (a.im, a.re) >= (b.im, b.re) { a } else { b }
 }
@@ -120,9 +120,8 @@ fn by_number(a: &Root, b: &Root) -> Ordering {
     if pair { order_of_merged(a, b) } else { a.sigma.re.total_cmp(&b.sigma.re) }
 }
 
-/// Which of a pair that has merged comes first: the one with the lower frequency or, without
-/// damping, where both have the same, the one that decays. So the higher of them is the one that
-/// grows, as the paper numbers them.
+/// Order of a pair that has merged: first the mode with the lower frequency or, without damping, where both have the
+/// same, the one that decays. So the higher of them is the one that grows, as the paper numbers them.
 fn order_of_merged(a: &Root, b: &Root) -> Ordering {
     let apart = (a.lambda.im - b.lambda.im).abs() > 1e-12 * a.lambda.norm();
     let frequency = a.lambda.im.total_cmp(&b.lambda.im);
@@ -136,11 +135,11 @@ pub struct Locus {
     pub values: Vec<f64>,
     /// One branch a mode, numbered by σ at the first value; one root a value of the parameter.
     pub branches: Vec<Vec<Root>>,
-    /// Where two modes merge or part.
+    /// Values at which two modes merge or part.
     pub coalescences: Vec<Coalescence>,
-    /// Where a mode begins or ceases to grow.
+    /// Values at which a mode begins or ceases to grow.
     pub crossings: Vec<Crossing>,
-    /// Where single dampers keep two modes from merging: where they come nearest to each other.
+    /// Values at which two modes that single dampers keep from merging come nearest to each other.
     pub approaches: Vec<Approach>,
     /// Values near which modes could not be told apart: there they may have changed their numbers.
     pub undecided: Vec<f64>,
@@ -157,7 +156,7 @@ pub struct Coalescence {
     pub modes: [usize; 2],
     /// Their common frequency, Hz.
     pub frequency_hz: f64,
-    /// Do they merge (or part) as the parameter grows?
+    /// `true` if they merge as the parameter grows; `false` if they part.
     pub merge: bool,
 }
 
@@ -183,7 +182,7 @@ pub struct Crossing {
     pub mode: usize,
     /// Its frequency where it grows, Hz; zero where it diverges.
     pub frequency_hz: f64,
-    /// Does it grow above the value (or below)?
+    /// `true` if the mode grows above the value; `false` if it grows below.
     pub becomes_unstable: bool,
 }
 
@@ -196,7 +195,7 @@ pub type ModelAt<'a> = dyn Fn(f64) -> Result<Linearised, Error> + 'a;
 /// narrower range, without a sign of it beside that, is missed.
 ///
 /// # Errors
-/// What `model_at` fails with, or a state that cannot be analysed.
+/// Returns an error if `model_at` fails, or if a state cannot be analysed.
 pub fn locus(
     model_at: &ModelAt<'_>,
     states: &[ContactState],
@@ -231,7 +230,7 @@ pub fn locus(
     Ok(Locus { is_damped, ..together(values, followed) })
 }
 
-/// Puts parts, each so many times, into one locus, and numbers its modes.
+/// Joins parts, each with its multiplicity, into one locus, and numbers its modes.
 fn together(values: &[f64], parts: Vec<(FollowedRoots, usize)>) -> Locus {
     let mut branches = Vec::new();
     let (mut coalescences, mut crossings) = (Vec::new(), Vec::new());

@@ -1,4 +1,4 @@
-//! What loci of the paper's sets, of rings and of made-up roots must look like.
+//! Tests of the loci of the paper's sets, of rings and of made-up roots.
 
 use super::*;
 use amontons::model::SparseMatrix;
@@ -235,7 +235,7 @@ fn a_single_damper_keeps_modes_from_merging_and_a_weak_one_by_a_little() {
         let near = found.approaches.iter().find(|a| a.modes == [4, 5]).unwrap();
         assert!((near.value - merged[0].value).abs() < 0.1 * damping, "{near:?}");
         assert!(near.distance_hz > 0.0 && near.distance_hz < 2.0, "{near:?}");
-        // Where the modes are, another method says so too: the eigenvalues of eq. (6).
+        // Another method confirms the modes: the eigenvalues of eq. (6).
         let model = model.with_friction(near.value);
         let all = Spectrum::of(model.linear().unwrap(), &[ContactState::Slide; 2]).unwrap();
         let apart = all.oscillating.windows(2).map(|pair| (pair[0] - pair[1]).norm() / TAU);

@@ -1,9 +1,9 @@
-//! What a continuation tells: the motions of both ways, jumps, and ranges with two motions.
+//! Results of a continuation: the motions of both ways, jumps, and ranges with two motions.
 
 use crate::study::ending::{Ending, Kind};
 use serde::{Deserialize, Serialize};
 
-/// Which way µ goes.
+/// Direction in which µ changes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Way {
@@ -25,7 +25,7 @@ impl Way {
         }
     }
 
-    /// As tables and the journal have it.
+    /// Name of the direction in tables and in the journal.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -40,19 +40,20 @@ impl Way {
 pub struct Point {
     /// µ.
     pub friction: f64,
-    /// What the motion ends in, or why it has failed; after a failure a way is not followed further.
+    /// The ending of the motion, or the reason of its failure; after a failure a way is not followed further.
     pub ending: Result<Ending, String>,
 }
 
-/// Where one motion gives way to another.
+/// Value of µ at which one motion gives way to another.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Jump {
-    /// Which way µ goes.
+    /// Direction in which µ changes.
     pub way: Way,
     /// The way whose values it lies among; `None` of an end of a motion that stands among neither way's values. The falling
     /// way, too, has jumps of rising µ: upper ends of motions that stand among its values.
     pub among: Option<Way>,
-    /// `true` at the end of a motion that was followed no farther; `false` where a way goes on with the motion after the jump.
+    /// `true` at the end of a motion that was followed no farther; `false` where a way continues with the motion
+    /// after the jump.
     pub is_end: bool,
     /// The last µ that still has the motion, and the first that has it no more.
     pub between: [f64; 2],
@@ -79,7 +80,7 @@ pub struct Bistable {
     pub rests: bool,
     /// The kinds of both: where they differ, those of the ways upwards and downwards. What decays to rest has that of rest.
     pub kinds: [Kind; 2],
-    /// Where a third motion was met.
+    /// The third motion, if one was met.
     pub third: Option<Third>,
 }
 
@@ -129,7 +130,7 @@ pub struct Both {
     pub takes: [bool; 2],
 }
 
-/// What was followed.
+/// The motions followed in a continuation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Continuation {
     /// By ascending µ.

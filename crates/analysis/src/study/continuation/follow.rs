@@ -28,7 +28,7 @@ const STEEP: f64 = 1.0 / 16.0;
 /// A way that is looked at closely takes no step larger than this part of that between two values that were asked for.
 const CLOSELY: f64 = 1.0 / 8.0;
 
-/// How many rows a motion may take from a value that it has passed to another one at which it is compared.
+/// Number of rows that a motion may take from a value that it has passed to another one at which it is compared.
 const ROWS_BETWEEN: u64 = 10_000_000;
 
 /// The part of a push that a cycle is given which does not survive the whole one.
@@ -66,8 +66,8 @@ impl<'a> PlanRun<'a> {
         Self { plan, journal, watch, rows: Mutex::default() }
     }
 
-    /// How many rows all runs so far have taken, those that the journal has from before included: a measure of work that is
-    /// the same on every machine while no run is on its way.
+    /// Number of rows that all runs so far have taken, those in the journal from before included: a measure of work
+    /// that is the same on every machine while no run is on its way.
     pub(super) fn rows(&self) -> u64 {
         self.rows_by_key().values().sum()
     }
@@ -76,7 +76,7 @@ impl<'a> PlanRun<'a> {
         self.rows.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// How many rows a run has taken.
+    /// Number of rows that a run has taken.
     #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     fn rows_of(&self, ending: &Result<Ending, String>) -> u64 {
         ending.as_ref().map_or(1, |ending| (ending.time / self.plan.look.interval).ceil() as u64)
@@ -286,8 +286,8 @@ impl<'a> PlanRun<'a> {
         Ok(ending.map(|ending| (ending, simulation.save().into_progress())))
     }
 
-    /// What a cycle that a push has ended does after a much smaller one, if it stays: near its end it may survive no larger
-    /// one. What leaves it whatever the push is given time to do so.
+    /// Follows a cycle that a push has ended after a much smaller push, to see if it stays: near its end it may
+    /// survive no larger one. A motion that leaves the cycle whatever the push is given time to do so.
     fn stay(
         &self,
         friction: f64,
@@ -339,7 +339,7 @@ impl<'a> PlanRun<'a> {
     }
 }
 
-/// `true` of a motion in which contacts change their states and that has not settled, or not come back as near as a
+/// `true` if contacts change their states in the motion and it has not settled, or has not come back as near as a
 /// periodic one does.
 fn is_drifting(ending: &Ending) -> bool {
     let is_open = ending.kind == Kind::Unsettled

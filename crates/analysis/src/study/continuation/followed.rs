@@ -44,7 +44,8 @@ impl Reached {
 #[derive(Clone)]
 pub(super) struct Followed {
     pub(super) way: Way,
-    /// What the journal calls it, and nothing else: it knows a piece of work by that and the values of µ.
+    /// Its label in the journal, and nowhere else: the journal identifies a piece of work by the label and the values
+    /// of µ.
     pub(super) label: String,
     /// All values that it has passed, in its order, those between the asked ones included.
     pub(super) passed: Vec<Reached>,
@@ -54,7 +55,7 @@ pub(super) struct Followed {
     /// The motions beyond the ends of one that is followed no farther than it exists; `None` of a way, which passes its
     /// jumps.
     pub(super) beyond: Option<Vec<Reached>>,
-    /// How many rows its runs may still take.
+    /// Number of rows that its runs may still take.
     pub(super) rows_left: u64,
     /// `true` where each step of µ is to be so small that the smallest jump is seen, not only those by 5 %.
     pub(super) looks_closely: bool,
@@ -90,7 +91,7 @@ impl Followed {
         down
     }
 
-    /// What it has reached at a value that it has passed.
+    /// The motion reached at a value that it has passed.
     pub(super) fn at(&self, friction: f64) -> Option<&Reached> {
         self.passed.iter().find(|reached| reached.point.friction == friction)
     }
@@ -105,14 +106,15 @@ impl Followed {
         self.is_leaving || !differ
     }
 
-    /// Do this way and another one have two different periodic motions at a value, both known exactly?
+    /// `true` if this way and another one have two different periodic motions at a value, both known exactly.
     pub(super) fn is_other_than(&self, other: &Self, friction: f64) -> bool {
         let [here, there] = [self, other].map(|way| way.at(friction).and_then(Reached::ending));
         let (Some(here), Some(there)) = (here, there) else { return false };
         is_exact(here) && is_exact(there) && are_two(here, there)
     }
 
-    /// Takes over what this way is on a stretch on which it was followed once more. Where the stretch has failed, the way ends.
+    /// Takes over the state of this way on a stretch on which it was followed once more. Where the stretch has
+    /// failed, the way ends.
     /// Returns the first of each run of settled motions of this way that the stretch has not met.
     pub(super) fn take_over(&mut self, stretch: Self) -> Vec<Reached> {
         let way = self.way;

@@ -1,4 +1,4 @@
-//! What a scene ends in over the friction coefficient, followed upwards and downwards: the paper's
+//! The endings of a scene over the friction coefficient, followed upwards and downwards: the paper's
 //! "pseudo-continuation" (Figs. 6 and 7).
 //!
 //! The first value upwards starts at rest, the first downwards as the scene says; each other one from the state in
@@ -37,12 +37,12 @@ use motions::{FoundMotions, MotionStart};
 use ranges::Ranges;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// What is to be followed.
+/// Input of a continuation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Plan<'a> {
     /// The scene, with the method and step that are to be used.
     pub scene: &'a Scene,
-    /// How its motions are looked at.
+    /// Settings with which its motions are observed.
     pub look: &'a Look,
     /// Values of µ, ascending.
     pub values: &'a [f64],

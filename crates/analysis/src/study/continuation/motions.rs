@@ -26,8 +26,8 @@ pub(super) struct MotionStart {
     way: Way,
     /// The only way in which it is to be followed; `None` for both.
     only: Option<Way>,
-    /// Of a motion that a way has jumped to and followed on: the place of the way and µ of the jump. Only whether the motion
-    /// exists on the other side of the jump is to be found.
+    /// For a motion that a way has jumped to and followed on: the place of the way and µ of the jump. Such a motion
+    /// is followed only to find whether it exists on the other side of the jump.
     back: Option<(usize, f64)>,
     /// `true` of one that is to be followed beside two others.
     is_third: bool,
@@ -53,19 +53,19 @@ pub(super) struct FoundMotions {
     pub(super) others: Vec<Followed>,
     /// Motions that were met where two others are known.
     waiting: Vec<MotionStart>,
-    /// Where one that was met had not settled, from the value at which it was met to that at which it was first known.
-    /// What becomes of it between these is not known.
+    /// Ranges in which a motion that was met had not settled, from the value at which it was met to that at which it
+    /// was first known. Its fate between these is not known.
     unsettled: Vec<[f64; 2]>,
     /// After how many rows of all runs no further motion is followed.
     most_rows: u64,
-    /// How many starts were tried, by which the journal tells their work apart.
+    /// Number of starts that were tried, by which the journal distinguishes their work.
     tried: usize,
     /// `true` where not all that were met were followed to their ends.
     pub(super) more: bool,
 }
 
 impl FoundMotions {
-    /// Nothing but both ways, after so many rows.
+    /// Both ways and no other motion, after `rows` rows.
     pub(super) fn new(ways: Vec<Followed>, rows: u64) -> Self {
         let most_rows = rows + rows.max(ROWS);
         let (others, waiting, unsettled) = (Vec::new(), Vec::new(), Vec::new());
@@ -76,7 +76,8 @@ impl FoundMotions {
         self.ways.iter().chain(&self.others)
     }
 
-    /// Where something changes, and how well that is known: jumps, and the ends of where a motion had not settled.
+    /// Values at which something changes, with their accuracy: jumps, and the ends of ranges in which a motion had
+    /// not settled.
     pub(super) fn bounds(&self) -> Vec<(f64, f64)> {
         let jumps = self.all().flat_map(|followed| followed.jumps.iter());
         let jumps = jumps.map(|jump| (jump.at(), 0.5 * (jump.between[1] - jump.between[0]).abs()));
@@ -135,8 +136,8 @@ impl FoundMotions {
         Some(MotionStart { only: Some(way), is_third: true, ..start })
     }
 
-    /// What stands in the table of the way downwards at a value: another cycle than the one that both ways end in, where
-    /// one was met.
+    /// The entry in the table of the way downwards at a value: another cycle than the one that both ways end in,
+    /// where one was met.
     pub(super) fn falling(&self, friction: f64) -> Option<&Reached> {
         let other = self.shown(friction).and_then(|place| self.others[place].at(friction));
         other.or_else(|| self.ways[1].at(friction))
@@ -175,8 +176,8 @@ impl FoundMotions {
 }
 
 impl PlanRun<'_> {
-    /// What the scene's own start leads to at each value, from the highest on; the way downwards has begun from it at the
-    /// last one.
+    /// The motions that the scene's own start leads to at each value, from the highest on; the way downwards has
+    /// begun from it at the last one.
     pub(super) fn own_starts(
         &self,
         step_done: &(dyn Fn() + Sync),
@@ -220,12 +221,12 @@ impl PlanRun<'_> {
         Ok(Some(found.into_iter().filter(Reached::is_settled).collect()))
     }
 
-    /// Do all small motions beside rest decay at a value, as far as eigenvalues tell?
+    /// `true` if all small motions beside rest decay at a value, according to the eigenvalues.
     pub(super) fn may_rest(&self, friction: f64) -> bool {
         let decays = |simulation: &Simulation| {
             growth_of_small(simulation).is_some_and(|growth| growth.rate < 0.0)
         };
-        // What signals drive on does not rest.
+        // A scene that signals drive on does not rest.
         let may_rest = |simulation: Simulation| !simulation.is_driven_on() && decays(&simulation);
         self.at_rest(friction).is_ok_and(may_rest)
     }
@@ -235,7 +236,7 @@ impl PlanRun<'_> {
         self.reach("rest", friction, Start::Scene(Way::Rising))
     }
 
-    /// What the scene's own start leads to at a value.
+    /// The motion that the scene's own start leads to at a value.
     pub(super) fn own_start(&self, friction: f64) -> Result<Option<Reached>, Error> {
         self.reach("start", friction, Start::Scene(Way::Falling))
     }
@@ -261,7 +262,7 @@ impl PlanRun<'_> {
             found.more |= met.rows_left == 0;
             let Some(last) = met.passed.last().cloned() else { continue };
             if met.is_leaving {
-                // What it becomes is not known as far as it was followed.
+                // Its fate is not known within the range over which it was followed.
                 found.others.push(met);
                 continue;
             }
@@ -324,8 +325,8 @@ impl PlanRun<'_> {
         values
     }
 
-    /// How many other motions are known at the value at which one was met, but for that of one of the ways; `None` inside if
-    /// it is known itself, or cannot be followed.
+    /// Number of other motions known at the value at which one was met, except for that of one of the ways; `None`
+    /// inside if it is known itself, or cannot be followed.
     #[allow(clippy::option_option)]
     fn others(
         &self,

@@ -10,7 +10,7 @@ use crate::study::visit::visited;
 use amontons::Error;
 use amontons::simulation::Progress;
 
-/// Where motions are looked at inside a range of a candidate, in parts of it.
+/// Positions inside a candidate's range at which motions are observed, in parts of the range.
 const COMPARED: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 
 /// Ranges of µ, and motions that were met only when these were compared.

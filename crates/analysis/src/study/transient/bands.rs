@@ -10,17 +10,17 @@ use std::ops::Range;
 /// A band is looked at so often within a window. Its phase is then followed without ambiguity: what the window
 /// lets through turns by a quarter of a turn at most.
 const LOOKS: usize = 16;
-/// The strongest lines are looked for in pieces of so many periods of the strongest of all.
+/// Length of the pieces in which the strongest lines are looked for, in periods of the strongest line of all.
 const PIECE_PERIODS: f64 = 60.0;
 /// The most bands.
 const MOST_BANDS: usize = 6;
 /// A line that is nowhere this part of the largest is not followed.
 const FAINT: f64 = 3e-2;
-/// What is less than this part of the strongest band at its time may be what the window lets through of that.
+/// A band below this part of the strongest band at its time may be leakage of that band through the window.
 const LEAK: f64 = 2e-4;
-/// How well frequencies are known whose phases are straight to rounding, in parts of themselves.
+/// Relative accuracy of frequencies whose phases are straight to rounding.
 const FINEST: f64 = 1e-9;
-/// Sums and differences of the frequencies of two lines with so many terms are looked for.
+/// The most terms of the sums and differences of the frequencies of two lines that are looked for.
 const MOST_TERMS: i32 = 3;
 /// Near any frequency there is some such sum by chance: only what is known to this part of itself is one.
 const CHANCE: f64 = 1e-3;
@@ -42,7 +42,7 @@ pub struct Band {
 pub struct Combination {
     /// Two stronger lines, Hz.
     pub frequencies: [f64; 2],
-    /// How often each.
+    /// The multiple of each frequency in the sum.
     pub factors: [i32; 2],
 }
 
@@ -51,13 +51,13 @@ pub(super) struct Bands {
     /// s.
     pub(super) window: f64,
     all: Vec<FollowedBand>,
-    /// Of each band, at each look: is it neither rounding nor hidden by a stronger one?
+    /// `true`, for each band at each instant, if it is neither rounding nor hidden by a stronger one.
     seen: Vec<Vec<bool>>,
 }
 
 impl Bands {
-    /// Of a history in steps of `interval` (s) whose strongest line has a `frequency` (Hz), through windows of some
-    /// length (s); what is at or below `floor` is rounding.
+    /// The bands of a history in steps of `interval` (s) whose strongest line has a `frequency` (Hz), through windows
+    /// of some length (s); values at or below `floor` are rounding.
     #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
     pub(super) fn of(
         history: &[f64],
@@ -122,8 +122,8 @@ impl Bands {
     }
 }
 
-/// The strongest lines of pieces of a history of about so many values, each by what part of the piece's largest line it
-/// is, no two within `width` (Hz).
+/// The strongest lines of pieces of a history of about `piece` values, each by its part of the piece's largest line,
+/// no two within `width` (Hz).
 fn frequencies(history: &[f64], interval: f64, piece: usize, width: f64) -> Vec<f64> {
     let mut found: Vec<(f64, f64)> = Vec::new();
     let pieces = (history.len() / piece.max(1)).max(1);
@@ -132,7 +132,7 @@ fn frequencies(history: &[f64], interval: f64, piece: usize, width: f64) -> Vec<
         let Some(largest) = lines.first().map(|line| line.amplitude) else { continue };
         found.extend(lines.iter().map(|line| (line.amplitude / largest, line.frequency)));
     }
-    // Of equal ones the first.
+    // The first of equal lines comes first.
     found.sort_by(|a, b| b.0.total_cmp(&a.0));
     let mut kept: Vec<f64> = Vec::new();
     for (_, frequency) in found {
@@ -149,7 +149,7 @@ struct FollowedBand {
     amplitude: Vec<f64>,
     /// Without jumps, rad.
     phase: Vec<f64>,
-    /// Of the first look, and between two, s.
+    /// Time of the first value, and between two values, s.
     begin: f64,
     hop: f64,
 }
@@ -214,8 +214,8 @@ impl FollowedBand {
     }
 }
 
-/// Is the frequency of a phase a combination of those of stronger bands over the same time, as the kinks of the law
-/// of contact make them?
+/// The frequency of a phase as a combination of those of stronger bands over the same time, as the kinks of the law
+/// of contact make them; `None` if it is not one.
 fn combination(phase: &Phase, all: &[FollowedBand]) -> Option<Combination> {
     let level = |band: &FollowedBand| {
         let looks = band.looks(phase.span);
@@ -230,7 +230,7 @@ fn combination(phase: &Phase, all: &[FollowedBand]) -> Option<Combination> {
         .collect();
     for (i, (a, rate_a)) in stronger.iter().enumerate() {
         for (j, (b, rate_b)) in stronger.iter().enumerate().skip(i) {
-            // Of one line there are multiples, no differences.
+            // One line has multiples, but no differences.
             let least = if i == j { 0 } else { -MOST_TERMS };
             for m in 0..=MOST_TERMS {
                 for n in least..=MOST_TERMS {
@@ -274,7 +274,7 @@ mod tests {
         }
     }
 
-    /// Of what stronger lines a line of some frequency, and how far that may be off (Hz), is the sum.
+    /// The stronger lines whose sum is a line of some frequency, with the uncertainty of that frequency (Hz).
     fn sum(frequency: [f64; 2]) -> Option<[i32; 2]> {
         let fit = Fit::of(&[[0.0, 0.0], [9.0, 3.0]]);
         let phase = Phase::of(Some(1), [0.0, 9.0], &fit, frequency);

@@ -15,14 +15,14 @@ const LEAST_LEFT: f64 = 1e-2;
 /// One mode over the kept rows of a stretch.
 pub(super) struct Curve<'a> {
     pub(super) members: &'a Members,
-    /// Of the degree of freedom that moves most, complex, its modulus the amplitude, m.
+    /// Values of the degree of freedom that moves most, complex, with the amplitude as modulus, m.
     pub(super) values: Vec<Complex<f64>>,
     pub(super) dof: usize,
     /// The amplitude of each degree of freedom, in parts of the largest.
     pub(super) shape: Vec<f64>,
-    /// How many kept rows after a value are in it.
+    /// Number of kept rows after a value that are in it.
     pub(super) reach: usize,
-    /// How much larger rounding is than in the second difference that leaves all of the mode.
+    /// Amplification of rounding compared with the second difference that leaves all of the mode.
     pub(super) noise: f64,
 }
 
@@ -33,7 +33,7 @@ struct Difference {
     weights: Vec<f64>,
     /// Between two of these, in kept rows.
     lag: usize,
-    /// What it leaves of the mode: the mode's values are multiplied by this.
+    /// Factor by which the difference multiplies the values of the mode.
     left: Complex<f64>,
 }
 
@@ -59,7 +59,7 @@ impl Difference {
         Self { weights, lag, left }
     }
 
-    /// How many rows after the first are in it.
+    /// Number of rows after the first that are in it.
     const fn reach(&self) -> usize {
         self.lag * (self.weights.len() - 1)
     }
@@ -69,7 +69,7 @@ impl Difference {
         (0.25 * sum / self.left.norm()).max(1.0)
     }
 
-    /// Of one of the values of each row, from a row on, in parts of what is left of the mode.
+    /// The difference of one of the values of each row, from a row on, in parts of what is left of the mode.
     fn at(&self, values: impl Fn(usize) -> Complex<f64>, row: usize) -> Complex<f64> {
         let rows = self.weights.iter().enumerate();
         rows.map(|(i, weight)| values(row + i * self.lag) * *weight).sum::<Complex<f64>>()
@@ -158,7 +158,7 @@ impl Curve<'_> {
         if lambda.im == 0.0 {
             return [0.0, 0.0];
         }
-        // What is left of the turning when the eigenvalue's is taken away has no jumps.
+        // The rest of the phase, after that of the eigenvalue is taken away, has no jumps.
         let mut phase = 0.0;
         let points: Vec<[f64; 2]> = range
             .map(|i| {

@@ -1,8 +1,9 @@
 //! Growth and decay in a history.
 //!
-//! Where contacts take the same states over and over, a small motion beside a cycle grows or decays as an exponential:
-//! the logarithm of its amplitude is straight. It is looked for band by band, through windows of several lengths: long
-//! ones tell near lines apart, short ones follow a fast growth. What is too fast for all is seen in the envelope.
+//! Where contacts take the same states over and over, a small motion beside a cycle grows or decays as an
+//! exponential: the logarithm of its amplitude is straight. It is looked for band by band, through windows of several
+//! lengths: long ones tell near lines apart, short ones follow a fast growth. A change that is too fast for all
+//! windows is seen in the envelope.
 
 use super::bands::{Band, Bands, Combination};
 use super::straight::{Fit, pieces};
@@ -13,17 +14,17 @@ use serde::Serialize;
 use std::f64::consts::LN_10;
 use std::ops::Range;
 
-/// Bands are seen through windows of so many periods of the strongest line: through the longest, lines of 4/30 of its
-/// frequency or more apart are told from each other; less than the shortest has what is at zero and at the mirror image
-/// of the frequency in sight.
+/// Lengths of the windows of the bands, in periods of the strongest line: through the longest, lines of 4/30 of its
+/// frequency or more apart are told from each other; a window shorter than the shortest would also see zero frequency
+/// and the mirror image of the frequency.
 const WINDOWS: [f64; 3] = [30.0, 16.0, 8.0];
-/// A band changes over so many windows or more.
+/// The least number of windows over which a band changes.
 const FEWEST_WINDOWS: f64 = 3.0;
-/// A stretch of so many periods of the strongest line has shown what changes tenfold in it.
+/// Length of a stretch, in periods of the strongest line, that shows a tenfold change in it.
 pub(super) const FEWEST_PERIODS: f64 = 24.0;
-/// What is less than this part of the largest value is rounding.
+/// Values below this part of the largest value are rounding.
 pub(super) const ROUNDING: f64 = 1e-12;
-/// How straight the logarithm of an amplitude has to be.
+/// Tolerance of the straightness of the logarithm of an amplitude.
 pub(super) const STRAIGHT: f64 = 0.1;
 
 /// A stretch of time over which the logarithm of an amplitude is straight.
@@ -40,17 +41,17 @@ pub struct Phase {
     pub displacement: Option<String>,
     /// The growth rate, 1/s; negative where it decays.
     pub rate: f64,
-    /// How far that may be off, as far as the amplitudes tell, 1/s.
+    /// Uncertainty of the rate, as far as the amplitudes tell, 1/s.
     pub rate_error: f64,
     /// Hz; 0 of a mode that does not oscillate.
     pub frequency: f64,
-    /// How far that may be off, as far as the phases tell, Hz.
+    /// Uncertainty of the frequency, as far as the phases tell, Hz.
     pub frequency_error: f64,
     /// The frequency is that of a sum or difference of stronger lines: no motion of its own.
     pub combination: Option<Combination>,
 }
 
-/// What was found in a history.
+/// Growth and decay that were found in a history.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Growth {
     /// The strongest line of the whole, Hz; `None` if nothing oscillates.

@@ -37,10 +37,10 @@ const FAINT: f64 = 3e-2;
 pub(super) const ENOUGH_PERIODS: f64 = 3.0;
 /// One whose rate is larger in parts of its angular frequency is gone in rounding before a period is over.
 const GONE: f64 = 4.0;
-/// Of a mode that does not oscillate, the logarithm of its change below which it is nearly a straight line: a difference of rows
-/// that leaves no such line then leaves next to nothing of it.
+/// For a mode that does not oscillate, the logarithm of its change below which it is nearly a straight line: a
+/// difference of rows that removes straight lines then removes nearly all of it.
 const FLAT: f64 = 0.85;
-/// How well rates and frequencies are known that are straight to rounding, in parts of |λ|.
+/// Accuracy of rates and frequencies that are straight to rounding, in parts of |λ|.
 pub(super) const FINEST: f64 = 1e-9;
 
 /// The growth and decay of modes that a run has shown.
@@ -50,7 +50,7 @@ pub(super) struct Found {
     pub(super) phases: Vec<Phase>,
     /// Changes by less.
     pub(super) slow: Vec<Slow>,
-    /// Where the modes explain the motion: all that matter follow their exponentials.
+    /// Stretches in which the modes explain the motion: all that matter follow their exponentials.
     pub(super) explained: Vec<Explained>,
     /// Modes that oscillate too slowly for the run to show them.
     pub(super) too_slow: Option<TooSlow>,
@@ -65,7 +65,7 @@ pub(super) struct TooSlow {
     pub(super) count: usize,
     /// The frequency, Hz, of the one that takes longest; 0 where it does not oscillate.
     pub(super) slowest: f64,
-    /// How long that one takes to show itself, s.
+    /// Time that the slowest one takes to show itself, s.
     pub(super) length: f64,
 }
 
@@ -73,10 +73,10 @@ pub(super) struct TooSlow {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Slow {
     pub(super) phase: Phase,
-    /// Does it last from the beginning of the run, or from an edge of a signal, to where a contact changes its state or the run
-    /// ends?
+    /// `true` if it lasts from the beginning of the run, or from an edge of a signal, to where a contact changes its
+    /// state or the run ends.
     pub(super) is_whole: bool,
-    /// Does another mode grow beside it?
+    /// `true` if another mode grows beside it.
     pub(super) is_beside_growth: bool,
 }
 
@@ -97,7 +97,7 @@ pub(super) struct Follower {
     /// The step of the paper's scheme, s; `None` of exact motion.
     step: Option<f64>,
     drives: Drives,
-    /// Does the next stretch begin with the run or at an edge of a signal?
+    /// `true` if the next stretch begins with the run or at an edge of a signal.
     is_woken: bool,
     known: HashMap<Vec<ContactState>, Option<Basis>>,
     stretch: Option<Rows>,
@@ -108,7 +108,7 @@ pub(super) struct Follower {
 struct Traced {
     states: Vec<ContactState>,
     modes: Vec<Trace>,
-    /// Where the modes that matter follow their exponentials all the time.
+    /// The stretch, if the modes that matter follow their exponentials all the time.
     explained: Option<Explained>,
 }
 
@@ -129,7 +129,7 @@ impl Follower {
         }
     }
 
-    /// Is the next row beyond an edge of a signal? A new stretch begins there.
+    /// `true` if the next row is beyond an edge of a signal. A new stretch begins there.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn passes_edge(&mut self, row: usize) -> bool {
         let passes = self.drives.passes_edge(row as f64 * self.interval);
@@ -181,7 +181,7 @@ impl Follower {
         let (interval, largest) = (self.interval, self.largest);
         let drives = self.drives.frequencies.clone();
         let Some(basis) = self.basis(&rows.states) else {
-            // What a surface carries along slips again.
+            // A mass that a surface carries along slips again.
             let stands = drives.is_empty() && rows.fastest() * interval <= STANDS * largest;
             if stands && self.holds_all(&rows.states) {
                 let explained = Some(Explained { rests: true, ..rows.explained(interval) });
@@ -195,7 +195,7 @@ impl Follower {
         self.finished.push(traced);
     }
 
-    /// Do contacts in these states leave the masses no motion of their own?
+    /// `true` if contacts in these states leave the masses no motion of their own.
     fn holds_all(&self, states: &[ContactState]) -> bool {
         let reduced = self.here.linear().ok().and_then(|linear| linear.reduced(states));
         reduced.is_some_and(|reduced| reduced.motions.ncols() == 0)
@@ -238,7 +238,7 @@ impl Follower {
         found
     }
 
-    /// Of the modes of a stretch from one row to another those that were not told and may be once there are more periods.
+    /// The modes of a stretch from one row to another that were not found and may be once there are more periods.
     #[allow(clippy::cast_precision_loss)]
     fn too_slow(
         &mut self,
@@ -267,7 +267,7 @@ impl Follower {
         Some(TooSlow { from, count: needs.len(), slowest, length })
     }
 
-    /// The modes of all stretches; one that goes on over an edge as it was is one.
+    /// The modes of all stretches; a mode that continues unchanged over an edge is one.
     fn joined(&mut self) -> Vec<Trace> {
         let mut found: Vec<Trace> = Vec::new();
         // Those of the stretch before, by their place in what was found.
@@ -456,7 +456,7 @@ mod tests {
         Follower::of(&scene, Linearised::of(&scene), &[0.0], 1e-3)
     }
 
-    /// A exp(−10 t) cos(ω t) beside a straight line, over so many rows of 1 ms.
+    /// A exp(−10 t) cos(ω t) beside a straight line, over `rows` rows of 1 ms.
     #[allow(clippy::cast_precision_loss)]
     fn follow(follower: &mut Follower, rows: usize, amplitude: f64, line: [f64; 2]) {
         for row in 0..rows {
@@ -570,7 +570,7 @@ mod tests {
             (found.slow[0].phase.rate + RATE).abs() <= found.slow[0].phase.rate_error,
             "{found:?}"
         );
-        // The same mass driven at 3 Hz.
+        // This is that mass, driven at 3 Hz.
         let mut driven = follower(&[]);
         for row in 0..500_u16 {
             let (sin, cos) = libm::sincos(TAU * 3.0 * 1e-3 * f64::from(row));

@@ -51,8 +51,8 @@ use std::f64::consts::TAU;
 
 /// The most values that are kept of a run.
 const MOST_KEPT: f64 = 2e7;
-/// A spectrogram goes up to so many times the highest natural frequency, in so many windows or fewer, each so many
-/// times as long as those of the bands.
+/// Highest frequency of a spectrogram in parts of the highest natural frequency, its largest number of windows, and
+/// their length in parts of that of the bands' windows.
 const ABOVE_HIGHEST: f64 = 1.5;
 const SPECTRA: usize = 400;
 const LONGER: f64 = 2.0;
@@ -69,9 +69,9 @@ pub struct Eigenvalue {
 /// The states that all contacts have together for a part of a stretch of time.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Taken {
-    /// As `Sl-St`, contact by contact.
+    /// The states contact by contact, such as `Sl-St`.
     pub states: String,
-    /// What part of the time, from 0 to 1.
+    /// The part of the time, from 0 to 1.
     pub share: f64,
     /// That of the states' eigenvalues which is nearest in the complex plane to what was found; `None` if they have
     /// none that oscillates, or none that does not, as what was found.
@@ -81,7 +81,7 @@ pub struct Taken {
 /// A growth or decay beside the eigenvalues that may explain it.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Finding {
-    /// What was found.
+    /// The growth or decay that was found.
     #[serde(flatten)]
     pub phase: Phase,
     /// Nearest to it in the state in which the scene is at rest, which is uniform sliding where the slider moves.
@@ -90,7 +90,7 @@ pub struct Finding {
     pub taken: Vec<Taken>,
 }
 
-/// What a run is like.
+/// The growth and decay of one run.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Transient {
     /// The output's name.
@@ -101,7 +101,7 @@ pub struct Transient {
     pub interval: f64,
     /// Until when the run went, s.
     pub end: f64,
-    /// Did it go to its end?
+    /// `true` if the run reached its end.
     pub complete: bool,
     /// Why it did not, unless the watch ended it.
     #[serde(skip)]
@@ -117,13 +117,13 @@ pub struct Transient {
     pub growth: Growth,
     /// Each of `growth.phases` beside eigenvalues.
     pub findings: Vec<Finding>,
-    /// What the run is too short to tell.
+    /// Questions that the run is too short to answer.
     pub open: Vec<Open>,
-    /// Of the scene, what the eigenvalues leave out: sentences.
+    /// Features of the scene that the eigenvalues leave out: sentences.
     pub left_out: Vec<String>,
     /// The states that each contact takes over time.
     pub courses: Vec<StateTimeline>,
-    /// Of the output.
+    /// Spectrogram of the output.
     #[serde(skip)]
     pub spectrogram: Spectrogram,
 }
@@ -133,7 +133,7 @@ pub struct Transient {
 /// watch is looked at as far as it went.
 ///
 /// # Errors
-/// What is wrong with the scene; there is no such output; a run too long to keep.
+/// Returns an error if the scene is invalid, there is no such output or the run is too long to keep.
 pub fn transient(
     scene: &Scene,
     experiment: Experiment,
@@ -276,7 +276,7 @@ fn leaves_out(here: &Linearised, scene: &Scene) -> Vec<String> {
     found
 }
 
-/// What is kept of a run.
+/// Recorded data of a run.
 struct Record {
     outputs: Vec<Variable>,
     histories: Vec<Vec<f64>>,

@@ -1,4 +1,4 @@
-//! What a run leaves open, and what would decide it.
+//! Questions that a run leaves open, and the runs that would answer them.
 
 use super::growth::{FEWEST_PERIODS, Growth, Phase};
 use super::linear::{Slow, TooSlow};
@@ -19,24 +19,25 @@ const MARGIN: f64 = 1.1;
 pub enum Open {
     /// A mode that grows or decays to the end of the run, but less than tenfold.
     LessThanTenfold {
-        /// As far as the run shows it.
+        /// The growth or decay, as far as the run shows it.
         phase: Phase,
         /// The end of a run that would show it tenfold, s.
         stop_time: f64,
-        /// Does another mode grow beside it, which may make contacts change their states before that?
+        /// `true` if another mode grows beside it, which may make contacts change their states before that.
         is_beside_growth: bool,
     },
     /// A mode that grows or decays from the beginning or from an edge of a signal, but less than tenfold before the motion is no
     /// longer that of the modes.
     EndsBeforeTenfold {
-        /// As far as the run shows it.
+        /// The growth or decay, as far as the run shows it.
         phase: Phase,
-        /// May what ends it be something else than this motion: a signal, or another mode that grows beside it?
+        /// `true` if it may be ended by something else than this motion: a signal, or another mode that grows beside
+        /// it.
         is_ended_by_others: bool,
     },
     /// Modes that are too slow for the run to show whether they grow or decay.
     TooSlow {
-        /// How many they are.
+        /// Number of these modes.
         count: usize,
         /// The frequency, Hz, of the one that takes longest; 0 where it does not oscillate.
         frequency: f64,
@@ -47,7 +48,7 @@ pub enum Open {
     TooShort {
         /// s.
         span: [f64; 2],
-        /// Of the strongest line.
+        /// Length of the span in periods of the strongest line.
         periods: f64,
         /// The end of a run that has enough, s.
         stop_time: f64,
@@ -62,7 +63,8 @@ pub enum Open {
     },
 }
 
-/// What of a run to `end` (s) the modes do not explain: spans in which contacts change their states, or do not follow
+/// The spans of a run to `end` (s) that the modes do not explain: those in which contacts change their states, or do
+/// not follow
 /// the modes. Between two changes of state, stretches have to last for some periods of the strongest line to be no part of
 /// these.
 pub(super) fn unexplained(
@@ -100,7 +102,7 @@ pub(super) fn questions(
     // The last of many short stretches between changes of state ends with the run by chance.
     let is_by_chance =
         |phase: &Phase| unexplained.iter().any(|span| span[0] < phase.span[0] && lasts(*span));
-    // What has been seen to go tenfold is no question any more, though it goes on elsewhere.
+    // A tenfold change that has been seen is no question any more, though the mode may continue elsewhere.
     let is_answered = |phase: &Phase| {
         let is_same = |found: &Phase| {
             let apart = (found.frequency - phase.frequency).abs();
@@ -191,7 +193,7 @@ mod tests {
         );
         let open = questions((vec![slow([0.0, 1.0])], None), &[], &growth, (1.0, false));
         assert!(matches!(open[..], [Open::LessThanTenfold { .. }]), "{open:?}");
-        // The same mode has been seen to decay tenfold elsewhere, or one of another frequency has, or it has grown.
+        // This mode has been seen to decay tenfold elsewhere, or one of another frequency has, or it has grown.
         let with = |rate, frequency| {
             let phases = vec![Phase { rate, frequency, ..phase([0.0, 0.5]) }];
             let growth = Growth { phases, ..growth.clone() };

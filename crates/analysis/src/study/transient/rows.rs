@@ -12,9 +12,9 @@ const MOST_ROWS: usize = 512;
 pub(super) struct Explained {
     /// s.
     pub(super) span: [f64; 2],
-    /// Does it begin with the run or at an edge of a signal, and not where a contact has changed its state?
+    /// `true` if it begins with the run or at an edge of a signal, and not where a contact has changed its state.
     pub(super) is_woken: bool,
-    /// Do contacts hold all masses on surfaces that stand still, so that nothing can grow or decay?
+    /// `true` if contacts hold all masses on surfaces that stand still, so that nothing can grow or decay.
     pub(super) rests: bool,
 }
 
@@ -36,7 +36,7 @@ impl Drives {
         Self { frequencies, next_edge: next_edge(&shapes, 0.0), shapes }
     }
 
-    /// Is a time (s) beyond an edge that no time before it was beyond?
+    /// `true` if a time (s) is beyond an edge that no time before it was beyond.
     pub(super) fn passes_edge(&mut self, time: f64) -> bool {
         // A row at an edge is the last one before it.
         let reached = time * (1.0 - 1e-12);
@@ -58,7 +58,7 @@ pub(super) struct Rows {
     pub(super) states: Vec<ContactState>,
     /// Changes of state up to here.
     pub(super) changes: u64,
-    /// Does it begin with the run or at an edge of a signal?
+    /// `true` if it begins with the run or at an edge of a signal.
     pub(super) is_woken: bool,
     pub(super) first: usize,
     pub(super) last: usize,
@@ -79,7 +79,8 @@ impl Rows {
         Self { states: states.to_vec(), changes, is_woken, first, last: first, levels }
     }
 
-    /// As a span that the modes explain, with rows each `interval`, s. What is between two stretches belongs to the second.
+    /// The stretch as a span that the modes explain, with rows each `interval`, s. The time between two stretches
+    /// belongs to the second.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn explained(&self, interval: f64) -> Explained {
         let span = [self.first.saturating_sub(1), self.last].map(|row| row as f64 * interval);

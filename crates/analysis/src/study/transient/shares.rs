@@ -7,7 +7,7 @@ use amontons::stability::Spectrum;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// Contact states of less than this part of the time are not listed, nor more than so many.
+/// Contact states of less than this part of the time are not listed, nor more than the following number.
 const LEAST_SHARE: f64 = 1e-2;
 const MOST_STATES: usize = 6;
 

@@ -1,4 +1,4 @@
-//! Where a curve is straight.
+//! Straight pieces of a curve.
 
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,12 +10,12 @@ pub(super) struct Fit {
     pub(super) slope: f64,
     /// The middle of the points, through which the line goes.
     pub(super) middle: [f64; 2],
-    /// How far the farthest point is from the line, along y.
+    /// Distance of the farthest point from the line, along y.
     pub(super) apart: f64,
 }
 
 impl Fit {
-    /// Of points with at least two different x.
+    /// The line through points with at least two different x.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn of(points: &[[f64; 2]]) -> Self {
         let count = points.len() as f64;
@@ -35,7 +35,7 @@ impl Fit {
         self.middle[1] + self.slope * (x - self.middle[0])
     }
 
-    /// How far the slope may be off if no point is farther from the true line than from this one: points all above
+    /// Bound on the error of the slope if no point is farther from the true line than from this one: points all above
     /// it on one half and all below it on the other, by r over the length L, would turn it by 3 r / L.
     pub(super) fn slope_error(&self, length: f64) -> f64 {
         3.0 * self.apart / length

@@ -1,10 +1,10 @@
-//! Which states each contact takes over time.
+//! States of each contact over time.
 
 use amontons::contact::ContactState;
 use serde::Serialize;
 
-/// A run has so many pieces at most, for each of which is said which states a contact takes in it: finer than that
-/// a picture does not show.
+/// The most pieces of a run, for each of which the states that a contact takes in it are given: finer details do not
+/// show in a picture.
 const PIECES: usize = 300;
 
 /// The states of one contact over time.

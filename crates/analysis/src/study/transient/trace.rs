@@ -5,7 +5,8 @@ use super::linear::{FINEST, Observed};
 use super::straight::Fit;
 use nalgebra::Complex;
 
-/// Where the logarithm of an amplitude jumps by more at an edge of a signal, the signal has changed the motion of the mode.
+/// If the logarithm of an amplitude jumps by more than this at an edge of a signal, the signal has changed the motion
+/// of the mode.
 const CORNER: f64 = 1e-2;
 
 /// A mode has no part in a degree of freedom that moves by less than this part of the largest: rounding of its shape.
@@ -23,19 +24,20 @@ pub(super) struct Trace {
     pub(super) frequency: [f64; 2],
     /// `true` where the mode is a fair part of the motion at some time.
     pub(super) matters: bool,
-    /// Does its stretch begin with the run or at an edge of a signal?
+    /// `true` if its stretch begins with the run or at an edge of a signal.
     pub(super) is_woken: bool,
     /// `true` if it is followed to where a contact changes its state or the run ends, and not only to an edge of a signal.
     pub(super) lasts: bool,
 }
 
 impl Trace {
-    /// Of the logarithm of the amplitude.
+    /// Change of the logarithm of the amplitude.
     pub(super) fn change(&self) -> f64 {
         self.fit.slope * (self.span[1] - self.span[0])
     }
 
-    /// Is a mode of the next stretch, which begins no more than `gap` (s) later, this one, and has its line no corner there?
+    /// `true` if a mode of the next stretch, which begins no more than `gap` (s) later, is this one, and its line has
+    /// no corner there.
     pub(super) fn goes_on_in(&self, next: &Self, gap: f64) -> bool {
         let joint = 0.5 * (self.span[1] + next.span[0]);
         self.eigenvalue == next.eigenvalue
@@ -60,7 +62,7 @@ impl Trace {
         fit
     }
 
-    /// This one and what goes on from it as one.
+    /// This trace and its continuation `next` as one.
     pub(super) fn joined(self, next: &Self) -> Self {
         let fit = self.joined_fit(next);
         let lengths = [&self, next].map(|trace| trace.span[1] - trace.span[0]);
@@ -76,7 +78,7 @@ impl Trace {
 
     pub(super) fn phase(&self, observed: Option<Observed>, names: &[String]) -> Phase {
         let (factor, displacement) = match observed {
-            // Of a mode that does not reach the output, rounding is all that is seen there.
+            // At an output that a mode does not reach, only rounding is seen.
             Some(Observed { dof, is_velocity }) if self.shape[dof] > UNSEEN => {
                 let per_time = if is_velocity {
                     libm::hypot(self.eigenvalue.re, self.eigenvalue.im)
