@@ -2,7 +2,7 @@
 //!
 //! A module imports only from the crate `amontons` and from modules above it:
 //!
-//! | module | what it finds |
+//! | module | contents |
 //! | --- | --- |
 //! | [`watch`] | progress of long work, and its end before it is done |
 //! | [`record`] | a run of an experiment, row by row |
@@ -12,12 +12,12 @@
 //! | [`assign`] | a value of a scene, by its variable's name |
 //! | [`instant`] | what an analysis at one instant says of the signals that it leaves out |
 //! | [`inputs`] | inputs over time from a CSV file |
-//! | [`effects`] | every effect that there is, for one scene |
+//! | [`effects`] | all effects of the model for one scene |
 //! | [`stability`] | modes, loci over a parameter, bi-stable candidates, maps |
 //! | [`doubts`], [`warning`] | values that are possible, but hardly meant |
-//! | [`accuracy`] | how far each method and step is from a proven reference |
+//! | [`accuracy`] | the distance of each method and step from a proven reference |
 //! | [`sweep`] | many runs over the values of a parameter |
-//! | [`study`] | what a scene ends in: limit cycles, perturbations, branches over µ, basins |
+//! | [`study`] | endings of a scene: limit cycles, perturbations, branches over µ, basins |
 //!
 //! All quantities are in SI units.
 

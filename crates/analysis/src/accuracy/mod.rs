@@ -5,11 +5,11 @@
 //! claimed. Nothing here looks at a clock, so the same scene gives the same numbers at each run; who wants
 //! times takes them over the same [`Grid`].
 //!
-//! | file | what it holds |
+//! | file | contents |
 //! | --- | --- |
-//! | `grid` | when a run is looked at, and which steps go with that |
+//! | `grid` | the times at which a run is observed, and the steps that go with them |
 //! | `run` | one run: displacements over the window, changes of state with their times |
-//! | `cycle` | amplitude and frequency of what a run ends in |
+//! | `cycle` | amplitude and frequency of the motion that a run ends in |
 //! | `table` | the table in words |
 
 mod cycle;

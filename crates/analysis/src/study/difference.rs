@@ -9,12 +9,12 @@ pub(super) const OTHER_EXTENT: f64 = 0.05;
 /// Extents of two periodic motions that differ by more than this part are of different ones, where both states come back to
 /// within [`CLOSED`].
 const SAME_EXTENT: f64 = 5e-3;
-/// Sizes of irregular motions that differ by more than this part may.
+/// Sizes of irregular motions may belong to different motions if they differ by more than this part.
 const OTHER_IRREGULAR: f64 = 0.25;
 /// Sizes of undecided motions may belong to different motions if they differ by more than this many times their own
 /// scatter.
 const OTHER_SCATTER: f64 = 2.0;
-/// Frequencies that differ by more than this part may.
+/// Frequencies may belong to different motions if they differ by more than this part.
 const OTHER_FREQUENCY: f64 = 0.02;
 /// Another kind adds this to the distance of two motions. Alone it does not make them different, since a second frequency
 /// may come and go gently.

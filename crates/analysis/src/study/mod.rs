@@ -1,30 +1,30 @@
 //! Studies of a scene beyond one run: the motions that it ends in, over the values of a parameter.
 //!
-//! | file | what it is |
+//! | file | contents |
 //! | --- | --- |
-//! | `look` | which output is looked at, how often, for how long |
+//! | `look` | settings of the observation: output, rows, windows |
 //! | `ending` | the kinds of motion, and what is known of a motion that has settled |
-//! | `settling` | when a motion has settled, and in what |
-//! | `windows` | how large a motion is from window to window, which lines it has, and whether both stay |
+//! | `settling` | detection of settled motions, and of their kinds |
+//! | `windows` | size and lines of a motion from window to window, and their trend |
 //! | `basis` | the modes of a contact state as a basis of its motions |
-//! | `family` | whether a linear motion is one of many with every size |
-//! | `drive` | what signals do in the end |
-//! | `recurrence` | whether the state of a settled motion comes back, and after which period |
-//! | `parting` | how neighbouring motions part: the kind of a motion that does not come back |
+//! | `family` | detection of linear motions that are one of many with every size |
+//! | `drive` | long-term behaviour of signals |
+//! | `recurrence` | return of the state of a settled motion, and its period |
+//! | `parting` | separation of neighbouring motions: the kind of a motion that does not come back |
 //! | `beat` | the lines beside the strongest one and its multiples |
-//! | `period` | what a periodic motion does over one period |
-//! | `continuation` | what it ends in over µ, upwards and downwards; jumps |
-//! | `confirm` | whether a push leads to the contact state of a candidate |
+//! | `period` | quantities of a periodic motion over one period |
+//! | `continuation` | endings over µ, upwards and downwards; jumps |
+//! | `confirm` | pushes that may lead to the contact state of a candidate |
 //! | `push` | a small push out of an equilibrium |
-//! | `limit_cycle` | what a scene ends in over the values of a parameter, and where contact states come and go |
+//! | `limit_cycle` | endings of a scene over the values of a parameter, and thresholds of contact states |
 //! | `portrait` | phase portraits of a settled motion |
-//! | `transient` | how one run grows and decays, band by band, beside eigenvalues |
-//! | `attractor` | which endings are the same motion |
+//! | `transient` | growth and decay of one run, band by band, beside eigenvalues |
+//! | `attractor` | comparison of endings |
 //! | `initial` | runs from other initial values |
-//! | `perturbation` | what perturbations end in, and the thresholds between |
-//! | `basin` | which points of a plane of initial values end in which attractor |
-//! | `work` | how far the work on many points is |
-//! | `journal` | finished pieces of work, so that a study that was ended goes on from there |
+//! | `perturbation` | endings of perturbations, and the thresholds between |
+//! | `basin` | attractors of the points of a plane of initial values |
+//! | `work` | progress of the work on many points |
+//! | `journal` | finished pieces of work, from which a study that was ended can be resumed |
 //!
 //! A study is given its scene ready to run and gives plain data; files and pictures are the program's.
 

@@ -6,7 +6,8 @@ use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 use serde::Serialize;
 
-/// In parts of the fastest surface's velocity, and of a motion's own: far below what makes a contact stick, far above rounding.
+/// Size of a push in parts of the fastest surface's velocity, and of a motion's own: far below a velocity that makes
+/// a contact stick, far above rounding.
 const SMALL: f64 = 1e-3;
 /// The velocity of the push where all surfaces stand still, m/s.
 const STANDING: f64 = 1e-6;
@@ -22,7 +23,7 @@ pub struct Push {
 
 impl Push {
     /// The usual one of a scene: to the first degree of freedom that no contact lies along, else to the first that
-    /// does not lift a mass off, else to the first.
+    /// The usual push of a scene: to the first degree of freedom that no contact lies along, else to the first that
     #[must_use]
     pub fn of(scene: &Scene) -> Self {
         let model = LumpedModel::from(scene);

@@ -11,12 +11,12 @@ use plotters::coord::ranged1d::{BoldPoints, DefaultFormatting, KeyPointHint, Ran
 use plotters::coord::types::RangedCoordf64;
 use std::ops::Range;
 
-/// Where frames begin and end, px.
+/// Left and right end of frames, px.
 pub(super) const LEFT: f64 = 84.0;
 pub(super) const RIGHT: f64 = 876.0;
 /// Free at the left of the y label, px.
 const EDGE: f64 = 8.0;
-/// What the ticks and the label of the x axis take below a frame, px.
+/// Height of the ticks and the label of the x axis below a frame, px.
 pub(super) const X_AXIS: f64 = 52.0;
 /// Size of ticks and marks, px.
 pub(super) const SMALL: f64 = 15.0;
@@ -36,11 +36,11 @@ pub(super) struct Frame<'a> {
     pub(super) y_label: &'a str,
     /// None leaves the ticks of the x axis without numbers.
     pub(super) x_label: Option<&'a str>,
-    /// Lines from the ticks across?
+    /// `true` if lines are drawn from the ticks across the frame.
     pub(super) grid: bool,
-    /// Has y a label, ticks and numbers?
+    /// `true` if y has a label, ticks and numbers.
     pub(super) y_axis: bool,
-    /// Are the values decimal logarithms of what the axes show?
+    /// `true` if the values are decimal logarithms of the numbers on the axes.
     pub(super) logarithmic: bool,
 }
 
@@ -150,7 +150,7 @@ impl Frame<'_> {
     }
 }
 
-/// At most so many round values of a range, with their numbers.
+/// At most `most` round values of a range, with their numbers.
 pub(super) fn ticks(range: [f64; 2], most: usize) -> Vec<(f64, String)> {
     let axis: RangedCoordf64 = (range[0]..range[1]).into();
     let found = axis.key_points(BoldPoints(most)).into_iter();

@@ -1,4 +1,4 @@
-//! What pictures are drawn on: one set of strokes, fills and texts, for SVG and for bitmaps.
+//! The canvas of pictures: one set of strokes, fills and texts, for SVG and for bitmaps.
 //!
 //! All lengths are in px of a picture 900 px wide. The drawing library knows whole pixels only, so
 //! it is given a larger picture: an SVG is told its true size afterwards, a bitmap is reduced, which
@@ -47,7 +47,7 @@ impl<E: std::error::Error + Send + Sync> From<DrawingAreaErrorKind<E>> for Failu
 pub(super) trait Drawing {
     fn title(&self) -> &str;
 
-    /// What there is to see, for those who cannot.
+    /// Description of the picture in words, for readers who cannot see it.
     fn description(&self) -> String;
 
     /// px.
@@ -142,7 +142,7 @@ fn png(drawing: &impl Drawing) -> Result<Vec<u8>, Failure> {
     bitmap(drawing, PNG_UNIT, 1)
 }
 
-/// A PNG that was drawn with so many pixels a px and then halved so often.
+/// A PNG that was drawn with `unit` pixels for each px and then halved `halvings` times.
 fn bitmap(drawing: &impl Drawing, unit: u32, halvings: u32) -> Result<Vec<u8>, Failure> {
     let (width, height) = size(drawing, unit);
     let mut pixels = vec![0; 3 * width as usize * height as usize];
@@ -200,7 +200,7 @@ fn whole(length: f64) -> u32 {
     length.ceil() as u32
 }
 
-/// Paints, and gives the elements of an SVG that the drawing library has not.
+/// Paints, and returns the elements of an SVG that the drawing library lacks.
 fn paint<B: DrawingBackend>(
     drawing: &impl Drawing,
     backend: B,
@@ -224,7 +224,7 @@ fn register_font() {
     });
 }
 
-/// How wide a text is, px; exact in bitmaps, near in SVGs, whose font is the reader's.
+/// Width of a text, px; exact in bitmaps, approximate in SVGs, whose font is the reader's.
 pub(super) fn text_width(text: &str, size: f64) -> f64 {
     register_font();
     // Measured large: the library counts whole pixels.
@@ -233,7 +233,7 @@ pub(super) fn text_width(text: &str, size: f64) -> f64 {
     f64::from(width) * size / large
 }
 
-/// Where a text stands against its point.
+/// Position of a text relative to its point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Align {
     Left,

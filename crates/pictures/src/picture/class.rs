@@ -7,7 +7,7 @@ use amontons::contact::ContactState;
 use plotters::style::RGBColor;
 use serde::Serialize;
 
-/// What a cell of a map, or a stretch of a lane, can be.
+/// A class of a cell of a map, or of a stretch of a lane.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Class {
     /// For the legend.

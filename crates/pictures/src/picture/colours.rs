@@ -2,7 +2,7 @@
 
 use plotters::style::RGBColor;
 
-/// How many colours the scale has; one more would not be seen.
+/// Number of colours of the scale; one more would not be visible.
 pub(crate) const COLOURS: usize = 255;
 
 /// The way from dark to light, as Oklab's lightness, a and b: from blue to yellow, which eyes without red or

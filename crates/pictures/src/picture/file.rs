@@ -5,7 +5,7 @@ use amontons_analysis::output::{Pending, check_folder};
 use std::io::Write;
 use std::path::Path;
 
-/// What a picture's name asks for.
+/// The format that a picture's name asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Format {
     Svg,

@@ -15,7 +15,7 @@ const PATCH: f64 = 7.0;
 /// Radius of points that are not joined, px.
 pub(super) const DOT: f64 = 2.5;
 
-/// What stands for an entry.
+/// The sample of an entry.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) enum Sample {
     /// A stroke, unless the points are not joined, with the marker of its points.

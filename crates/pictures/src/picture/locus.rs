@@ -49,7 +49,7 @@ fn curves(loci: &[(Option<String>, &Locus)], part: fn(&Root) -> f64) -> Vec<Seri
     curves
 }
 
-/// Where modes begin to grow, and where they merge; not for a family, which has too many.
+/// Marks at values where modes begin to grow, and where they merge; none for a family, which has too many.
 fn marks(loci: &[(Option<String>, &Locus)], x_label: &str) -> [Vec<Mark>; 2] {
     let [(_, locus)] = loci else { return [Vec::new(), Vec::new()] };
     let mark = |x: f64, label: String| Mark { x, label: Some(label) };

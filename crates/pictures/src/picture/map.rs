@@ -17,7 +17,7 @@ const STRIPE: f64 = 5.0;
 /// Classes over a plane. Labels with units are treated as those of a [`Chart`](super::Chart).
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Map {
-    /// What is to be seen.
+    /// Title of the picture.
     pub title: String,
     /// The quantity along x, with its unit.
     pub x_label: String,
@@ -29,7 +29,7 @@ pub struct Map {
     pub y: [f64; 2],
     /// Rows of cells, the lowest row first: each cell's place in `classes`.
     pub cells: Vec<Vec<usize>>,
-    /// What the cells can be.
+    /// The classes that the cells can have.
     pub classes: Vec<Class>,
 }
 

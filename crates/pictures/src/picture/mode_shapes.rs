@@ -33,7 +33,7 @@ const AT_REST: f64 = 0.01;
 /// Modes of a ring of equal or different modules.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModeShapes {
-    /// What is to be seen.
+    /// Title of the picture.
     pub title: String,
     /// θ, rad: the slider's tangent is t = (cos θ, sin θ).
     pub angle: f64,
@@ -44,7 +44,7 @@ pub struct ModeShapes {
 /// One mode.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ModeShape {
-    /// Which mode it is, with its frequency and growth rate.
+    /// Name of the mode, with its frequency and growth rate.
     pub title: String,
     /// Four values a module: m1 to the right and up, m2 along the slider's tangent and normal.
     pub shape: Vec<Complex<f64>>,
@@ -200,7 +200,7 @@ impl<'a> PlacedMode<'a> {
         lines
     }
 
-    /// What stands still: the ground above each module and the slider below, px.
+    /// The parts that stand still: the ground above each module and the slider below, px.
     pub(super) fn fixed(&self) -> Vec<[Point; 2]> {
         let mut lines = Vec::new();
         for pair in self.masses.chunks_exact(2) {
@@ -240,7 +240,7 @@ fn set_going(masses: &mut [Mass], reach: f64) {
         mass.motion = mass.motion.map(|value| value * start * (reach / size));
         if longest(mass) > AT_REST * reach {
             let own = axis(mass);
-            // The same way along for all: else two that move together might seem opposite.
+            // All axes are taken in one direction: else two masses that move together might seem to move oppositely.
             let back = own[0] * along[0] + own[1] * along[1] < 0.0;
             let phase = 0.5 * square(mass).arg();
             mass.phase = Some(phase + if back { 2.0 * FRAC_PI_2 } else { 0.0 });
@@ -249,7 +249,7 @@ fn set_going(masses: &mut [Mass], reach: f64) {
 }
 
 impl Mass {
-    /// Where it is at a phase of the cycle, rad.
+    /// Position of the mass at a phase of the cycle, rad.
     pub(super) fn at(&self, phase: f64) -> Point {
         let turn = Complex::new(libm::cos(phase), libm::sin(phase));
         [0, 1].map(|axis| self.rest[axis] + (self.motion[axis] * turn).re)

@@ -1,6 +1,6 @@
 //! Numbers as a person reads them.
 
-/// A number with so many significant digits, whatever its size.
+/// A number with `digits` significant digits, whatever its size.
 #[must_use]
 pub fn significant(value: f64, digits: usize) -> String {
     // A zero has no sign.

@@ -30,8 +30,8 @@ pub(super) fn unit_of(label: &str) -> Option<(&str, &str)> {
     label.strip_suffix(']')?.rsplit_once('[').filter(|(_, unit)| !unit.is_empty())
 }
 
-/// What values on an axis are multiplied by, and the axis's label that goes with it. Values are left alone whose largest
-/// is from a tenth to ten thousand units, or is nothing, and those without a unit that takes a prefix.
+/// The factor of the values on an axis, and the axis's label that goes with it. `None` for values whose largest is
+/// from a tenth to ten thousand units, or is nothing, and for those without a unit that takes a prefix.
 pub(super) fn prefixed_axis(label: &str, range: [f64; 2]) -> Option<(f64, String)> {
     let (name, unit) = unit_of(label)?;
     let largest = range[0].abs().max(range[1].abs());
@@ -56,8 +56,8 @@ pub(super) fn prefixed_axis(label: &str, range: [f64; 2]) -> Option<(f64, String
 }
 
 impl Chart {
-    /// Is there no mark whose label gives its place without a unit? Such a number would not be that of an axis with a
-    /// prefix.
+    /// `true` if there is no mark whose label gives its place without a unit. Such a number would not be that of an
+    /// axis with a prefix.
     fn marks_have_units(&self) -> bool {
         let unit = unit_of(&self.x_label).map_or("", |(_, unit)| unit);
         let mut labels =
@@ -113,7 +113,7 @@ impl Chart {
 }
 
 impl Map {
-    /// As that of a [`Chart`].
+    /// The map with units that have prefixes, by the rules of a [`Chart`].
     pub(crate) fn in_prefixed_units(&self) -> Cow<'_, Self> {
         let [across, up] = [(&self.x_label, self.x), (&self.y_label, self.y)]
             .map(|(label, range)| prefixed_axis(label, range));

@@ -15,7 +15,7 @@ const MAP: [usize; 2] = [20, 12];
 
 pub(super) struct Listings {
     pub(super) tables: Vec<Listing>,
-    /// What stands beside curves: marks and bands.
+    /// The marks and bands beside the curves, in words.
     pub(super) notes: Vec<String>,
 }
 
@@ -23,7 +23,7 @@ pub(super) struct Listing {
     title: String,
     pub(super) head: Vec<String>,
     pub(super) rows: Vec<Vec<String>>,
-    /// How many rows there are to take from, and what they are.
+    /// Number of rows there are to take from, and their name.
     whole: (usize, &'static str),
 }
 
@@ -104,7 +104,7 @@ fn of_curves(chart: &Chart, group: &[(&Panel, &Series)], rows: usize) -> Listing
     Listing { title, head, rows: rows.collect(), whole: (count, "points") }
 }
 
-/// Where each column is largest.
+/// Table of the place at which each column of a raster is largest.
 #[allow(clippy::cast_precision_loss)]
 fn of_raster(chart: &Chart, panel: &Panel, raster: &Raster) -> Listing {
     let columns = raster.rows.first().map_or(0, Vec::len);

@@ -7,9 +7,9 @@ use quick_xml::escape::escape;
 use std::fmt::Write as _;
 use uuid::Uuid;
 
-/// Of all pages: colours on light and dark ground, texts, tables, figures.
+/// Style of all pages: colours on light and dark ground, texts, tables, figures.
 pub const BASE_STYLE: &str = include_str!("page/base.css");
-/// Of reports: the summary and the claims.
+/// Style of reports: the summary and the claims.
 const STYLE: &str = include_str!("page/page.css");
 
 /// Text as it stands between tags and in attributes.

@@ -24,7 +24,7 @@ use std::path::Path;
 /// A report. All texts are plain: what HTML would take for markup is shown as it is.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Page {
-    /// What the report is on.
+    /// Subject of the report.
     pub title: String,
     /// Paragraphs before everything else.
     pub lead: Vec<String>,
@@ -52,15 +52,15 @@ pub struct Section {
 /// Something that the paper says, and what came out.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Claim {
-    /// What the paper says.
+    /// The statement of the paper.
     pub paper: String,
-    /// What came out.
+    /// The result that was found.
     pub found: String,
-    /// How they compare.
+    /// Comparison of the two.
     pub verdict: Verdict,
 }
 
-/// Does a claim agree with what came out?
+/// Agreement of a claim with the result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// It does.
@@ -72,7 +72,7 @@ pub enum Verdict {
     },
     /// That is not known.
     Unknown {
-        /// What would decide it.
+        /// The evidence that would decide it.
         decided_by: String,
     },
 }
@@ -80,7 +80,7 @@ pub enum Verdict {
 /// A picture with what is to be said about it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// What it shows.
+    /// Content of the figure in words.
     pub caption: String,
     /// The command line that makes it.
     pub command: Option<String>,
@@ -88,7 +88,7 @@ pub struct Figure {
     pub content: Content,
 }
 
-/// What a figure draws.
+/// The picture of a figure.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Content {
     /// Panels over one x axis.
@@ -100,11 +100,11 @@ pub enum Content {
 /// A table. The first cell of each row names the row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
-    /// What it shows, and what its emphasis means.
+    /// Content of the table in words, and the meaning of its emphasis.
     pub caption: String,
     /// Names of the columns.
     pub head: Vec<String>,
-    /// As many cells in each as there are names.
+    /// The rows, with one cell for each name in `head`.
     pub rows: Vec<Vec<Cell>>,
 }
 
@@ -118,9 +118,9 @@ pub struct Cell {
 /// A line in a cell.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Line {
-    /// What it says.
+    /// Text of the line.
     pub text: String,
-    /// Is it to stand out (an eigenvalue that grows)?
+    /// `true` if the line is to stand out (an eigenvalue that grows).
     pub emphasised: bool,
 }
 
@@ -131,7 +131,7 @@ impl<T: Into<String>> From<T> for Cell {
 }
 
 impl Verdict {
-    /// Does the claim hold?
+    /// `true` if the claim holds.
     #[must_use]
     pub fn holds(&self) -> bool {
         *self == Self::Holds
@@ -140,13 +140,14 @@ impl Verdict {
 
 /// The page as HTML.
 ///
-/// Pictures are thinned to what can be seen: of curves along x the lowest and the highest point in each of 2000 parts
+/// Pictures are thinned to the visible points: of curves along x the lowest and the highest point in each of 2000
+/// parts
 /// of the axis, of other curves (limit cycles in a phase plane) points that differ visibly, of dots one in each cell
 /// of a fine grid; 4000 points or a few more. Points with labels all stay.
 ///
 /// # Errors
-/// A figure with nothing to draw or with data that contradict each other, or a row of a table that has not as many
-/// cells as the table has columns.
+/// Returns an error if a figure has nothing to draw or has data that contradict each other, or if a row of a table
+/// does not have as many cells as the table has columns.
 pub fn html(page: &Page) -> Result<String, Error> {
     markup::page(page)
 }

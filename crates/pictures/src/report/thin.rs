@@ -25,7 +25,7 @@ pub(super) fn kept(series: &Series, logarithmic: bool) -> Vec<usize> {
     }
 }
 
-/// Of points along x, to seven digits, the lowest and the highest in each of so many parts of the x axis.
+/// The lowest and the highest point in each of `bins` parts of the x axis, of points along x, to seven digits.
 pub fn envelope(points: &[Point], bins: f64) -> Vec<Point> {
     let kept = Scaled::new(points, false).lowest_and_highest(bins);
     kept.into_iter().map(|place| points[place].map(rounded)).collect()
@@ -38,7 +38,7 @@ pub fn evenly_spaced(count: usize, most: usize) -> Vec<usize> {
     (0..kept).map(|place| place * (count - 1) / (kept - 1).max(1)).collect()
 }
 
-/// Does x never go back?
+/// `true` if x never goes back.
 pub(super) fn is_ascending(points: &[Point]) -> bool {
     let mut finite = points.iter().map(|[x, _]| *x).filter(|x| x.is_finite());
     let mut before = f64::NEG_INFINITY;
@@ -72,7 +72,7 @@ impl Scaled {
         self.points[place].iter().any(|value| !value.is_finite())
     }
 
-    /// Of each part of the x axis the lowest and the highest point, and where the curve breaks there, that it does.
+    /// The lowest and the highest point of each part of the x axis and, if the curve breaks there, the break.
     fn lowest_and_highest(&self, bins: f64) -> Vec<usize> {
         let mut kept = Vec::new();
         let mut part = Part::default();
@@ -99,7 +99,7 @@ impl Scaled {
         kept
     }
 
-    /// What a way of thinning keeps with the finest distance that leaves no more points than there may be.
+    /// The points that a way of thinning keeps with the finest distance that leaves no more points than the limit.
     fn coarsest_needed(&self, thin: fn(&Self, f64) -> Vec<usize>) -> Vec<usize> {
         let mut distance = 1.0 / 4000.0;
         loop {
@@ -143,7 +143,7 @@ impl Scaled {
     }
 }
 
-/// What is known of a part of the x axis.
+/// The lowest and highest point and the gap of a part of the x axis.
 #[derive(Default)]
 struct Part {
     /// Place and value.

@@ -12,9 +12,9 @@ use serde::Serialize;
 /// A range of the x axis worth a shade.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Band {
-    /// Where it begins, in the unit of the x axis; −∞ is the left end of the axis.
+    /// Beginning of the band, in the unit of the x axis; −∞ is the left end of the axis.
     pub from: f64,
-    /// Where it ends, in the unit of the x axis; ∞ is the right end of the axis.
+    /// End of the band, in the unit of the x axis; ∞ is the right end of the axis.
     pub to: f64,
     /// For the legend, which equal labels in the same colour share.
     pub label: Option<String>,
@@ -29,7 +29,7 @@ impl Band {
         self.label.clone().map(|label| Entry { label, sample })
     }
 
-    /// What there is to see, for those who cannot.
+    /// Description of the band in words, for readers who cannot see it.
     pub(super) fn words(&self) -> String {
         let label = self.label.as_deref().map(|label| format!("“{label}” "));
         format!("{}from {} to {}", label.unwrap_or_default(), self.from, self.to)

@@ -27,7 +27,7 @@ impl Series {
         self.label.clone().map(|label| Entry { label, sample })
     }
 
-    /// Does a curve turn back in x, as loops do?
+    /// `true` if a curve turns back in x, as loops do.
     pub(super) fn turns(&self) -> bool {
         let finite = self.points.iter().filter(|[x, y]| x.is_finite() && y.is_finite());
         let x: Vec<f64> = finite.map(|[x, _]| *x).collect();

@@ -9,7 +9,7 @@ use crate::picture::palette::INK;
 use plotters::backend::DrawingBackend;
 use serde::Serialize;
 
-/// What the heading takes above its frame, px.
+/// Height of the heading above its frame, px.
 pub(super) const HEADING: f64 = 24.0;
 /// A lane's height, px, as long as all fit into `MOST`; it is never less than `LEAST`.
 const HEIGHT: f64 = 26.0;
@@ -28,22 +28,22 @@ const LONGEST: f64 = 250.0;
 pub struct Lane {
     /// Written at its left.
     pub name: String,
-    /// What is between them, or where they are not finite, stays empty.
+    /// The stretches of the lane; the space between them, or where they are not finite, stays empty.
     pub stretches: Vec<Stretch>,
 }
 
 /// A range of x in which a lane is of one class.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Stretch {
-    /// Where it begins, in the unit of the x axis.
+    /// Beginning of the stretch, in the unit of the x axis.
     pub from: f64,
-    /// Where it ends, in the unit of the x axis.
+    /// End of the stretch, in the unit of the x axis.
     pub to: f64,
     /// Its place in the panel's `classes`.
     pub class: usize,
 }
 
-/// How high a panel of lanes is, px.
+/// Height of a panel of lanes, px.
 #[allow(clippy::cast_precision_loss)]
 pub(super) fn height(lanes: &[Lane]) -> f64 {
     let count = lanes.len() as f64;
@@ -51,7 +51,7 @@ pub(super) fn height(lanes: &[Lane]) -> f64 {
     count * (MOST / count).floor().clamp(LEAST, HEIGHT)
 }
 
-/// Where frames begin so that names have room, px.
+/// Left end of frames that leaves room for the names, px.
 pub(super) fn left(lanes: &[Lane]) -> f64 {
     let widths = lanes.iter().map(|lane| 1.1 * text_width(&lane.name, SMALL));
     let widest = widths.fold(0.0, f64::max).min(LONGEST);
@@ -84,7 +84,7 @@ pub(super) fn entries(panel: &Panel) -> impl Iterator<Item = Entry> {
     panel.classes.iter().map(Class::entry)
 }
 
-/// What there is to see, for those who cannot.
+/// Description of the lanes in words, for readers who cannot see them.
 pub(super) fn words(panel: &Panel) -> String {
     let list = |names: Vec<String>| names.join(", ");
     let lanes = panel.lanes.iter().map(|lane| format!("“{}”", lane.name));
@@ -148,8 +148,8 @@ pub(super) fn paint<B: DrawingBackend>(
     canvas.line(&[[frame.left, frame.top], [frame.left, frame.bottom]], INK, 1.0, &[])
 }
 
-/// Which of the spans, in columns, each column shows: the one that covers most of it. A span that would be
-/// seen nowhere has the column of its middle, if the one that is shown there has others.
+/// The span that each column shows: the one that covers most of it. Spans are in columns. A span that would be
+/// visible nowhere has the column of its middle, if the one that is shown there has others.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
 pub(crate) fn shown(spans: &[[f64; 2]], columns: usize) -> Vec<Option<usize>> {
     let mut shown: Vec<Option<usize>> = vec![None; columns];

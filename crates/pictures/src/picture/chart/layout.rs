@@ -26,7 +26,7 @@ pub(super) struct Layout<'a> {
 /// A panel with its places.
 struct Placed<'a> {
     panel: &'a Panel,
-    /// Where its scale of colours or its heading is.
+    /// Position of its scale of colours or its heading.
     head: f64,
     frame: Frame<'a>,
     labels: Vec<MarkLabel<'a>>,
@@ -81,7 +81,7 @@ impl<'a> Layout<'a> {
 }
 
 impl Panel {
-    /// What its scale of colours or its heading takes above the marks' labels, px.
+    /// Height of its scale of colours or its heading above the marks' labels, px.
     fn head(&self) -> f64 {
         match (&self.raster, self.lanes.is_empty() || self.y_label.is_empty()) {
             (Some(_), _) => raster::SCALE,
@@ -90,7 +90,7 @@ impl Panel {
         }
     }
 
-    /// What there is to see over the x axis, for those who cannot.
+    /// Description of the panel over the x axis in words, for readers who cannot see it.
     fn words(&self, x_label: &str) -> String {
         let quoted = |label: &str| format!("“{label}”");
         let curves = self.series.iter().filter_map(|series| series.label.as_deref());

@@ -16,7 +16,7 @@ pub(super) struct MarkLabel<'a> {
     text: &'a str,
     x: f64,
     pub(super) row: u32,
-    /// Does it end at its line, because the frame does?
+    /// `true` if the label ends at its line, because the frame does.
     ends: bool,
 }
 

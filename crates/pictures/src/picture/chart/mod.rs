@@ -24,13 +24,13 @@ use std::path::Path;
 /// the picture may show them with a prefix, as ms.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Chart {
-    /// What is to be seen.
+    /// Title of the picture.
     pub title: String,
     /// The quantity along x, with its unit.
     pub x_label: String,
     /// From top to bottom.
     pub panels: Vec<Panel>,
-    /// Are both axes logarithmic? Then what is not above zero breaks a curve.
+    /// `true` if both axes are logarithmic. Values that are not above zero then break a curve.
     pub logarithmic: bool,
 }
 
@@ -43,7 +43,7 @@ pub struct Panel {
     pub series: Vec<Series>,
     /// Drawn below the curves.
     pub marks: Vec<Mark>,
-    /// Show y = 0, with a line?
+    /// `true` if y = 0 is shown, with a line.
     pub zero_line: bool,
     /// Shaded ranges of x, behind everything.
     pub bands: Vec<Band>,
@@ -51,7 +51,7 @@ pub struct Panel {
     pub raster: Option<Raster>,
     /// Rows from top to bottom that take the place of the y axis: such a panel has neither series nor raster.
     pub lanes: Vec<Lane>,
-    /// What the lanes' stretches can be, for the legend.
+    /// The classes that the lanes' stretches can have, for the legend.
     pub classes: Vec<Class>,
 }
 
@@ -64,7 +64,7 @@ pub struct Series {
     pub points: Vec<[f64; 2]>,
     /// Place in the [palette](crate::picture::PALETTE); beyond its end the colours come again, dashed.
     pub colour: usize,
-    /// How it is drawn.
+    /// The style in which the curve is drawn.
     pub style: Style,
     /// The form at each point: `None` leaves the points of a line unmarked, and makes those of dots small discs.
     pub marker: Option<Marker>,
@@ -72,7 +72,7 @@ pub struct Series {
     pub labels: Vec<String>,
 }
 
-/// How a curve is drawn.
+/// Style of a curve.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Style {
@@ -81,14 +81,14 @@ pub enum Style {
     Line,
     /// With short dashes.
     Dashed,
-    /// As points that are not joined, each with the series' marker; of those at one place of the picture one is drawn.
+    /// Points that are not joined, each with the series' marker; of those at one place of the picture one is drawn.
     Dots,
 }
 
 /// A place on the x axis worth a vertical line.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Mark {
-    /// Where.
+    /// Position on the x axis.
     pub x: f64,
     /// Written above its panel, where there is room: at most eight labels stand above each other.
     pub label: Option<String>,

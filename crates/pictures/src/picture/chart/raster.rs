@@ -7,7 +7,7 @@ use crate::picture::palette::INK;
 use plotters::backend::DrawingBackend;
 use serde::Serialize;
 
-/// What the scale of colours takes above its frame, px.
+/// Height of the scale of colours above its frame, px.
 pub(super) const SCALE: f64 = 42.0;
 /// The scale's length and thickness, px.
 const LENGTH: f64 = 300.0;
@@ -63,7 +63,7 @@ impl Raster {
         range(self.range.into_iter()).unwrap_or([0.0, 1.0])
     }
 
-    /// What there is to see, for those who cannot.
+    /// Description of the raster in words, for readers who cannot see it.
     pub(super) fn words(&self) -> String {
         let [from, to] = self.colours();
         format!("colours from dark blue for {from} to yellow for {to} of “{}”", self.label)
@@ -110,8 +110,8 @@ impl Raster {
     }
 }
 
-/// At most so many columns and rows: means over the parts of cells that a new cell covers, of those that are
-/// numbers.
+/// A raster of at most `most_columns` columns and `most_rows` rows: means over the parts of cells that a new cell
+/// covers, omitting those that are not numbers.
 fn reduced(rows: &[Vec<f64>], most_columns: usize, most_rows: usize) -> Vec<Vec<f64>> {
     let columns = covered(rows[0].len(), most_columns);
     let mean = |parts: &[(usize, f64)], value: &dyn Fn(usize) -> f64| {
@@ -133,7 +133,7 @@ fn reduced(rows: &[Vec<f64>], most_columns: usize, most_rows: usize) -> Vec<Vec<
         .collect()
 }
 
-/// Which of `count` cells, and how much of them, each of at most `most` new ones covers.
+/// For each of at most `most` new cells, the cells out of `count` that it covers, and the covered part of each.
 #[allow(clippy::cast_precision_loss)]
 fn covered(count: usize, most: usize) -> Vec<Vec<(usize, f64)>> {
     let fewer = count.min(most);

@@ -278,7 +278,7 @@ pub(super) fn small_grid(rows: usize, columns: usize) -> Structure {
 /// others join it to ground or to another mass.
 pub(super) fn random(seed: u64, count: usize) -> Structure {
     let mut state = seed.wrapping_mul(0x9E37_79B9_7F4A_7C15) | 1;
-    // Of xorshift, from 0 to below the limit.
+    // Random numbers of xorshift, from 0 to below the limit.
     let mut below = move |limit: usize| {
         state ^= state << 13;
         state ^= state >> 7;

@@ -21,10 +21,10 @@ const NEAR: [f64; 2] = [4.0, 10.0];
 pub(super) struct Request {
     /// Ways to write it, as lines, the best first.
     pub(super) texts: Vec<Vec<String>>,
-    /// What it speaks of: a line, and how far that reaches to its sides.
+    /// The line that the label belongs to, and `reach`, its extent to its sides.
     pub(super) line: [Point; 2],
     pub(super) reach: f64,
-    /// Where it may lie from there, the best first.
+    /// Directions in which the label may lie from the line, the best first.
     pub(super) outs: Vec<Point>,
     /// The direction in which a link acts, where it is drawn in another.
     pub(super) acts: Option<Point>,
@@ -102,7 +102,7 @@ impl Labels {
         Self { size, room, placed: Vec::new() }
     }
 
-    /// Did all find a place right at what they speak of?
+    /// `true` if all labels found a place right at the line that they belong to.
     pub(super) fn all_near(&self) -> bool {
         self.placed.iter().all(|label| label.leader.is_none())
     }

@@ -1,7 +1,8 @@
-//! Where masses stand and how links run: each takes the first place of a list that is free.
+//! Layout of a structure: the positions of masses and the runs of links, each at the first free place of a list.
 //!
 //! A scene knows directions only. So masses stand on a grid: one after the other, each at the next
-//! free point in the direction of what joins it to those that stand. Links run straight between
+//! free point in the direction of the link or surface that joins it to those that have a place. Links run straight
+//! between
 //! two masses if nothing is in the way. What remains is drawn as stubs: to ground, or from each of
 //! the two masses to the other's name. Lengths are in steps of the grid, and y is upwards.
 
@@ -12,15 +13,15 @@ use super::{Link, SliderMark, Structure};
 use crate::picture::canvas::Point;
 use std::f64::consts::{FRAC_PI_4, FRAC_PI_8};
 
-/// How long a stub is, from its mass's middle.
+/// Length of a stub, from its mass's middle.
 pub(super) const STUB: f64 = 0.85;
-/// How far a mass reaches, with what is to stay free around it.
+/// Extent of a mass, with the space around it that is to stay free.
 const MASS: f64 = 0.14;
-/// Lines keep so far off each other, and off masses besides.
+/// Least distance of lines from each other, and from masses beyond their extent.
 const GAP: f64 = 0.25;
-/// Where lines begin, from a mass's middle: those that leave one mass are then 40° apart.
+/// Distance from a mass's middle at which lines begin: those that leave one mass are then 40° apart.
 const START: f64 = 0.4;
-/// How far a surface is from its mass's middle, and half of its width.
+/// Distance of a surface from its mass's middle, and half of its width.
 const SURFACE: [f64; 2] = [0.42, 0.25];
 /// Nothing else stands as close to a mass or its surface.
 const ALONE: f64 = 0.46;
@@ -31,7 +32,7 @@ const ROW: f64 = 6.0;
 /// Between the masses of two such parts.
 const BETWEEN_PARTS: f64 = 2.0;
 
-/// What stands at the end of a run.
+/// The end of a run.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum End {
     Mass(usize),
@@ -44,7 +45,7 @@ pub(super) enum End {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Run {
     pub(super) mass: usize,
-    /// Of length 1.
+    /// Direction of the run, of length 1.
     pub(super) way: Point,
     pub(super) end: End,
     /// Places in the structure's links.
@@ -137,8 +138,8 @@ fn forth(link: &Link, mass: usize) -> Point {
     scaled(way(link.direction), sign)
 }
 
-/// The first wish of which one mass stands and the other does not: where the one stands, the other, and the way to it.
-/// What closes a ring comes last and is left out.
+/// The first wish of which one mass has a place and the other has none: the place of the former, the other mass, and
+/// the direction to it. A wish that closes a ring comes last and is left out.
 fn next(wishes: &[([usize; 2], Point)], part: &[(usize, Point)]) -> Option<(Point, usize, Point)> {
     let place = |mass| part.iter().find(|(other, _)| *other == mass).map(|(_, place)| *place);
     wishes.iter().find_map(|&([a, b], way)| match (place(a), place(b)) {
@@ -246,7 +247,7 @@ fn bundles(structure: &Structure) -> Vec<Run> {
 const AROUND: [f64; 16] =
     [0.0, 8.0, -1.0, 1.0, -7.0, 7.0, -2.0, 2.0, -6.0, 6.0, -3.0, 3.0, -5.0, 5.0, -4.0, 4.0];
 
-/// What stands already while links find their ways.
+/// The placed parts while links find their ways.
 struct Plan<'a> {
     places: &'a [Point],
     room: Room,

@@ -1,4 +1,4 @@
-//! What the symbols of a structure mean: a sample and a few words for each that occurs.
+//! The legend of a structure: a sample and a few words for each symbol that occurs.
 
 use super::plane::add;
 use super::symbols::{self, Shape};
@@ -23,15 +23,15 @@ pub(super) struct StructureLegend {
     shapes: Vec<Shape>,
     /// Left ends of texts at their middle heights.
     words: Vec<(&'static str, Point)>,
-    /// Of its rows so far.
+    /// Height of its rows so far.
     pub(super) height: f64,
-    /// Of the widest row, with the margin at its left.
+    /// Width of the widest row, with the margin at its left.
     pub(super) width: f64,
-    /// Where the next sample begins.
+    /// Position at which the next sample begins.
     x: f64,
 }
 
-/// Which symbols occur that the structure itself does not show.
+/// Symbols that occur and that the structure itself does not show.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Used {
     pub(super) acts: bool,

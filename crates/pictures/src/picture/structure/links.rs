@@ -1,4 +1,4 @@
-//! How runs of links are drawn, px.
+//! Drawing of runs of links, px.
 
 use super::labels::{Request, half_size};
 use super::layout::{End, Run, STUB};
@@ -42,7 +42,7 @@ impl Plot<'_> {
         self.links(run, [start, end]);
     }
 
-    /// Where links begin that leave a mass along a way: at its edge, or at a bar before it.
+    /// Point from which links leave a mass along a direction: at its edge, or at a bar before it.
     fn leave(&mut self, mass: usize, way: Point, run: &Run) -> Point {
         let middle = self.middles[mass];
         let [a, b] = self.axes(mass).map(|axis| dot(axis, way).abs());

@@ -23,17 +23,17 @@ use std::path::Path;
 /// directions of what joins them, so lengths in the picture mean nothing.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Structure {
-    /// What is to be seen.
+    /// Title of the picture.
     pub title: String,
     /// At most 40.
     pub masses: Vec<MassMark>,
     /// Springs and dashpots. Links of one pair of masses stand side by side.
     pub links: Vec<Link>,
-    /// What the masses rub on.
+    /// Surfaces that the masses rub on.
     pub sliders: Vec<SliderMark>,
-    /// What pushes the masses.
+    /// Forces on the masses.
     pub forces: Vec<ForceMark>,
-    /// Do signals drive something? Their mark "~" is in the labels of what they drive.
+    /// `true` if signals drive something. Their mark "~" is in the labels of the driven parts.
     pub signals: bool,
 }
 
@@ -59,7 +59,7 @@ pub struct MassMark {
     pub label: String,
     /// From the axes of the picture to its own, rad, anticlockwise.
     pub angle: f64,
-    /// Which of its own two axes it cannot move along.
+    /// `true` for each of its own two axes that it cannot move along.
     pub locked: [bool; 2],
 }
 
@@ -75,14 +75,14 @@ pub struct Link {
     /// The line along which it acts, rad from the horizontal, anticlockwise; where there is a
     /// choice, the second end lies from the first along (cos, sin).
     pub direction: f64,
-    /// Which symbol it has.
+    /// The symbol of the link.
     pub kind: LinkKind,
-    /// How far the second end is moved along the direction beforehand, m: above zero it pulls the first end along
+    /// Initial displacement of the second end along the direction, m: above zero it pulls the first end along
     /// `direction`. Only its sign is shown, and zero is no preload.
     pub preload: f64,
 }
 
-/// What a link is.
+/// The kind of a link.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LinkKind {
     /// A zigzag.
@@ -91,7 +91,7 @@ pub enum LinkKind {
     Damper,
 }
 
-/// What a mass rubs on: a surface at its foot.
+/// A surface at the foot of a mass, on which it rubs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SliderMark {
     /// Short, as "c1"; may be empty.
@@ -105,7 +105,7 @@ pub struct SliderMark {
     /// θ, rad: the tangent is t = (cos θ, sin θ), the normal n = (−sin θ, cos θ); the mass is on
     /// the side of +n.
     pub angle: f64,
-    /// Of the slider along t, m/s; only its sign is shown.
+    /// Velocity of the slider along t, m/s; only its sign is shown.
     pub velocity: f64,
 }
 

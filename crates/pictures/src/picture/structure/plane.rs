@@ -71,7 +71,7 @@ pub(super) fn apart(a: [Point; 2], b: [Point; 2]) -> f64 {
     ends.into_iter().fold(f64::INFINITY, f64::min)
 }
 
-/// How far points reach along x and y, each with how far its ink reaches: least and most.
+/// Extent of points along x and y, each with the extent of its ink: least and most.
 pub(super) fn reach(points: impl Iterator<Item = (Point, Point)>) -> [[f64; 2]; 2] {
     let nothing = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
     points.fold(nothing, |reach, (point, half)| {
@@ -91,9 +91,9 @@ impl Room {
         self.0.push((line, reach));
     }
 
-    /// Does a line keep farther than the gap off all that stands?
+    /// `true` if a line keeps farther than the gap off all lines in the room.
     pub(super) fn has(&self, line: [Point; 2], gap: f64) -> bool {
-        // What came last is the likeliest to be met.
+        // The last lines are the likeliest to be met.
         self.0.iter().rev().all(|&(other, reach)| {
             // Most are far off, as one look at each axis tells.
             let ends = |axis: usize| {

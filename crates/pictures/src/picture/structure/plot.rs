@@ -8,12 +8,12 @@ use super::text::written;
 use super::{ForceMark, MassMark, SliderMark, Structure};
 use crate::picture::canvas::{Point, WIDTH};
 
-/// How much is written into the picture.
+/// Settings of the texts and symbols in the picture.
 #[derive(Clone, Copy)]
 pub(super) struct SheetStyle {
-    /// Values beside the names? Else they are listed below.
+    /// `true` if values stand beside the names; otherwise they are listed below.
     pub(super) values: bool,
-    /// Of letters, px.
+    /// Size of letters, px.
     pub(super) size: f64,
     /// Free for labels at the left and the right, px.
     pub(super) margin: f64,
@@ -29,7 +29,7 @@ pub(super) struct Plot<'a> {
     pub(super) style: SheetStyle,
     /// px for a step of the grid along x and y.
     pub(super) scale: Point,
-    /// Of the masses' squares, px.
+    /// Half of the side of the masses' squares, px.
     pub(super) half: f64,
     pub(super) middles: Vec<Point>,
     pub(super) shapes: Vec<Shape>,
@@ -70,10 +70,10 @@ impl<'a> Plot<'a> {
         let across = (WIDTH - 2.0 * style.margin) / (right - left);
         // Pictures that are too tall to be seen at once are drawn smaller.
         let pitch = across.min(190.0).min((1000.0 / (high - low)).max(85.0));
-        // Where nothing is oblique, directions stay when a narrow picture is drawn taller.
+        // In a picture without oblique lines, directions stay when a narrow picture is drawn taller.
         let upright = runs.iter().all(|run| run.way[0].abs() < 1e-6 || run.way[1].abs() < 1e-6);
         let upwards = if upright { pitch.max((1.75 * pitch).min(115.0)) } else { pitch };
-        // As large as names need that are not too long.
+        // Masses are as large as names need that are not too long.
         let need = |mass: &MassMark| {
             let half = half_size(std::slice::from_ref(&mass.name), false, style.size);
             let [cos, sin] = way(mass.angle).map(f64::abs);
@@ -96,13 +96,13 @@ impl<'a> Plot<'a> {
         }
     }
 
-    /// Of a mass, px.
+    /// Unit vectors of the axes of a mass, in the picture, where y is downwards.
     pub(super) fn axes(&self, mass: usize) -> [Point; 2] {
         let [x, y] = way(self.structure.masses[mass].angle);
         [[x, -y], [-y, -x]]
     }
 
-    /// How far a mass reaches along a way.
+    /// Extent of a mass along a direction, px.
     pub(super) fn support(&self, mass: usize, way: Point) -> f64 {
         self.axes(mass).iter().map(|axis| self.half * dot(*axis, way).abs()).sum()
     }
@@ -117,7 +117,7 @@ impl<'a> Plot<'a> {
         self.requests.push(Request { texts, line, reach, outs: outs.to_vec(), acts: None });
     }
 
-    /// How something may be written, by its name and value.
+    /// The possible notations of something, by its name and value.
     pub(super) fn written(&self, name: &str, label: &str) -> Vec<Vec<String>> {
         written(name, label, self.style.values)
     }

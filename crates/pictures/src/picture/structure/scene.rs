@@ -19,7 +19,7 @@ impl From<&Scene> for Structure {
     }
 }
 
-/// Of k1 … k6 of a ring.
+/// Directions of k1 … k6 of a ring, rad.
 const DIRECTIONS: [f64; 6] = [0.0, FRAC_PI_2, FRAC_PI_2, 0.0, FRAC_PI_2, 0.0];
 
 /// `assembly::ring` of the package `amontons` says which masses each spring joins.
@@ -60,7 +60,7 @@ fn ring(scene: &Scene, modules: &[Module]) -> Structure {
                 direction: DIRECTIONS[j],
                 kind: LinkKind::Spring,
             };
-            // What closes the ring has no say in where its masses stand.
+            // Springs that close the ring do not determine where its masses stand.
             if j < 2 && number == modules.len() { &mut closing } else { &mut structure.links }
                 .push(link);
         }
@@ -147,7 +147,7 @@ fn network(scene: &Scene, parts: &Network) -> Structure {
     Structure { masses, links, sliders, forces, ..Structure::default() }
 }
 
-/// What is known of a contact: µ, µ_s if there is one, and v, each with the name of the input that drives it.
+/// Label of a contact: µ, µ_s if there is one, and v, each with the name of the input that drives it.
 fn rubbing(
     scene: &Scene,
     friction: (f64, &str),

@@ -31,18 +31,18 @@ fn inked(shapes: &[Shape]) -> impl Iterator<Item = (Point, Point)> {
 
 pub(super) struct Sheet<'a> {
     structure: &'a Structure,
-    /// Of the letters of labels, px.
+    /// Size of the letters of labels, px.
     size: f64,
     pub(super) shapes: Vec<Shape>,
     pub(super) labels: Vec<Label>,
     legend: StructureLegend,
     title: Vec<String>,
     list: Vec<String>,
-    /// What is drawn is moved to the right and down by it.
+    /// Shift of the drawing to the right and down.
     by: Point,
     /// Lower end of what is drawn.
     bottom: f64,
-    /// Of the picture, with all its texts.
+    /// Width of the picture, with all its texts.
     width: f64,
 }
 
@@ -69,7 +69,7 @@ impl<'a> Sheet<'a> {
         let list: Vec<String> =
             list.iter().flat_map(|row| rows(&words(row), " ", SMALL, across)).collect();
         let legend = StructureLegend::of(structure, used);
-        // What is drawn is in the middle of the picture, which is as wide as all texts need.
+        // The drawing is in the middle of the picture, which is as wide as all texts need.
         let areas = labels.iter().map(|label| (label.middle, label.half));
         let [[left, right], [top, bottom]] = reach(inked(&shapes).chain(areas));
         let end = |row: &String, size| MARGIN + text_width(row, size);
@@ -123,7 +123,7 @@ impl Drawing for Sheet<'_> {
 
 pub(super) struct Icon<'a> {
     structure: &'a Structure,
-    /// As large as there is room, px.
+    /// The shapes, as large as there is room, px.
     shapes: Vec<Shape>,
 }
 

@@ -1,5 +1,5 @@
-//! What stands for springs, dashpots, ground, sliders and guides, as strokes and areas. Lengths are
-//! in px, and y is downwards.
+//! Symbols of springs, dashpots, ground, sliders and guides, as strokes and areas. Lengths are in px, and y is
+//! downwards.
 
 use super::plane::{Room, across, add, along, centred, length, scaled, sub, unit, way};
 use crate::picture::canvas::{Canvas, Failure, Point};
@@ -8,7 +8,7 @@ use plotters::backend::DrawingBackend;
 use plotters::style::RGBColor;
 use std::f64::consts::PI;
 
-/// How deep hatches are.
+/// Depth of hatches.
 pub(super) const HATCH: f64 = 8.0;
 /// The inside of masses.
 pub(super) const MASS: RGBColor = RGBColor(0xE3, 0xED, 0xF4);
@@ -28,7 +28,7 @@ pub(super) fn slider_colour() -> RGBColor {
     colour(1)
 }
 
-/// Of forces and preloads.
+/// Colour of forces and preloads.
 pub(super) fn force_colour() -> RGBColor {
     colour(3)
 }
@@ -55,7 +55,7 @@ impl Shape {
         }
     }
 
-    /// How far ink reaches around its points.
+    /// Extent of the ink around its points.
     pub(super) fn ink(&self) -> f64 {
         0.5 * self.width.unwrap_or(0.0)
     }
@@ -119,7 +119,7 @@ pub(super) fn dashpot([from, to]: [Point; 2], amplitude: f64, shapes: &mut Vec<S
     draw(&[along(middle, forth, 0.1 * deep), to], MIDDLE);
 }
 
-/// How long the straight part of a spring's or a dashpot's ends is at least, px.
+/// Least length of the straight part of a spring's or a dashpot's ends, px.
 const LEAD: f64 = 14.0;
 
 /// A head on the first end of a link, which pulls there along the link, or pushes against it.
@@ -220,7 +220,7 @@ pub(super) fn mass(middle: Point, [a, b]: [Point; 2], half: f64, shapes: &mut Ve
     shapes.push(line(&corners, INK, 1.8));
 }
 
-/// What joins a surface to the mass that it belongs to: as wide as a mass is half.
+/// The stem that joins a surface to the mass that it belongs to: half as wide as a mass.
 pub(super) fn stem(line: [Point; 2], wide: [Point; 2], shapes: &mut Vec<Shape>) {
     let [a, b] = line.map(|end| wide.map(|to| add(end, to)));
     shapes.push(area(&[a[0], a[1], b[1], b[0]], MASS));

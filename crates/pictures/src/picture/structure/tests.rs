@@ -11,7 +11,7 @@ use super::*;
 use crate::picture::canvas::{Drawing, Point, WIDTH};
 use std::f64::consts::{FRAC_PI_2, FRAC_PI_4, PI};
 
-/// Does a segment pass through the box of a label?
+/// `true` if a segment passes through the box of a label.
 fn passes(label: &Label, [from, to]: [Point; 2]) -> bool {
     // The part of the segment that is within both strips, if any.
     let (mut start, mut end) = (0.0_f64, 1.0_f64);

@@ -1,4 +1,4 @@
-//! What a structure says in words: lists of values, and its description.
+//! Texts of a structure: lists of values, and its description.
 
 use super::{Link, LinkKind, Structure};
 use crate::picture::canvas::text_width;
@@ -26,7 +26,7 @@ fn full(name: &str, label: &str) -> String {
     format!("{name} {label}")
 }
 
-/// What stands at a link when values stand below.
+/// The text at a link when values are listed below.
 fn short<'a>(name: &'a str, label: &'a str) -> &'a str {
     if name.is_empty() { label } else { name }
 }
@@ -80,7 +80,7 @@ fn ranges(names: &[&str]) -> String {
     parts.join(", ")
 }
 
-/// What stands before and after the last number in a name, and the number.
+/// The text before and after the last number in a name, and the number.
 fn counted(name: &str) -> Option<(&str, &str, u64)> {
     let end = name.rfind(|c: char| c.is_ascii_digit())? + 1;
     let digits = name[..end].bytes().rev().take_while(u8::is_ascii_digit).count();
@@ -91,7 +91,7 @@ fn following<'a>((before, after, number): (&'a str, &'a str, u64)) -> (&'a str, 
     (before, after, number.saturating_add(1))
 }
 
-/// All that there is to see, in words.
+/// Description of the structure in words.
 pub(super) fn description(structure: &Structure) -> String {
     let mut parts = Vec::new();
     let name = |mass: usize| &*structure.masses[mass].name;
