@@ -1,4 +1,4 @@
-//! Which inputs act on an output at the instant at which they are given.
+//! Direct feedthrough: the inputs that act on an output at the instant at which they are given.
 
 use amontons::scene::Scene;
 use amontons::simulation::catalogue::{Causality, Quantity, Variable};
@@ -8,7 +8,7 @@ use amontons::simulation::catalogue::{Causality, Quantity, Variable};
 #[must_use]
 pub fn feedthrough(scene: &Scene, variables: &[Variable], output: &Variable) -> Option<Vec<usize>> {
     match output.template.quantity {
-        // What the steps have led to.
+        // The steps have determined these values before.
         Quantity::Displacement | Quantity::Velocity => Some(Vec::new()),
         // A contact that may stick has no slip then, and forces decide of that.
         Quantity::SlipVelocity if scene.contact_law().is_frozen() => {

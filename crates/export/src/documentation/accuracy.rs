@@ -1,4 +1,4 @@
-//! What accuracy costs, as a page in an FMU's documentation: one file, without scripts.
+//! The cost of accuracy, as a page in an FMU's documentation: one file, without scripts.
 
 use super::markup;
 use amontons_analysis::accuracy::{COLUMNS, LEGEND, Row, Study};

@@ -1,4 +1,4 @@
-//! How another FMU is to be joined to it: what that gives, and what it takes.
+//! Coupling of the FMU with another one: the values that it gives, and those that it takes.
 //!
 //! The two values of a coupling belong together: their product is the power that goes from one FMU to the other. A
 //! drive gives the velocity of a surface and takes the force on it along that velocity; contacts that rub on one body
@@ -11,18 +11,18 @@ use amontons::scene::{Network, RubbingPlace, Scene, direction};
 use amontons::simulation::catalogue::{Causality, Quantity, Variable};
 use amontons_pictures::picture::significant;
 
-/// What makes a coupling converge (`examples/importers/README.md`).
+/// Conditions under which a coupling converges (`examples/importers/README.md`).
 const EXCHANGE: &str = "While contacts slide, a communication step well below the period of the motion is short \
                         enough; where they stick, give values with their derivatives, since held ones lose momentum at \
                         any step.";
-/// So many drives are told.
+/// The most drives that are described.
 const MOST_DRIVES: usize = 4;
-/// Of a drive so many contacts are written out.
+/// The most contacts of a drive that are written out.
 const MOST_CONTACTS: usize = 6;
 /// Velocities and tangents that differ by less than this part are one.
 const SAME: f64 = 1e-9;
 
-/// How another FMU is to be joined to it.
+/// Description of the coupling with another FMU.
 pub(super) fn coupling(
     scene: &Scene,
     start: &Equilibrium,
@@ -65,11 +65,11 @@ fn velocity_along<'a>(
     slip.or_else(|| find(Quantity::Velocity, force.index, axis))
 }
 
-/// What moves a surface.
+/// The drive of a surface.
 struct Drive {
     /// The inputs that it gives, in words.
     gives: String,
-    /// What it takes, in words: the force of the contacts on it, along its velocity.
+    /// The input of the drive, in words: the force of the contacts on it, along its velocity.
     takes: String,
     /// That force in the equilibrium, N.
     force: f64,
@@ -132,16 +132,18 @@ fn surfaces(scene: &Scene, network: &Network) -> Vec<Surface> {
     surfaces
 }
 
-/// Does one body move the surfaces of two contacts? The sign of the second's velocity where the first's is positive.
+/// The sign of the velocity of the second contact's surface where that of the first is positive, if one body moves
+/// both; `None` if it does not.
 ///
-/// The surfaces of one mass do that move equally fast; what is no mass must besides go the same way.
+/// The surfaces of one mass that move equally fast are moved by one body; surfaces that belong to no mass must
+/// besides move in the same direction.
 fn moved_together(scene: &Scene, one: &RubbingPlace, other: &RubbingPlace) -> Option<f64> {
     let (a, b) = (one.velocity?, other.velocity?);
     let along = dot(tangent(scene, one), tangent(scene, other));
     let is_parallel = along.abs() > 1.0 - SAME;
     let is_one_body = one.on == other.on && (a.abs() - b.abs()).abs() <= SAME * a.abs();
     match (one.on.is_some(), a == 0.0) {
-        // What stands still shows its signs in its tangents alone.
+        // Surfaces that stand still have their signs in their tangents alone.
         (true, true) => (is_one_body && is_parallel).then_some(along.signum()),
         (true, false) => is_one_body.then_some((a * b).signum()),
         (false, true) => None,

@@ -14,9 +14,9 @@ use std::fmt::Write as _;
 const MOST_BYTES: usize = 1_000_000;
 /// No number takes more, its comma included: a sign, 17 digits, a point, an exponent of five.
 const NUMBER: usize = 25;
-/// Rows that there are at the least, so many that a course is seen; then outputs are left out.
+/// The least number of rows, enough to show a course; below it outputs are left out instead.
 const FEWEST_ROWS: usize = 101;
-/// What tools without another wish are told: the rules' own.
+/// Tolerance for tools without another wish: that of the rules.
 const TOLERANCE: f64 = 1e-4;
 
 /// The files, beside an FMU of the same name.
@@ -28,16 +28,16 @@ pub struct CrossCheck {
     pub options: String,
     /// `_in.csv`: inputs, held at their start values; `None` where the scene has none.
     pub inputs: Option<String>,
-    /// How many outputs were left out for the size that the rules allow.
+    /// Number of outputs that were left out for the size that the rules allow.
     pub left_out: usize,
 }
 
 /// Runs the scene's experiment with inputs held at their start values. Rows are one, two, five, ten … output
-/// intervals apart, so that the file keeps to the size that the rules allow. `None` where `watch`, which hears what
-/// part is done, has ended it.
+/// intervals apart, so that the file keeps to the size that the rules allow. Returns `None` if `watch`, to which the
+/// completed part is reported, has ended it.
 ///
 /// # Errors
-/// What makes a start impossible, or a step that fails.
+/// Returns an error if a start is impossible, or if a step fails.
 pub fn cross_check(scene: &Scene, watch: Watch<'_>) -> Result<Option<CrossCheck>, Error> {
     let all = variables(scene);
     let of = |causality| all.iter().filter(move |v| v.causality == causality);

@@ -1,4 +1,4 @@
-//! What a scene is, in words.
+//! Facts of a scene, in words.
 
 use super::Subject;
 use amontons::model::LumpedModel;
@@ -6,7 +6,7 @@ use amontons::scene::{Method, Scene, Structure};
 use amontons::simulation::catalogue::{Causality, fmu_variables};
 use amontons::stability::{CriticalStep, critical_step};
 
-/// Of so many contacts the normal force is told.
+/// The most contacts of which the normal force is given.
 const MOST_FORCES: usize = 12;
 
 /// Pairs of a word and a text.

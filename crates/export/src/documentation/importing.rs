@@ -1,4 +1,4 @@
-//! What an importer does with the FMU.
+//! Instructions for importers of the FMU.
 
 use super::coupling::{coupling, moved_with_first};
 use super::{Subject, can_squeal, markup};
@@ -6,7 +6,7 @@ use amontons::scene::{Scene, Selection};
 use amontons::simulation::Parameters;
 use amontons::simulation::catalogue::{Causality, Quantity, Variable, fmu_variables};
 
-/// Of each kind so many are named.
+/// The most variables of each kind that are named.
 const NAMED: usize = 4;
 
 pub(super) fn section(subject: Subject<'_>) -> String {

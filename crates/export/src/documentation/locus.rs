@@ -14,12 +14,12 @@ use amontons_pictures::picture::{Chart, Mark, PALETTE, locus_chart, significant}
 
 /// The most degrees of freedom of which modes are followed in an export: a second of work.
 const MOST_FOLLOWED: usize = 64;
-/// A curve of a mode has so many steps.
+/// Number of steps of a curve of a mode.
 const STEPS: u32 = 200;
-/// How far beyond the scene's own friction it goes.
+/// End of the curve in parts of the scene's own friction.
 const BEYOND: f64 = 1.5;
 
-/// What goes along the chart's axis.
+/// The quantity along the chart's axis.
 #[derive(Clone, Copy, PartialEq)]
 enum Axis {
     /// The common µ.
@@ -140,7 +140,7 @@ impl Followed {
         }
     }
 
-    /// Where modes begin to grow, and where there is no equilibrium to leave.
+    /// Values at which modes begin to grow, and values without an equilibrium, in words.
     pub(super) fn words(&self) -> Vec<String> {
         let number = |value: f64| significant(value, 6);
         let (first, last) = (self.locus.values[0], self.locus.values[self.locus.values.len() - 1]);
@@ -154,7 +154,7 @@ impl Followed {
             format!("{name} {} ({turns} {how})", number(crossing.value))
         };
         let mut turns: Vec<String> = self.locus.crossings.iter().map(turn).collect();
-        // Of modes that are double, one is enough.
+        // One of two double modes is enough.
         turns.dedup();
         let mut words = vec![match turns.is_empty() {
             true => {

@@ -2,8 +2,8 @@
 
 use amontons_pictures::report::{BASE_STYLE, add, sheet, text};
 
-/// Of these pages, beside what all pages have. Pictures are drawn for white ground; their colours get those of the
-/// page's own scheme.
+/// Style of these pages, besides that of all pages. Pictures are drawn for white ground; their colours are mapped to
+/// those of the page's own scheme.
 const STYLE: &str = include_str!("page.css");
 
 /// A page. What stands between head and footer is HTML.

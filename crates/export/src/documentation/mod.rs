@@ -1,17 +1,17 @@
-//! What an FMU says of itself: the pages in its documentation, its icon, and a reference run beside it.
+//! Documentation of an FMU: its pages, its icon, and a reference run beside it.
 //!
-//! | file | what it says |
+//! | file | contents |
 //! | --- | --- |
 //! | `page` | the page at which the documentation begins, put together |
-//! | `facts` | what the scene is, in words |
-//! | `stability` | whether it squeals |
-//! | `locus` | from which friction on it does |
+//! | `facts` | facts of the scene, in words |
+//! | `stability` | stability at the start, in words: whether the scene may squeal |
+//! | `locus` | the friction from which on it does |
 //! | `run` | a run of the scene, from which the page's values are |
 //! | `reference` | that run as a chart and a table |
 //! | `variables` | the variables, by kind and one by one |
-//! | `importing` | what an importer does with the FMU |
-//! | `coupling` | what another FMU gives and takes that is joined to it |
-//! | `accuracy` | what accuracy costs, as a page of its own |
+//! | `importing` | instructions for importers of the FMU |
+//! | `coupling` | the values that a coupled FMU gives and takes |
+//! | `accuracy` | the cost of accuracy, as a page of its own |
 //! | `cross_check` | files of a reference run, as cross-checks of tools want them |
 //! | `markup` | the frame of a page, and pictures in it |
 //!
@@ -41,10 +41,10 @@ use amontons::scene::{Scene, Source};
 use amontons::simulation::Simulation;
 use amontons_pictures::picture::Structure;
 
-/// The names of so many contact states are written out.
+/// The most contact states whose names are written out.
 const NAMED: usize = 8;
 
-/// What the documentation is made from.
+/// Input of the documentation.
 #[derive(Clone, Copy)]
 pub struct Subject<'a> {
     /// The scene.
@@ -77,7 +77,7 @@ fn drawn(scene: &Scene) -> Option<Structure> {
     (structure.masses.len() <= Structure::MOST_MASSES).then_some(structure)
 }
 
-/// Is there anything that rubs with friction?
+/// `true` if there are contacts, and a law of friction by which they rub.
 fn can_squeal(scene: &Scene) -> bool {
     scene.contact_count() > 0 && scene.friction_law.info().sticks
 }

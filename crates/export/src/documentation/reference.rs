@@ -14,7 +14,7 @@ const PARTS: f64 = 700.0;
 /// Rows of the table, at equal parts of the run.
 const TABLE_ROWS: usize = 9;
 
-/// Are values those of the start, but for rounding?
+/// `true` if values are those of the start, but for rounding.
 fn is_still(values: &[f64], start: &[f64]) -> bool {
     values.iter().zip(start).all(|(value, start)| (value - start).abs() <= 1e-12 * start.abs())
 }
@@ -47,7 +47,7 @@ pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error
         let last = rows.last().map_or(0.0, |row| row.0);
         markup::paragraphs(&mut html, &[format!("The run ends at {last} s: {failure}.")]);
     }
-    // Where all is locked and nothing touches, nothing moves.
+    // If all is locked and nothing touches, nothing moves.
     if rows.len() > 1 && !run.variables.is_empty() {
         let svg = chart(scene, run).svg()?;
         markup::figure(

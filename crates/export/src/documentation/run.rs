@@ -14,34 +14,34 @@ use amontons_analysis::watch::Watch;
 /// The operations, as [`Cost`] counts them, that a run in an export may take: some tenths of a second, with exact
 /// motion of few parts one or two. They are counted and not timed, so that an FMU is the same on each machine.
 const MOST_OPERATIONS: f64 = 5e8;
-/// With a ledger of energy, which [`Cost`] knows nothing of, a run takes up to so many times as long (rings of 63
-/// modules 7.2).
+/// Factor by which a ledger of energy, which [`Cost`] does not count, prolongs a run at the most (7.2 for rings of 63
+/// modules).
 const LEDGER: f64 = 8.0;
 /// The rows that it may have.
 const MOST_ROWS: f64 = 1e5;
-/// Of so many displacements that which moves most is shown.
+/// The most displacements among which the one that moves most is chosen.
 const CANDIDATES: usize = 32;
 
 /// Rows of outputs over time.
 #[derive(Clone, Debug)]
 pub struct ReferenceRun {
-    /// What was run: the scene's experiment, or its beginning.
+    /// The experiment that was run: the scene's, or its beginning.
     pub experiment: Experiment,
-    /// Was the whole experiment run?
+    /// `true` if the whole experiment was run.
     pub whole: bool,
-    /// What was read: the displacement that moves most, forces of the first contact.
+    /// The recorded variables: the displacement that moves most, forces of the first contact.
     pub variables: Vec<Variable>,
     /// Time, s, and the values of the variables in SI units, from the start on.
     pub rows: Vec<(f64, Vec<f64>)>,
-    /// What has ended the run before its end.
+    /// The error that ended the run early, if one did.
     pub failure: Option<Error>,
 }
 
-/// Runs a scene as `amontons simulate` does, without inputs, from the start; `None` where `watch`, which hears what
-/// part is done, has ended it.
+/// Runs a scene as `amontons simulate` does, without inputs, from the start; `None` if `watch`, to which the
+/// completed part is reported, has ended it.
 ///
 /// # Errors
-/// What makes a start impossible.
+/// Returns an error if a start is impossible.
 pub fn reference_run(scene: &Scene, watch: Watch<'_>) -> Result<Option<ReferenceRun>, Error> {
     let mut simulation = Simulation::new(scene.clone(), 0.0)?;
     let (experiment, whole) = affordable(simulation.scene(), scene.experiment);
@@ -60,7 +60,7 @@ pub fn reference_run(scene: &Scene, watch: Watch<'_>) -> Result<Option<Reference
     Ok(Some(ReferenceRun { experiment, whole, variables, rows, failure }))
 }
 
-/// As much of the experiment as an export may take, and whether that is the whole.
+/// The part of the experiment that an export may run, and `true` if that is the whole.
 fn affordable(scene: &Scene, experiment: Experiment) -> (Experiment, bool) {
     let Experiment { stop_time, output_interval } = experiment;
     let second = Cost::of(&LumpedModel::from(scene)).run(scene.method, scene.step, 1.0, 0.0);
@@ -102,7 +102,8 @@ fn read(simulation: &mut Simulation, outputs: &[Variable]) -> Result<Vec<f64>, E
     outputs.iter().map(|variable| simulation.read(variable)).collect()
 }
 
-/// What is shown of the rows: the displacement that moves most, and what else there is of it or of a contact.
+/// The variables to show and their rows: the displacement that moves most, and the other variables of it or of a
+/// contact.
 fn shown(outputs: &[Variable], rows: &[(f64, Vec<f64>)]) -> (Vec<Variable>, Vec<(f64, Vec<f64>)>) {
     let is = |quantity: Quantity| move |v: &Variable| v.template.quantity == quantity;
     let displacements = outputs.iter().filter(|v| is(Quantity::Displacement)(v)).count();

@@ -1,4 +1,4 @@
-//! Will it squeal? The eigenvalues at the start, in words.
+//! Stability at the start, in words, by eigenvalues.
 
 use super::locus::followed;
 use super::{NAMED, can_squeal, markup};
@@ -34,7 +34,7 @@ pub(super) fn section(effective: &Scene, reference: &Equilibrium) -> Result<Stri
     Ok(html)
 }
 
-/// What happens to small disturbances at the start.
+/// The behaviour of small disturbances at the start, in words.
 fn verdict(scene: &Scene, here: &Linearised, states: &[ContactState]) -> Vec<String> {
     let model = here.model();
     let mut words = vec![situation(scene, states)];

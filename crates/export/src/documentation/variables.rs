@@ -8,7 +8,7 @@ use amontons::simulation::catalogue::{
 };
 use amontons_pictures::report::{add, plain_table, text};
 
-/// The names of so many parts of a network are written out.
+/// The most parts of a network whose names are written out.
 const NAMED: usize = 6;
 
 pub(super) fn section(scene: &Scene) -> String {
@@ -66,7 +66,7 @@ pub(super) fn section(scene: &Scene) -> String {
     html + "</details>\n</div>\n"
 }
 
-/// What the numbers of an enumeration stand for.
+/// Meanings of the numbers of an enumeration.
 fn meanings(html: &mut String, enumeration: &Enumeration) {
     let items: Vec<String> = (enumeration.items.iter().zip(1..))
         .map(|((name, description), number)| format!("{number} {name} ({description})"))
@@ -88,7 +88,7 @@ fn kinds(variables: &[Variable], causality: Causality) -> Vec<Vec<&Variable>> {
     kinds
 }
 
-/// `module[1 … 12].x1`, `mass.{a, b}.x`, or the name of the one that there is.
+/// `module[1 … 12].x1`, `mass.{a, b}.x`, or the name of a single variable.
 fn names(scene: &Scene, kind: &[&Variable]) -> String {
     let template = kind[0].template;
     if kind.len() == 1 {
@@ -99,7 +99,7 @@ fn names(scene: &Scene, kind: &[&Variable]) -> String {
         let [first, last] = [kind[0], kind[kind.len() - 1]].map(|variable| variable.index + 1);
         return template.name.replace("{i}", &format!("[{first} … {last}]"));
     }
-    // What stands for `{i}` is what the names have beside it.
+    // The part that `{i}` stands for is the rest of each name.
     let (before, after) = template.name.split_once("{i}").unwrap_or((template.name, ""));
     let own = |variable: &&Variable| {
         let rest = variable.name.strip_prefix(before).and_then(|rest| rest.strip_suffix(after));

@@ -7,7 +7,7 @@ use zip::DateTime;
 /// A time in UTC.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) struct Date {
-    /// As XML Schema writes it: `2026-11-20T09:30:00Z`.
+    /// The time in the notation of XML Schema: `2026-11-20T09:30:00Z`.
     pub(super) text: String,
     pub(super) in_archive: DateTime,
 }

@@ -17,14 +17,14 @@ use amontons::scene::{Scene, Source};
 use archive::Archive;
 use date::Date;
 
-/// What an FMU says of itself, for people.
+/// Documentation of an FMU for people.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Documentation {
     /// The page (HTML) at which the documentation begins.
     pub index: String,
     /// The page on what accuracy costs, where that was asked for.
     pub accuracy: Option<String>,
-    /// What importers show as its icon (PNG), where there is one.
+    /// The icon (PNG) that importers show, if there is one.
     pub icon: Option<Vec<u8>>,
 }
 

@@ -10,7 +10,7 @@ use amontons::simulation::{Parameters, fingerprint};
 use quick_xml::Writer;
 use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
-/// Of what the FMU carries; the scene is its author's.
+/// License of the contents of the FMU; the scene is its author's.
 const LICENSE: &str =
     "MIT OR Apache-2.0; texts, and those of what it is linked with, in documentation/licenses";
 
@@ -156,7 +156,7 @@ fn scalar_variable(xml: &mut Xml, start: Option<f64>, reference: usize, variable
             }
             Kind::Integer => "Integer",
             Kind::Boolean => {
-                // The one that there is, which no scene has.
+                // The only variable of this kind, which no scene has.
                 attributes.push(("start", STRICT.to_string()));
                 "Boolean"
             }

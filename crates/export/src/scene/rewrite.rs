@@ -37,7 +37,7 @@ fn set_keys<const N: usize>(
         }
     }
     for (key, mut value) in keys {
-        // What stands behind the old value goes on to stand behind the new one.
+        // The text behind the old value is kept behind the new one.
         let old = table.get(key).and_then(toml_edit::Item::as_value);
         if let Some(decor) = old.map(|old| old.decor().clone()) {
             *value.decor_mut() = decor;

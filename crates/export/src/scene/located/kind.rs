@@ -51,7 +51,7 @@ fn kinds(schema: &Value) -> Vec<&str> {
     kinds
 }
 
-/// Does a schema without alternatives take a value of this kind? A whole number is a number too.
+/// `true` if a schema without alternatives takes a value of this kind. A whole number is a number too.
 pub(super) fn takes(schema: &Value, kind: &str) -> bool {
     let kinds = taken(schema);
     kinds.is_empty()
@@ -82,7 +82,7 @@ pub(super) fn spoken(value: &DeValue<'_>) -> String {
     }
 }
 
-/// What a schema wants, as a person would say it: "a number", "a list of numbers".
+/// The values that a schema takes, in plain words: "a number", "a list of numbers".
 pub(super) fn wishes(schema: &Value) -> Vec<String> {
     let mut wishes: Vec<String> = Vec::new();
     let parts = alternatives(schema);
@@ -112,8 +112,7 @@ pub(super) fn quoted(words: &[&str]) -> String {
     words.join(" or ")
 }
 
-/// How a value of what the schema wants is written, as an example for this key of a table, or of the
-/// file itself.
+/// A value that the schema takes, written as an example for this key of a table, or of the file itself.
 pub(super) fn example(key: &str, schema: &Value, in_table: bool) -> Option<String> {
     let part = *alternatives(schema).first()?;
     let words = words(part);
@@ -151,7 +150,7 @@ pub(super) fn words(schema: &Value) -> Vec<&str> {
     several.into_iter().flatten().chain(one).filter_map(Value::as_str).collect()
 }
 
-/// What a value means: the first line of its description.
+/// The meaning of a value: the first line of its description.
 pub(super) fn meaning(schema: &Value) -> Option<&str> {
     let description = schema.get("description").and_then(Value::as_str)?;
     description.lines().next().map(|line| line.trim_end_matches('.'))

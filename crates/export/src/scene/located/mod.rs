@@ -29,7 +29,7 @@ use std::collections::HashSet;
 use std::ops::Range;
 use toml::de::DeTable;
 
-/// Of a text that is longer (bytes) nobody reads more than the first error: each of its lines may be one.
+/// Length of a text (bytes) beyond which only the first error is reported: each of its lines may be one.
 const MOST_RECOVERED: usize = 1_000_000;
 /// The most problems that are looked for; a message lists far fewer.
 const MOST_PROBLEMS: usize = 1000;
@@ -83,9 +83,9 @@ pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
             .filter(|walked| is_whole || !walked.may_follow(&lines, &unread))
             .map(|walked| walked.problem),
     );
-    // Of a file that is full of problems nobody asks what its values would mean.
+    // If a file is full of problems, the meaning of its values is of no interest.
     if is_whole && are_all {
-        // What the walk has not touched is there again when it is parsed anew: a copy would take as much memory.
+        // A document without problems is unchanged and can be parsed anew: a copy would take as much memory.
         let is_touched = !problems.is_empty();
         let copy = is_touched.then(|| document.clone());
         match T::deserialize(toml::Deserializer::from(document)) {
@@ -100,7 +100,7 @@ pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
                         problems.iter().map(|problem| problem.span.clone()).collect();
                     for problem in found {
                         let problem = place::locate(document.get_ref(), problem, end);
-                        // What the walk has said about a place is not said again.
+                        // A place that the walk has reported is not reported again.
                         if known.insert(problem.span.clone()) {
                             problems.push(problem);
                         }

@@ -6,7 +6,7 @@ use toml::de::{DeFloat, DeInteger};
 /// Beyond this a double does not hold every whole number.
 const EXACT: u64 = 1 << 53;
 
-/// What is wrong with a number, and what would be right.
+/// The problem with a number, and a valid alternative.
 pub(super) type Fault = (String, String);
 
 pub(super) fn float(number: &DeFloat<'_>, schema: &Value) -> Result<(), Fault> {
@@ -23,7 +23,7 @@ pub(super) fn float(number: &DeFloat<'_>, schema: &Value) -> Result<(), Fault> {
 #[allow(clippy::cast_precision_loss)]
 pub(super) fn integer(number: &DeInteger<'_>, schema: &Value, is_real: bool) -> Result<(), Fault> {
     let Ok(value) = i64::from_str_radix(number.as_str(), number.radix()) else {
-        // Where a bound is broken too, that says more.
+        // A bound that is broken too is the better explanation.
         let near = number.as_str().parse().ok().filter(|_| number.radix() == 10);
         return near
             .map_or(Ok(()), |near| bounds(near, schema))

@@ -1,4 +1,4 @@
-//! What a table may hold: the keys of a schema, and those of the alternative that a table chooses.
+//! Keys that a table may hold: those of a schema, and those of the alternative that a table chooses.
 
 use super::kind::words;
 use serde_json::{Map, Value};
@@ -14,7 +14,7 @@ pub(super) struct Keys<'s> {
     pub(super) required_by: Vec<(&'s str, Vec<&'s str>)>,
     /// The schema of values under other keys, if those may be there.
     pub(super) others: Option<&'s Value>,
-    /// May there be no other keys?
+    /// `true` if there may be no other keys.
     pub(super) is_closed: bool,
 }
 
@@ -62,12 +62,12 @@ fn dependencies(schema: &Value) -> impl Iterator<Item = (&str, Vec<&str>)> {
     })
 }
 
-/// Which of several alternatives a table is.
+/// The one of several alternatives that a table chooses.
 pub(super) enum Choice<'s> {
     One(&'s Value),
     /// None of these keys is there, and one of them must.
     Neither(Vec<&'s str>),
-    /// Of these keys, of which there may be one only, there are several.
+    /// Several of these keys are there, of which there may be one only.
     Several(Vec<&'s str>),
     /// This key, which names the alternative, has none of these for its value.
     NoSuch(&'s str, Vec<&'s str>),

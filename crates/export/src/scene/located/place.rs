@@ -38,7 +38,7 @@ pub(super) fn locate(document: &DeTable<'_>, problem: Problem, end: usize) -> Lo
     Located { span, title: problem.title(), help: problem.help }
 }
 
-/// Where a value is shown: itself, or its key where the value is a table without a header.
+/// The place at which a value is shown: itself, or its key where the value is a table without a header.
 fn place(key: &Range<usize>, value: &toml::Spanned<DeValue<'_>>) -> Range<usize> {
     if value.span().is_empty() { key.clone() } else { value.span() }
 }

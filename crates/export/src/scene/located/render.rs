@@ -5,8 +5,8 @@ use amontons::scene::{MAX_PROBLEMS, and_more};
 use annotate_snippets::{AnnotationKind, Level, Renderer, Snippet};
 use std::ops::Range;
 
-/// All problems of a text, each as: what is wrong, file:line:column, the line with the place
-/// underlined, what would be right. Are there those that were looked for, or may there be more?
+/// All problems of a text, each with the error, file:line:column, the line with the place underlined, and the remedy.
+/// `are_all` is `true` if `problems` are all that were looked for; otherwise there may be more.
 pub(super) fn report(place: &str, text: &str, problems: &[Located], are_all: bool) -> String {
     let reports = problems.iter().take(MAX_PROBLEMS).map(|problem| {
         let annotation = AnnotationKind::Primary.span(in_one_line(text, &problem.span));

@@ -7,7 +7,7 @@ use toml::de::Error;
 
 /// The lines of a text; looking one up does not go through the text, of which every line may be wrong.
 pub(super) struct Lines {
-    /// Where each but the first begins, in bytes.
+    /// Beginning of each line but the first, in bytes.
     starts: Vec<usize>,
 }
 
@@ -83,7 +83,8 @@ fn number_and_word(text: &str) -> Option<(&str, &str)> {
 }
 
 impl Walked {
-    /// May this only be there because a part of the text could not be read? `unread`: the lines with errors.
+    /// `true` if the problem may be there only because a part of the text could not be read. `unread`: the lines with
+    /// errors.
     pub(super) fn may_follow(&self, lines: &Lines, unread: &HashSet<usize>) -> bool {
         self.is_lack || unread.contains(&lines.at(self.problem.span.start))
     }

@@ -14,7 +14,7 @@ use toml::de::{DeArray, DeString, DeTable, DeValue};
 /// A problem that the walk has met.
 pub(super) struct Walked {
     pub(super) problem: Located,
-    /// Is something not there? It may stand in a part that could not be read.
+    /// `true` if something is missing. It may stand in a part that could not be read.
     pub(super) is_lack: bool,
 }
 
@@ -137,7 +137,7 @@ impl<'s> Walk<'s> {
                 self.unknown_keys(table, &known, path);
             }
             choice => {
-                // What the other keys must be depends on the choice.
+                // The other keys depend on the choice.
                 known = Keys::of(base);
                 self.no_choice(table, &span, (choice, &together(&choices)), path);
             }
@@ -181,7 +181,7 @@ impl<'s> Walk<'s> {
         }
     }
 
-    /// Where else in the file this key belongs.
+    /// The other place in the file where this key belongs.
     fn table_of(&self, key: &str, path: &str) -> Option<String> {
         if !path.is_empty() && properties(self.root).any(|(known, _)| known == key) {
             return Some(format!(

@@ -1,4 +1,4 @@
-//! How the walk's problems are worded.
+//! Wording of the walk's problems.
 
 use super::kind::{self, alternatives, quoted, spoken, takes, wishes};
 use amontons::scene::Problem;
@@ -36,7 +36,7 @@ pub(super) fn no_such_word(
     }
 }
 
-/// What to add for a key that lacks in the table at `path`, and what it means.
+/// The text to add for a key that is missing in the table at `path`, with its meaning.
 pub(super) fn addition(path: &str, key: &str, schema: Option<&Value>) -> String {
     let example = schema.and_then(|schema| kind::example(key, schema, !path.is_empty()));
     let written = match example {
@@ -67,7 +67,7 @@ pub(super) fn wrong_kind(value: &DeValue<'_>, schema: &Value, path: &str) -> Pro
             } else if begins_as_one {
                 let meaning = kind::meaning(schema);
                 let unit = meaning.map_or_else(String::new, |meaning| format!(" ({meaning})"));
-                // Which number it is depends on the unit that stands there.
+                // The number depends on the unit that stands there.
                 Some(format!("write the number alone, without its unit: {}{unit}", write("…")))
             } else {
                 None

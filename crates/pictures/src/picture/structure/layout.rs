@@ -1,10 +1,9 @@
 //! Layout of a structure: the positions of masses and the runs of links, each at the first free place of a list.
 //!
-//! A scene knows directions only. So masses stand on a grid: one after the other, each at the next
-//! free point in the direction of the link or surface that joins it to those that have a place. Links run straight
-//! between
-//! two masses if nothing is in the way. What remains is drawn as stubs: to ground, or from each of
-//! the two masses to the other's name. Lengths are in steps of the grid, and y is upwards.
+//! A scene knows directions only. So masses stand on a grid: one after the other, each at the next free point in the
+//! direction of the link or surface that joins it to those that have a place. Links run straight between two masses
+//! if nothing is in the way. The other links are drawn as stubs: to ground, or from each of the two masses to the
+//! other's name. Lengths are in steps of the grid, and y is upwards.
 
 use super::plane::{
     Room, across, add, along, centred, dot, length, scaled, sub, turned, unit, way,
