@@ -13,7 +13,7 @@ const FAR: f64 = 0.05;
 const WEIGHTS: f64 = 10.0;
 /// Preloads that press all contacts on with less than this part of the masses' weight are doubtful.
 const FAINT: f64 = 0.02;
-/// m/s².
+/// Acceleration of gravity, m/s².
 const GRAVITY: f64 = 9.81;
 /// Tangents whose product is this near to −1 are opposite.
 const OPPOSITE: f64 = 1e-6;

@@ -33,7 +33,7 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
     ))
 }
 
-/// All of it: the step, contacts without load, signals that the step cannot follow, values that look like those of
+/// All warnings: the step, contacts without load, signals that the step cannot follow, values that look like those of
 /// another unit.
 #[must_use]
 pub fn warnings(simulation: &Simulation) -> Vec<String> {

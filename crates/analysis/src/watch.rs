@@ -5,14 +5,14 @@ use std::ops::ControlFlow;
 /// The interface by which long work reports its progress and asks if it is over, from any of its threads.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
-    /// Asked often: whether to go on. After the first `Break` the work ends with what is done.
+    /// Decides if the work continues; called often. After the first `Break` the work ends with the results so far.
     pub go_on: &'a (dyn Fn() -> ControlFlow<()> + Sync),
     /// Told now and then: how much of the work is done, from 0 to 1.
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 
 impl Watch<'_> {
-    /// One that never ends the work and looks at nothing.
+    /// A watch that never ends the work and ignores its progress.
     pub const IDLE: Watch<'static> =
         Watch { go_on: &|| ControlFlow::Continue(()), progress: &|_| {} };
 

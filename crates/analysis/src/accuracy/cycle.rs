@@ -10,7 +10,8 @@ const FLAT: f64 = 1e-7;
 /// The cycle of a displacement.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cycle {
-    /// Half of what lies between its smallest and largest value, m; `None` if it does not move.
+    /// Half of the difference between the largest and the smallest value, m; `None` if the displacement does not
+    /// move.
     pub amplitude: Option<f64>,
     /// Bound on the relative error of the amplitude, because a run is sampled at intervals only.
     pub amplitude_error: f64,
@@ -48,7 +49,7 @@ impl Cycle {
     }
 }
 
-/// Half of what lies between the smallest and the largest value, turns between the values included.
+/// Half of the difference between the largest and the smallest value, turning points between the values included.
 pub(crate) fn half_range(values: &[f64]) -> f64 {
     let turns = values.windows(5).filter_map(turn);
     let [least, most] = range(values.iter().copied().chain(turns));

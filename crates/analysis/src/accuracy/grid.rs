@@ -1,4 +1,4 @@
-//! When runs are looked at, and the ladder of steps that goes with it.
+//! Times at which runs are observed, and the ladder of steps that goes with them.
 
 use amontons::Error;
 use amontons::decimal::one_two_five;
@@ -31,7 +31,7 @@ pub struct Grid {
 pub struct Rung {
     /// The method.
     pub method: Method,
-    /// Its step, s.
+    /// Step of the method, s.
     pub step: f64,
     /// The number of steps in an interval.
     pub steps: u64,

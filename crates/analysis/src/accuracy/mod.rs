@@ -72,7 +72,7 @@ pub struct Row {
     pub statistics: Statistics,
     /// Changes of state, less those of the reference.
     pub events_more: i64,
-    /// None smaller than the floor: an error that equals it is not larger.
+    /// Errors of the run, none smaller than the floor: an error that equals it is not larger.
     pub errors: Errors,
 }
 
@@ -240,7 +240,7 @@ impl Study {
         &self.scene
     }
 
-    /// When runs are looked at.
+    /// Returns the times at which runs are observed.
     #[must_use]
     pub fn grid(&self) -> Grid {
         self.grid
@@ -272,7 +272,7 @@ impl Study {
         self.reference.statistics
     }
 
-    /// When which contact takes another state in the reference, in the order of time.
+    /// Changes of contact states in the reference, in the order of time.
     #[must_use]
     pub fn reference_changes(&self) -> &[StateChange] {
         self.reference.changes()

@@ -1,4 +1,4 @@
-//! One run over a grid: all displacements, and when which contact changes its state.
+//! One run over a grid: all displacements, and the changes of contact states with their times.
 
 use super::grid::{Grid, Rung};
 use crate::statistics::{place_of_largest, variance};
@@ -23,7 +23,7 @@ pub struct StateChange {
     pub contact: usize,
     /// The state that it takes.
     pub state: ContactState,
-    /// When, s: the end of the step in which it does, or of the part of one.
+    /// Time of the change, s: the end of the step in which it happens, or of the part of one.
     pub time: f64,
 }
 
@@ -31,7 +31,7 @@ pub struct StateChange {
 pub(super) struct AccuracyRun {
     pub(super) statistics: Statistics,
     dofs: usize,
-    /// One row of displacements an interval, the start among them.
+    /// One row of displacements for each interval, the start among them.
     displacements: Vec<f64>,
     changes: Vec<StateChange>,
 }
@@ -140,9 +140,9 @@ impl AccuracyRun {
 /// Equal units of time, steps or parts of one.
 #[derive(Clone, Copy)]
 struct Units {
-    /// When unit 0 begins, s.
+    /// Time at which unit 0 begins, s.
     origin: f64,
-    /// s.
+    /// Length of a unit, s.
     length: f64,
     from: u64,
     to: u64,

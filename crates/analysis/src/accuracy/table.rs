@@ -41,7 +41,7 @@ fn cell(error: Option<f64>, floor: Option<f64>) -> String {
 }
 
 impl Study {
-    /// One line on what the table is about.
+    /// One line on the subject of the table.
     #[must_use]
     pub fn title(&self) -> String {
         let Scene { name, experiment, .. } = &self.scene;

@@ -1,4 +1,4 @@
-//! All lines of a spectrum, and what part of the power they have.
+//! Lines of a spectrum, and the part of the power that they have.
 
 use super::transform::powers;
 use super::window::{Window, sum, weighted};
@@ -15,16 +15,16 @@ const REST: f64 = 1e-14;
 /// One line of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Line {
-    /// Hz.
+    /// Frequency of the line, Hz.
     pub frequency: f64,
-    /// Half of what lies between the smallest and the largest value of this line alone; the history's unit.
+    /// Half of the difference between the largest and the smallest value of this line alone, in the history's unit.
     pub amplitude: f64,
 }
 
 /// The lines of a spectrum.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Lines {
-    /// Strongest first.
+    /// Lines of the spectrum, strongest first.
     pub lines: Vec<Line>,
     /// The part of the power, without the mean, that lies within [`resolution`](Self::resolution) of one of the
     /// lines: near 1 for a motion of few frequencies, less for a chaotic one. 0 where nothing moves.

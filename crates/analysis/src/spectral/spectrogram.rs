@@ -12,7 +12,7 @@ pub const LEAST_DB: f64 = -200.0;
 pub struct Spectrogram {
     /// The middle of each window, s from the first value.
     pub times: Vec<f64>,
-    /// Hz, ascending from 0.
+    /// Frequencies, Hz, ascending from 0.
     pub frequencies: Vec<f64>,
     /// Power in dB below the largest of all, from [`LEAST_DB`] to 0: for each frequency one for each time.
     pub power: Vec<Vec<f64>>,

@@ -39,7 +39,7 @@ pub struct Candidate {
     pub states: Vec<ContactState>,
     /// Number of states that symmetry makes equal to this one, itself included.
     pub alike: usize,
-    /// From which µ on, and up to which, the mode grows while uniform sliding does not.
+    /// Range of µ in which the mode grows while uniform sliding does not.
     pub range: [f64; 2],
     /// `true` if the mode begins to grow at the range's start; `false` if it grew before.
     pub begins: bool,

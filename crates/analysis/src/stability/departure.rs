@@ -1,5 +1,5 @@
-//! From the linear answer to the non-linear one: how large a mode of uniform sliding may become
-//! before a contact leaves sliding.
+//! Limits of the linear answer: the amplitude that a mode of uniform sliding may reach before a contact leaves
+//! sliding.
 
 use super::modes::{Mode, largest};
 use amontons::contact::ContactState;
@@ -22,7 +22,7 @@ pub struct Departure {
     pub into: ContactState,
     /// Amplitude at which it does, m, of the degree of freedom that moves most.
     pub amplitude: f64,
-    /// That degree of freedom.
+    /// The degree of freedom of `amplitude`.
     pub dof: usize,
 }
 

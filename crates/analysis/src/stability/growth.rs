@@ -14,7 +14,7 @@ const SAME: f64 = 0.05;
 /// A range in which one mode grows.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct GrowthRange {
-    /// From the first value at which it grows to the last.
+    /// Range from the first value at which the mode grows to the last.
     pub(super) range: [f64; 2],
     /// `true` if it does not grow below the range; `false` if the values begin inside it.
     pub(super) begins: bool,
@@ -47,7 +47,7 @@ struct GrowthFollower<'a> {
     value: f64,
     /// Modes that grow at `value`.
     now: Vec<GrowthRange>,
-    /// Those that have ceased to.
+    /// Modes that have ceased to grow.
     over: Vec<GrowthRange>,
 }
 

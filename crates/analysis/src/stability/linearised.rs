@@ -25,7 +25,7 @@ use std::sync::OnceLock;
 #[derive(Clone, Debug)]
 pub struct Linearised {
     model: LumpedModel,
-    /// It names the contacts.
+    /// The scene, which names the contacts.
     scene: Option<Scene>,
     equilibrium: OnceLock<Result<Equilibrium, Error>>,
 }

@@ -20,10 +20,10 @@ pub struct Mode {
     /// σ with λ² + (α + β σ) λ + σ = 0, 1/s²: the eigenvalue of M̃⁻¹ K̃ that λ belongs to, but where
     /// there are single dampers.
     pub stiffness_eigenvalue: Complex<f64>,
-    /// x, one value a degree of freedom; the largest is 1.
+    /// Shape of x, one value for each degree of freedom; the largest is 1.
     pub shape: Vec<Complex<f64>>,
-    /// In a ring of equal modules in equal states, how many waves the shape has around it. All but
-    /// none and half as many as modules come twice, as cosine and sine; any mixture is a mode too.
+    /// Number of waves that the shape has around a ring of equal modules in equal states. All but none and half as
+    /// many as modules come twice, as cosine and sine; any mixture is a mode too.
     pub waves: Option<usize>,
     /// ‖λ² M̃ u + λ C̃ u + K̃ u‖ against what its rows would have if their terms did not cancel.
     pub residual: f64,

@@ -4,7 +4,7 @@ use super::ending::{Ending, Kind};
 
 /// Amplitudes of one cycle differ by less than this, relative: ten times what a settled one may still change.
 const SAME_AMPLITUDE: f64 = 2e-2;
-/// Those of an irregular motion by less than this.
+/// Amplitudes of one irregular motion differ by less than this, relative.
 const SAME_IRREGULAR: f64 = 0.25;
 /// Frequencies of one cycle differ by less than this, relative.
 const SAME_FREQUENCY: f64 = 1e-3;

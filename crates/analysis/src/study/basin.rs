@@ -65,9 +65,9 @@ pub enum Coverage {
 /// An initial value along an axis of the plane.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Axis {
-    /// Its name.
+    /// Name of the initial value.
     pub name: String,
-    /// Its values, ascending; m or m/s.
+    /// Values, ascending; m or m/s.
     pub values: Vec<f64>,
 }
 
@@ -81,7 +81,7 @@ pub struct Cell {
     pub run: bool,
     /// `true` if it was decided before it had settled.
     pub early: bool,
-    /// Why it failed.
+    /// The reason of a failure.
     pub failure: Option<String>,
 }
 
@@ -97,9 +97,9 @@ pub struct Basin {
 /// The knowledge of a point, as it is noted.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 enum PointOutcome {
-    /// It has the habits of this one of the attractors of the first points.
+    /// The point has the habits of this one of the attractors of the first points.
     Early(usize),
-    /// It was followed until it was settled, or for as long as may be; with its habits.
+    /// The point was followed until it was settled, or for as long as may be; with its habits.
     Settled(Box<Ending>, Vec<[f64; 2]>),
     Failed(String),
 }
@@ -433,7 +433,7 @@ impl Meter {
         }
     }
 
-    /// From the mean, root mean square, of each displacement and then each velocity; begins anew.
+    /// Root mean square about the mean of each displacement and then each velocity; begins anew.
     fn take(&mut self) -> Vec<f64> {
         let Self { weight, sums } = std::mem::take(self);
         let size = |[sum, squares]: &[f64; 2]| {

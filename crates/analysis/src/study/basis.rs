@@ -16,11 +16,11 @@ const WORST: f64 = 1e-6;
 pub(super) struct Basis {
     /// Coordinates that the contacts leave free from degrees of freedom, m × n.
     free: DMatrix<f64>,
-    /// By what velocities are divided, the largest modulus of an eigenvalue, 1/s.
+    /// Divisor of velocities, the largest modulus of an eigenvalue, 1/s.
     pub(super) pace: f64,
     /// Coefficients of the modes from free coordinates and their velocities, 2m × 2m.
     inverse: DMatrix<Complex<f64>>,
-    /// One of each conjugate pair; those of one eigenvalue together.
+    /// One mode of each conjugate pair; those of one eigenvalue together.
     pub(super) modes: Vec<Members>,
 }
 
@@ -28,7 +28,7 @@ pub(super) struct Basis {
 pub(super) struct Members {
     /// λ of x ∝ exp(λ t), 1/s; of the paper's scheme from step to step.
     pub(super) eigenvalue: Complex<f64>,
-    /// Each its row of the inverse, and its shape.
+    /// The row of the inverse and the shape of each mode.
     pub(super) members: Vec<(usize, Vec<Complex<f64>>)>,
 }
 

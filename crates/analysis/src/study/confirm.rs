@@ -55,11 +55,11 @@ impl Attempt {
 /// The pushes that were tried for a candidate. They end with the first one that met it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tried {
-    /// In the order in which they were made.
+    /// Attempts in the order in which they were made.
     pub attempts: Vec<Attempt>,
     /// The push that met the candidate: one of its own or, where none of those did, one of another candidate.
     pub met: Option<Attempt>,
-    /// s that a motion may take to settle.
+    /// The longest time that a motion may take to settle, s.
     pub longest: f64,
     /// The output whose amplitude is told.
     pub of: String,

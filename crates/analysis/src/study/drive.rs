@@ -1,5 +1,5 @@
-//! This module tells what the signals of a scene do in the end: from when on they only repeat themselves, and after what
-//! time.
+//! This module analyses the signals of a scene in the long run: the time from which on they only repeat themselves,
+//! and their period.
 
 use amontons::scene::{Scene, Shape, Sine};
 use amontons::simulation::Simulation;

@@ -55,7 +55,7 @@ use crate::spectral::{Line, Lines};
 use amontons::contact::ContactState;
 use serde::{Deserialize, Serialize};
 
-/// No more lines of a motion are told.
+/// The most lines of a motion that are listed.
 const MOST_LINES: usize = 8;
 /// Two lines that are not told apart have no frequency of their own if the fainter one has this part of the stronger one.
 const BLURRING: f64 = 0.05;
@@ -64,21 +64,21 @@ const BLURRING: f64 = 0.05;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Kind {
-    /// It rests, or decays to rest.
+    /// The motion rests, or decays to rest.
     Equilibrium,
-    /// Its whole state comes back after a period.
+    /// The whole state of the motion comes back after a period.
     Periodic,
-    /// Its state does not come back within 64 periods of its strongest line and of its signals together, and neighbouring
-    /// motions do not part exponentially over 32 windows. Signals that have no common period below 100 windows count as having
-    /// none.
+    /// The state of the motion does not come back within 64 periods of its strongest line and of its signals
+    /// together, and neighbouring motions do not part exponentially over 32 windows. Signals that have no common
+    /// period below 100 windows count as having none.
     QuasiPeriodic,
-    /// Its state does not come back, and neighbouring motions part exponentially.
+    /// The state of the motion does not come back, and neighbouring motions part exponentially.
     Irregular,
     /// The motion continues with a steady size, but none of the other kinds could be shown.
     Undecided,
-    /// It grows, and nothing in the scene can stop it: the motion leaves the range in which the model holds.
+    /// The motion grows, and nothing in the scene can stop it: it leaves the range in which the model holds.
     Unbounded,
-    /// It had not settled when it was left.
+    /// The motion had not settled when it was left.
     Unsettled,
 }
 
@@ -118,7 +118,7 @@ pub struct Ending {
     /// Frequency of the output's strongest line, Hz; `None` where nothing oscillates, or where the motion has not
     /// settled and its lines may still change.
     pub frequency: Option<f64>,
-    /// s after which the whole state of a periodic motion comes back.
+    /// Time after which the whole state of a periodic motion comes back, s.
     pub period: Option<f64>,
     /// Distance of the state of a motion with a period from itself after that period, root mean square over a period,
     /// in parts of the motion's size; 0 is exact.
@@ -148,7 +148,7 @@ pub struct Ending {
     /// where slips get shorter for ever.
     #[serde(default)]
     pub fading: [bool; 4],
-    /// s from where the motion was first looked at.
+    /// Time since the motion was first observed, s.
     pub time: f64,
     /// Rate at which the motion still grew or, below zero, decayed at the end, 1/s: for a linear motion the growth
     /// rate of its fastest growing mode. 0 where signals drive it on.
@@ -161,7 +161,7 @@ pub struct Ending {
     /// Size of the motion of all degrees of freedom together, m: root mean square of a mixture of their displacements.
     #[serde(default)]
     pub size: f64,
-    /// By how much that size differs over the last windows, logarithm of the largest by the smallest.
+    /// Variation of `size` over the last windows, logarithm of the largest by the smallest.
     #[serde(default)]
     pub scatter: f64,
     /// Half of the difference between the largest and the smallest displacement of each degree of freedom, m.

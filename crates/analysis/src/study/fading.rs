@@ -18,11 +18,11 @@ const LASTS: f64 = 0.5;
 pub(super) struct Shown<'a> {
     /// Rows are so far apart, s.
     pub interval: f64,
-    /// s, of a window, since when the motion has gone on as it does, and how long it may take.
+    /// Length of a window, time since the motion has been as it is, and longest time that it may take, s.
     pub window: f64,
     pub elapsed: f64,
     pub longest: f64,
-    /// s after which it comes back.
+    /// Time after which the motion comes back, s.
     pub period: f64,
     pub output: &'a Variable,
     /// The part of the time for which contacts are in each state.

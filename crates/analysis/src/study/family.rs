@@ -13,8 +13,8 @@ use amontons::Error;
 use amontons::simulation::Simulation;
 use std::f64::consts::TAU;
 
-/// By this part of the motion's velocity, at least, a mode is made larger and smaller, to see whether the motion is the largest
-/// of its family.
+/// Least part of the motion's velocity by which a mode is made larger and smaller, to see if the motion is the
+/// largest of its family.
 const LARGER: f64 = 1e-5;
 
 /// A mode of more than this part of the largest one in a sum counts.

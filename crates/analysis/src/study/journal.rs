@@ -16,7 +16,7 @@ use std::sync::{Mutex, MutexGuard};
 
 /// The pieces of a study that are finished.
 pub struct Journal {
-    /// None of one that is not kept.
+    /// Path of the file; `None` for a journal that is not kept.
     path: Option<PathBuf>,
     pages: Mutex<Pages>,
 }
@@ -27,7 +27,7 @@ struct Pages {
 }
 
 impl Journal {
-    /// One that is forgotten when it is dropped.
+    /// A journal that is forgotten when it is dropped.
     #[must_use]
     pub fn forgotten() -> Self {
         Self { path: None, pages: Mutex::new(Pages { file: None, done: HashMap::new() }) }
@@ -124,13 +124,13 @@ impl Journal {
 /// Whose a journal's file is.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Owner {
-    /// There is none, or one without a first line.
+    /// There is no journal, or one without a first line.
     Nobody,
-    /// This study's.
+    /// The journal is that of this study.
     This,
     /// Another study's.
     Another {
-        /// In what it is another.
+        /// The difference between the studies.
         why: String,
         /// `true` if any of its pieces is finished.
         has_pieces: bool,

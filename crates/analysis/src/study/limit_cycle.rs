@@ -21,7 +21,7 @@ use std::fmt;
 pub struct Question {
     /// The parameter or input, by its name in the FMU.
     pub name: String,
-    /// Its values, ascending.
+    /// Values of the parameter, ascending.
     pub values: Vec<f64>,
     /// Thresholds are known to this part of the distance between the values beside them.
     pub resolution: f64,
@@ -37,7 +37,7 @@ pub struct Question {
 pub enum Outcome {
     /// The ending of the motion, settled or not.
     Ending(Ending),
-    /// It has no equilibrium, the step is above its critical one, or a step fails: what is wrong.
+    /// The scene has no equilibrium, the step is above its critical one, or a step fails: the message of the error.
     Failure(String),
 }
 
@@ -130,13 +130,13 @@ pub struct Regime {
 /// Results of a study of limit cycles.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct LimitCycles {
-    /// One a value.
+    /// One outcome for each value.
     pub outcomes: Vec<Outcome>,
     /// Runs of values with settled motions that are alike.
     pub regimes: Vec<Regime>,
-    /// Between neighbouring values that both have settled, by value.
+    /// Thresholds between neighbouring values that both have settled, by value.
     pub thresholds: Vec<MotionBracket>,
-    /// By value; motions that rest have none.
+    /// Portraits by value; motions that rest have none.
     pub portraits: Vec<Portrait>,
 }
 

@@ -1,5 +1,5 @@
-//! This module tells what is known of a simulation's motion before one looks at it: whether it is linear, and
-//! whether it then grows or decays, as its eigenvalues have it.
+//! This module gives the properties of a simulation's motion that are known before it is observed: linearity and,
+//! from eigenvalues, growth or decay.
 
 use crate::stability::Linearised;
 use crate::stability::candidates::resting_state;
@@ -18,7 +18,7 @@ pub(super) const MORE_THAN_ROUNDING: f64 = 1e-9;
 pub(super) struct GrowthRate {
     /// 1/s.
     pub rate: f64,
-    /// In parts of the fastest mode's angular frequency.
+    /// The growth rate in parts of the fastest mode's angular frequency.
     pub relative: f64,
 }
 

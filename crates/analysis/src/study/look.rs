@@ -18,7 +18,7 @@ const FEWEST_PERIODS: f64 = 5.0;
 const MOST_ROWS: f64 = 100_000.0;
 /// Nor may a person ask for more than these, whose spectrum would take all memory.
 const MOST_WISHED_ROWS: f64 = 5e6;
-/// And no fewer, which its spectrum needs.
+/// The fewest rows that a window may have, which its spectrum needs.
 const FEWEST_ROWS: f64 = 64.0;
 /// Steps of exact motion in the period of a sine that drives friction: held over a step it is then true to 4e-7.
 const STEPS_A_SIGNAL: f64 = 2000.0;
@@ -31,11 +31,11 @@ const MOST_WAITED: f64 = 1000.0;
 pub struct Look {
     /// The output whose amplitude and frequency are told, by its name in the FMU.
     pub of: String,
-    /// s between two rows.
+    /// Time between two rows, s.
     pub interval: f64,
-    /// s over which a motion is looked at to know it: a whole number of intervals.
+    /// Length of a window over which a motion is observed, s: a whole number of intervals.
     pub window: f64,
-    /// s that a motion may take to settle: a whole number of windows.
+    /// The longest time that a motion may take to settle, s: a whole number of windows.
     pub longest: f64,
 }
 
@@ -44,11 +44,11 @@ pub struct Look {
 pub struct Wish<'a> {
     /// The output that is looked at ([`Look::of`]).
     pub of: Option<&'a str>,
-    /// s between two rows ([`Look::interval`]).
+    /// Time between two rows, s ([`Look::interval`]).
     pub interval: Option<f64>,
-    /// s over which a motion is looked at ([`Look::window`]).
+    /// Length of a window, s ([`Look::window`]).
     pub window: Option<f64>,
-    /// s that a motion may take to settle ([`Look::longest`]).
+    /// The longest time that a motion may take to settle, s ([`Look::longest`]).
     pub longest: Option<f64>,
 }
 

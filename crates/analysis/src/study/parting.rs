@@ -32,11 +32,11 @@ const SLOWLY: f64 = 0.5;
 pub(super) enum Parting {
     /// Exponentially, at about this rate, 1/s.
     Exponential(f64),
-    /// In proportion to time, or not at all.
+    /// The distance grows in proportion to time, or not at all.
     Regular,
-    /// They come together: the motion has no say in where it is, and follows what drives it.
+    /// The neighbours come together: the motion follows its drive and has no phase of its own.
     Together,
-    /// It cannot be told.
+    /// The separation cannot be determined.
     Unknown,
 }
 

@@ -23,7 +23,7 @@ const SMALLEST: f64 = 1e-3;
 pub struct Direction {
     /// An initial value of the scene, in full.
     pub name: String,
-    /// Its values, ascending; m or m/s.
+    /// Amplitudes of the initial value, ascending; m or m/s.
     pub amplitudes: Vec<f64>,
     /// Thresholds are found to this part of themselves.
     pub resolution: f64,
@@ -36,7 +36,7 @@ pub struct Run {
     pub amplitude: f64,
     /// The ending of the motion; `None` if it failed.
     pub ending: Option<Ending>,
-    /// Why it failed.
+    /// The reason of a failure.
     pub failure: Option<String>,
     /// The attractor of the motion; `None` if it has not settled, or failed.
     pub attractor: Option<usize>,
@@ -45,7 +45,7 @@ pub struct Run {
 /// A perturbation above which a scene ends in something else.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize)]
 pub struct Threshold {
-    /// It lies between these initial values.
+    /// Initial values between which the threshold lies.
     pub between: [f64; 2],
     /// The attractors below and above.
     pub attractors: [usize; 2],
@@ -56,9 +56,9 @@ pub struct Threshold {
 pub struct Perturbations {
     /// One ending of each attractor: rest first, then cycles by amplitude.
     pub attractors: Vec<Ending>,
-    /// By amplitude; those that the thresholds were found with included.
+    /// Runs by amplitude; those that the thresholds were found with included.
     pub runs: Vec<Run>,
-    /// By amplitude.
+    /// Thresholds by amplitude.
     pub thresholds: Vec<Threshold>,
 }
 

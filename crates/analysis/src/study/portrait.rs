@@ -8,9 +8,9 @@ use amontons::scene::Method;
 use amontons::simulation::Simulation;
 use serde::{Deserialize, Serialize};
 
-/// Points a period, and periods, of a motion that comes again.
+/// Points for each period, and number of periods, of a periodic motion.
 const PERIODIC: [f64; 2] = [400.0, 1.0];
-/// And of any other, by its strongest line.
+/// Points for each period of the strongest line, and number of these periods, of any other motion.
 const OTHER: [f64; 2] = [150.0, 20.0];
 
 /// The orbits of a motion.

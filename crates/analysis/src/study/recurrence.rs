@@ -46,7 +46,7 @@ const NEARER: f64 = 0.1;
 /// The return of a motion to its earlier state.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Closure {
-    /// s after which the state comes back.
+    /// Time after which the state comes back, s.
     pub period: f64,
     /// Distance of the state then from the earlier one, root mean square over a period, in parts of the motion's
     /// size.
@@ -221,7 +221,7 @@ pub(super) enum Search {
     Found(Closure),
     /// The motion does not come back within [`MOST_PERIODS`] periods of the drive and of its strongest line.
     NoReturn,
-    /// It does not come back within [`MOST_WINDOWS`] windows, which are too few to hold all these periods.
+    /// The motion does not come back within [`MOST_WINDOWS`] windows, which are too few to hold all these periods.
     CutShort,
 }
 
@@ -232,7 +232,7 @@ struct Seeker<'a> {
     begin: &'a Return,
     origin: State,
     scale: Scale,
-    /// s, between two rows, and of a window.
+    /// Time between two rows, and length of a window, s.
     interval: f64,
     window: f64,
     /// A return that is so near over the whole period may be one of a periodic motion.
@@ -500,8 +500,8 @@ pub(super) fn begin_fast(
     Ok(scale)
 }
 
-/// When the motion passes the state that it came from, s after that: between two times on either side, by false
-/// position from what was saved at the first of them.
+/// Time at which the motion passes the state that it came from, s after that: between two times on either side, by
+/// false position from what was saved at the first of them.
 fn passage(
     course: &ResumedMotion<'_>,
     before: &Snapshot,

@@ -29,7 +29,7 @@ use amontons::numerics::max_norm;
 use amontons::scene::Method;
 use amontons::simulation::{Simulation, Variable};
 
-/// Lines of more than this part of the strongest one are told.
+/// Lines of more than this part of the strongest one are listed.
 const TOLD: f64 = 1e-3;
 /// Number of windows before the last one from which lines of a motion without a period are told too, since they may
 /// lie near each other.
@@ -59,13 +59,13 @@ pub(crate) struct Settling {
     /// `true` of a window in which contacts were in the states of rest and their forces linear.
     linear: bool,
     before: Statistics,
-    /// s, from when on signals only repeat themselves.
+    /// Time from which on signals only repeat themselves, s.
     last_edge: f64,
     /// Deflection of the structure by the forces at rest, m: [`deflection`].
     deflection: f64,
     /// Number of windows that have ended.
     windows: usize,
-    /// Those since the last edge.
+    /// Windows since the last edge.
     seen: Windows,
     /// The closure at the end of each window since the motion was steady.
     closures: Vec<Closure>,
@@ -129,7 +129,7 @@ impl Settling {
         self.states = [0; 4];
     }
 
-    /// When the next row is due, s.
+    /// Time at which the next row is due, s.
     #[allow(clippy::cast_precision_loss)]
     pub(crate) fn next_time(&self) -> f64 {
         (self.row + 1) as f64 * self.look.interval

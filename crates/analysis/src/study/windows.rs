@@ -8,7 +8,8 @@ use crate::sweep::steady::{ROUNDING, STANDING, is_steady, tends_to_zero, weighte
 
 /// Lines of more than this part of the strongest one must be the same.
 const STRONG: f64 = 1e-2;
-/// By this part of their resolution, and by this part of their amplitude.
+/// Strong lines are the same if they differ by less than this part of the resolution in frequency, and by less than
+/// `SAME_LINE` in amplitude.
 const SAME_PLACE: f64 = 0.1;
 const SAME_LINE: f64 = 1e-2;
 /// Lines of more than this part of the strongest one must not grow.
@@ -38,13 +39,13 @@ struct SeenWindow {
 /// The trend of a motion over the last window and those before it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Trend {
-    /// It rests, or decays to rest.
+    /// The motion rests, or decays to rest.
     Rests,
-    /// Its size and its lines stay.
+    /// Size and lines of the motion stay.
     Steady,
-    /// Its size varies without a trend.
+    /// The size of the motion varies without a trend.
     Varies,
-    /// It grows, and nothing can stop it.
+    /// The motion grows, and nothing can stop it.
     Unbounded,
     /// None of these yet.
     Open,
@@ -72,7 +73,7 @@ pub(super) struct Surroundings<'a> {
 
 /// The windows of a motion since the last edge of a signal.
 pub(super) struct Windows {
-    /// Between two rows, s.
+    /// Time between two rows, s.
     interval: f64,
     /// Weights of the rows of a window.
     weights: Vec<f64>,
@@ -218,7 +219,7 @@ impl Windows {
         })
     }
 
-    /// By how much the size of a motion differs over its last windows, logarithm of the largest by the smallest.
+    /// Variation of the size of a motion over its last windows, logarithm of the largest by the smallest.
     pub(super) fn scatter(&self) -> f64 {
         let last = || self.seen.iter().rev().take(4).map(|seen| seen.size);
         let (least, most) = (last().fold(f64::INFINITY, f64::min), last().fold(0.0, f64::max));
@@ -237,7 +238,7 @@ impl Windows {
 }
 
 impl SeenWindow {
-    /// Its lines, found when they are first needed.
+    /// Lines of the window, found when they are first needed.
     fn lines(&mut self, interval: f64) -> &Lines {
         self.lines.get_or_insert_with(|| lines(&self.mixture, interval, FAINT))
     }

@@ -11,7 +11,7 @@ pub(super) struct Work<'a> {
     /// Beginning and end of this work within that of the basin, from 0 to 1.
     within: [f64; 2],
     watch: Watch<'a>,
-    /// In points.
+    /// The work that is done, in points.
     done: Mutex<f64>,
 }
 

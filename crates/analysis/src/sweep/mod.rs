@@ -81,14 +81,14 @@ pub struct Summary {
     pub shares: [f64; 4],
 }
 
-/// Why it is not known whether a motion has settled.
+/// The reason why it is not known if a motion has settled.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Doubt {
     /// A quarter of the window has fewer than five periods of the slowest mode; the window that has them, s.
     Short(f64),
     /// Sizes neither stay, nor do all that change grow, or all decay, from each quarter to the next.
     Mixed,
-    /// No mode oscillates, so nothing says how long a quarter must be.
+    /// No mode oscillates, so the necessary length of a quarter is unknown.
     NoMode,
 }
 
@@ -192,7 +192,7 @@ fn smallest(simulation: &Simulation) -> f64 {
 
 /// Recorded data of a run.
 struct RunRecord {
-    /// One history an output, in its unit.
+    /// One history for each output, in its unit.
     histories: Vec<Vec<f64>>,
     passage: Passage,
     displacements: Quarters,

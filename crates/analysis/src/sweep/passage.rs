@@ -33,7 +33,7 @@ enum FollowedQuantity {
 /// The motion at one instant.
 struct PassagePoint {
     saved: Snapshot,
-    /// s.
+    /// Time, s.
     time: f64,
     /// The followed quantities, in their units, and the rates of displacements, m/s.
     values: Vec<f64>,
@@ -47,13 +47,13 @@ struct PassagePoint {
 /// A simulation followed row by row.
 pub(crate) struct Passage {
     followed: Vec<FollowedQuantity>,
-    /// It looks between the rows.
+    /// A simulation that looks between the rows.
     scout: Option<Simulation>,
     last: Option<PassagePoint>,
-    /// By how much each value changed over the span before, or less.
+    /// Change of each value over the span before, or less.
     slack: Vec<f64>,
     extremes: Vec<[f64; 2]>,
-    /// s, all contacts together.
+    /// Time in each state, s, all contacts together.
     dwell: [f64; 4],
 }
 
@@ -227,7 +227,7 @@ impl Passage {
     }
 }
 
-/// By how much each value changes.
+/// Change of each value.
 fn changes(before: &PassagePoint, now: &PassagePoint) -> Vec<f64> {
     before.values.iter().zip(&now.values).map(|(before, now)| (now - before).abs()).collect()
 }

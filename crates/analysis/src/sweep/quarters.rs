@@ -21,9 +21,9 @@ pub(super) struct Quarters {
     row: usize,
     /// Weights of the rows in a quarter.
     weights: Vec<f64>,
-    /// For each displacement the sums of its quarters.
+    /// The sums of the quarters for each displacement.
     sums: Vec<[Sums; 4]>,
-    /// For each displacement its smallest and its largest value in the window, m.
+    /// The smallest and the largest value of each displacement in the window, m.
     extents: Vec<[f64; 2]>,
 }
 

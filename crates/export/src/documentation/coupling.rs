@@ -71,13 +71,13 @@ struct Drive {
     gives: String,
     /// The input of the drive, in words: the force of the contacts on it, along its velocity.
     takes: String,
-    /// That force in the equilibrium, N.
+    /// Force of the contacts on the surface in the equilibrium, N.
     force: f64,
-    /// Its velocity, m/s.
+    /// Velocity of the surface, m/s.
     velocity: f64,
 }
 
-/// That of the common slider, then those of surfaces that have velocities of their own.
+/// The drives of a scene: that of the common slider, then those of surfaces that have velocities of their own.
 fn drives(scene: &Scene, start: &Equilibrium, variables: &[Variable]) -> Vec<Drive> {
     let mut drives = Vec::new();
     let velocity = first(variables, Quantity::SliderVelocity, Causality::Input);

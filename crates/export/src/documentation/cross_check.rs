@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 
 /// The largest CSV that the rules allow, bytes.
 const MOST_BYTES: usize = 1_000_000;
-/// No number takes more, its comma included: a sign, 17 digits, a point, an exponent of five.
+/// The most characters of a number, its comma included: a sign, 17 digits, a point, an exponent of five.
 const NUMBER: usize = 25;
 /// The least number of rows, enough to show a course; below it outputs are left out instead.
 const FEWEST_ROWS: usize = 101;

@@ -49,7 +49,7 @@ const NAMED: usize = 8;
 pub struct Subject<'a> {
     /// The scene.
     pub scene: &'a Scene,
-    /// Its files, word for word.
+    /// Files of the scene, word for word.
     pub source: &'a Source,
     /// The scene at its start.
     pub start: &'a Simulation,

@@ -13,7 +13,7 @@ use std::f64::consts::TAU;
 
 /// The most degrees of freedom of which eigenvalues are found in an export: a second of work.
 const MOST_DOFS: usize = 256;
-/// Below this part of |λ| a growth rate is what rounding leaves of zero.
+/// A growth rate below this part of |λ| is zero but for rounding.
 const ROUNDING: f64 = 1e-9;
 
 /// # Errors

@@ -2,7 +2,7 @@
 
 include!(concat!(env!("OUT_DIR"), "/libraries.rs"));
 
-/// Those that a release carries.
+/// Platforms whose libraries a release carries.
 const MADE: [&str; 2] = ["linux64", "win64"];
 
 /// The library of an FMU for one platform: the crate `amontons` as a shared library.
@@ -16,7 +16,7 @@ pub struct Library {
 }
 
 impl Library {
-    /// All that this program carries, by their platforms' names.
+    /// All libraries that this program carries, by their platforms' names.
     #[must_use]
     pub fn carried() -> &'static [Self] {
         CARRIED

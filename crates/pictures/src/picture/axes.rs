@@ -14,7 +14,7 @@ use std::ops::Range;
 /// Left and right end of frames, px.
 pub(super) const LEFT: f64 = 84.0;
 pub(super) const RIGHT: f64 = 876.0;
-/// Free at the left of the y label, px.
+/// Free space at the left of the y label, px.
 const EDGE: f64 = 8.0;
 /// Height of the ticks and the label of the x axis below a frame, px.
 pub(super) const X_AXIS: f64 = 52.0;
@@ -34,7 +34,7 @@ pub(super) struct Frame<'a> {
     pub(super) x: [f64; 2],
     pub(super) y: [f64; 2],
     pub(super) y_label: &'a str,
-    /// None leaves the ticks of the x axis without numbers.
+    /// Label of the x axis; `None` leaves the ticks of the x axis without numbers.
     pub(super) x_label: Option<&'a str>,
     /// `true` if lines are drawn from the ticks across the frame.
     pub(super) grid: bool,
@@ -157,7 +157,8 @@ pub(super) fn ticks(range: [f64; 2], most: usize) -> Vec<(f64, String)> {
     found.map(|tick| (tick, number(tick, range))).collect()
 }
 
-/// From the smallest to the largest finite value, and what there is to show where they are one.
+/// Range from the smallest to the largest finite value, widened to a visible range where they are equal; `None`
+/// without a finite value.
 pub(super) fn range(values: impl Iterator<Item = f64>) -> Option<[f64; 2]> {
     let [from, to] = numerics::range(values.filter(|value| value.is_finite()));
     (from <= to).then(|| {

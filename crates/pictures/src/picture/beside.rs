@@ -4,7 +4,7 @@ use super::axes::{Frame, RIGHT, SMALL};
 use super::canvas::{Align, Point, text_width};
 
 const HEIGHT: f64 = 15.0;
-/// Between a point and its text, px.
+/// Distance between a point and its text, px.
 const AWAY: f64 = 9.0;
 /// Lines are looked at in pieces not longer than this, px.
 const PIECE: f64 = 4.0;

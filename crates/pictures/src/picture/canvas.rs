@@ -33,7 +33,7 @@ const SMALL_UNIT: u32 = 2;
 
 pub(super) type Point = [f64; 2];
 
-/// Why a picture cannot be drawn.
+/// The reason why a picture cannot be drawn.
 #[derive(Debug)]
 pub(super) struct Failure(pub(super) String);
 
@@ -50,12 +50,12 @@ pub(super) trait Drawing {
     /// Description of the picture in words, for readers who cannot see it.
     fn description(&self) -> String;
 
-    /// px.
+    /// Width of the drawing, px.
     fn width(&self) -> f64 {
         WIDTH
     }
 
-    /// px.
+    /// Height of the drawing, px.
     fn height(&self) -> f64;
 
     fn paint<B: DrawingBackend>(&self, canvas: &Canvas<B>) -> Result<(), Failure>;
@@ -80,7 +80,7 @@ pub(super) fn write(drawing: &impl Drawing, path: &Path) -> Result<(), Error> {
     save(path, &content.map_err(|failure| cannot_draw(path, &failure))?)
 }
 
-/// For what has no file of its own.
+/// The error for a picture that has no file of its own.
 pub(super) fn cannot_draw_titled(title: &str, Failure(reason): &Failure) -> Error {
     Error::picture(format!("cannot draw {title:?}: {reason}"))
 }

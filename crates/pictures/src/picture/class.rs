@@ -10,7 +10,7 @@ use serde::Serialize;
 /// A class of a cell of a map, or of a stretch of a lane.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Class {
-    /// For the legend.
+    /// Name in the legend.
     pub name: String,
     /// Place in the [palette](PALETTE).
     pub colour: usize,
@@ -19,7 +19,7 @@ pub struct Class {
 }
 
 impl Class {
-    /// One colour.
+    /// A class of one colour.
     #[must_use]
     pub fn plain(name: String, colour: usize) -> Self {
         Self { name, colour, stripes: Vec::new() }
@@ -55,7 +55,7 @@ impl Class {
         Self { name, colour: first, stripes: colours.collect() }
     }
 
-    /// All its colours.
+    /// All colours of the class.
     pub(super) fn colours(&self) -> Vec<RGBColor> {
         std::iter::once(&self.colour).chain(&self.stripes).map(|&place| colour(place)).collect()
     }

@@ -23,9 +23,9 @@ pub struct Map {
     pub x_label: String,
     /// The quantity along y, with its unit.
     pub y_label: String,
-    /// From the middle of the first column to the middle of the last: the picture ends there.
+    /// Range from the middle of the first column to the middle of the last: the picture ends there.
     pub x: [f64; 2],
-    /// From the middle of the first row to the middle of the last.
+    /// Range from the middle of the first row to the middle of the last.
     pub y: [f64; 2],
     /// Rows of cells, the lowest row first: each cell's place in `classes`.
     pub cells: Vec<Vec<usize>>,

@@ -37,7 +37,7 @@ pub struct ModeShapes {
     pub title: String,
     /// θ, rad: the slider's tangent is t = (cos θ, sin θ).
     pub angle: f64,
-    /// In rows, from the left.
+    /// The modes in rows, from the left.
     pub modes: Vec<ModeShape>,
 }
 
@@ -73,7 +73,7 @@ pub(super) struct ModeLayout<'a> {
     height: f64,
 }
 
-/// One mode and where it stands.
+/// One mode and its place in the picture.
 pub(super) struct PlacedMode<'a> {
     pub(super) title: &'a str,
     /// Left end of the title, at its middle height.
@@ -90,7 +90,7 @@ pub(super) struct Mass {
     pub(super) rest: Point,
     /// x(t) = Re(motion · exp(iωt)), px, with y downwards and the largest motion at t = 0.
     motion: [Complex<f64>; 2],
-    /// Half of its side, px.
+    /// Half of the mass's side, px.
     pub(super) half: f64,
     /// Turned by this, rad, clockwise.
     pub(super) turned: f64,
@@ -261,7 +261,7 @@ impl Mass {
         [middle[0] + x * cos - y * sin, middle[1] + x * sin + y * cos]
     }
 
-    /// Its outline, closed.
+    /// Outline of the mass, closed.
     pub(super) fn outline(&self, middle: Point) -> [Point; 5] {
         let h = self.half;
         [[-h, -h], [h, -h], [h, h], [-h, h], [-h, -h]].map(|at| self.corner(middle, at))

@@ -149,7 +149,7 @@ pub(super) fn verdict(verdict: &Verdict) -> &'static str {
     }
 }
 
-/// Why a claim does not hold, or what would decide it, as HTML; `None` of one that holds.
+/// The reason why a claim does not hold, or the evidence that would decide it, as HTML; `None` for one that holds.
 pub(super) fn reason(verdict: &Verdict) -> Option<String> {
     match verdict {
         Verdict::Holds => None,

@@ -28,7 +28,7 @@ pub struct Page {
     pub title: String,
     /// Paragraphs before everything else.
     pub lead: Vec<String>,
-    /// In order. The summary of all their claims stands before them.
+    /// The sections in order. The summary of all their claims stands before them.
     pub sections: Vec<Section>,
     /// The last line: what made the page.
     pub footer: String,
@@ -37,15 +37,15 @@ pub struct Page {
 /// A part of a report with a heading. Its text comes first, then claims, figures and tables.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Section {
-    /// For the table of contents, too.
+    /// Heading of the section, also in the table of contents.
     pub heading: String,
     /// Paragraphs.
     pub text: Vec<String>,
     /// Numbered through all sections.
     pub claims: Vec<Claim>,
-    /// In order.
+    /// The figures in order.
     pub figures: Vec<Figure>,
-    /// In order.
+    /// The tables in order.
     pub tables: Vec<Table>,
 }
 
@@ -63,14 +63,14 @@ pub struct Claim {
 /// Agreement of a claim with the result.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// It does.
+    /// The claim agrees with the result.
     Holds,
-    /// It does not.
+    /// The claim disagrees with the result.
     Differs {
-        /// Why; none is shown as “not known”.
+        /// The reason of the difference; `None` is shown as “not known”.
         reason: Option<String>,
     },
-    /// That is not known.
+    /// It is not known if the claim agrees with the result.
     Unknown {
         /// The evidence that would decide it.
         decided_by: String,
@@ -111,7 +111,7 @@ pub struct Table {
 /// A cell of a table: lines of text, one below the other. A text alone is a cell of one line: `"0.3 kg".into()`.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Cell {
-    /// From top to bottom.
+    /// Lines from top to bottom.
     pub lines: Vec<Line>,
 }
 
@@ -141,9 +141,8 @@ impl Verdict {
 /// The page as HTML.
 ///
 /// Pictures are thinned to the visible points: of curves along x the lowest and the highest point in each of 2000
-/// parts
-/// of the axis, of other curves (limit cycles in a phase plane) points that differ visibly, of dots one in each cell
-/// of a fine grid; 4000 points or a few more. Points with labels all stay.
+/// parts of the axis, of other curves (limit cycles in a phase plane) points that differ visibly, of dots one in each
+/// cell of a fine grid; 4000 points or a few more. Points with labels all stay.
 ///
 /// # Errors
 /// Returns an error if a figure has nothing to draw or has data that contradict each other, or if a row of a table

@@ -23,7 +23,7 @@ pub(super) type Evaluate<'a> = dyn Fn(f64) -> Result<Vec<Root>, Error> + 'a;
 /// Roots that have been followed.
 #[derive(Debug, Default)]
 pub(super) struct FollowedRoots {
-    /// One branch a root, in the order of the first value; one root a value.
+    /// One branch for each root, in the order of the first value; one root for each value.
     pub(super) branches: Vec<Vec<Root>>,
     pub(super) coalescences: Vec<Coalescence>,
     pub(super) crossings: Vec<Crossing>,

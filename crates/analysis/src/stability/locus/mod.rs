@@ -60,7 +60,7 @@ enum Followable {
 /// All roots of what is followed of a contact state, by σ.
 ///
 /// # Errors
-/// The state cannot be analysed.
+/// Returns an error if the state cannot be analysed.
 fn roots(
     model: LinearModel<'_>,
     states: &[ContactState],
@@ -133,7 +133,7 @@ fn order_of_merged(a: &Root, b: &Root) -> Ordering {
 pub struct Locus {
     /// The values of the parameter, ascending.
     pub values: Vec<f64>,
-    /// One branch a mode, numbered by σ at the first value; one root a value of the parameter.
+    /// One branch for each mode, numbered by σ at the first value; one root for each value of the parameter.
     pub branches: Vec<Vec<Root>>,
     /// Values at which two modes merge or part.
     pub coalescences: Vec<Coalescence>,

@@ -7,9 +7,9 @@ use serde::{Deserialize, Serialize};
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Way {
-    /// From the first value to the last.
+    /// Upwards, from the first value to the last.
     Rising,
-    /// From the last value to the first.
+    /// Downwards, from the last value to the first.
     Falling,
 }
 
@@ -72,7 +72,7 @@ impl Jump {
 /// A range of µ in which two different motions were met.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Bistable {
-    /// From and to, by the jumps that bound it or, where it reaches the ends of what was followed, those values.
+    /// Ends of the range: the jumps that bound it or, where it reaches the ends of the followed values, those values.
     pub range: [f64; 2],
     /// `true` for an end that is bounded by a jump.
     pub bounded: [bool; 2],
@@ -133,14 +133,14 @@ pub struct Both {
 /// The motions followed in a continuation.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Continuation {
-    /// By ascending µ.
+    /// Points of the way upwards, by ascending µ.
     pub rising: Vec<Point>,
-    /// By ascending µ too. The way begins from the scene's own start at the last value. Where both ways end in the same
-    /// motion and another cycle was met, that one stands here in its place.
+    /// Points of the way downwards, by ascending µ too. The way begins from the scene's own start at the last value.
+    /// Where both ways end in the same motion and another cycle was met, that cycle stands here in its place.
     pub falling: Vec<Point>,
-    /// By ascending µ, rising ones first.
+    /// Jumps by ascending µ, rising ones first.
     pub jumps: Vec<Jump>,
-    /// By ascending µ.
+    /// Ranges with two motions, by ascending µ.
     pub bistable: Vec<Bistable>,
     /// Ranges of µ in which a motion was met that is not known and that may be a second one, by ascending µ.
     pub unknown: Vec<[f64; 2]>,

@@ -33,7 +33,7 @@ const ROWS_BETWEEN: u64 = 10_000_000;
 
 /// The part of a push that a cycle is given which does not survive the whole one.
 const SMALLER: f64 = 1e-3;
-/// For how many times as long as the whole push took to end it.
+/// Time that such a cycle is given, in parts of the time that the whole push took to end it.
 const WAITS: f64 = 2.0;
 
 /// A piece of the work: what was found, and the state from which the next value starts.
@@ -46,9 +46,9 @@ struct Piece {
 /// The state that a value starts in.
 #[derive(Clone, Copy)]
 pub(super) enum Start<'a> {
-    /// That in which another value has ended.
+    /// The state in which another value has ended.
     From(&'a Reached),
-    /// That of the first value of a way: upwards at rest, downwards as the scene says, which may be in a cycle.
+    /// The state of the first value of a way: upwards at rest, downwards as the scene says, which may be in a cycle.
     Scene(Way),
 }
 

@@ -34,20 +34,20 @@ pub(super) struct MotionStart {
 }
 
 impl MotionStart {
-    /// One that was met on a way.
+    /// A motion that was met on a way.
     pub(super) fn met(reached: Reached, way: Way) -> Self {
         Self { reached, way, only: None, back: None, is_third: false }
     }
 
-    /// One that the scene's own start leads to.
+    /// A motion that the scene's own start leads to.
     pub(super) fn own(reached: Reached) -> Self {
         Self::met(reached, Way::Falling)
     }
 }
 
-/// All that was followed.
+/// All motions that were followed.
 pub(super) struct FoundMotions {
-    /// Upwards and downwards.
+    /// The ways upwards and downwards.
     pub(super) ways: Vec<Followed>,
     /// Other motions, each as far as it exists.
     pub(super) others: Vec<Followed>,
@@ -56,7 +56,7 @@ pub(super) struct FoundMotions {
     /// Ranges in which a motion that was met had not settled, from the value at which it was met to that at which it
     /// was first known. Its fate between these is not known.
     unsettled: Vec<[f64; 2]>,
-    /// After how many rows of all runs no further motion is followed.
+    /// Number of rows of all runs after which no further motion is followed.
     most_rows: u64,
     /// Number of starts that were tried, by which the journal distinguishes their work.
     tried: usize,

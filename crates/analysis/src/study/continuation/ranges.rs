@@ -16,11 +16,11 @@ const COMPARED: [f64; 5] = [0.05, 0.25, 0.5, 0.75, 0.95];
 /// Ranges of µ, and motions that were met only when these were compared.
 #[derive(Default)]
 pub(super) struct Ranges {
-    /// Those with two motions.
+    /// Ranges with two motions.
     pub(super) bistable: Vec<Bistable>,
-    /// Those in which it is not known whether there are two.
+    /// Ranges in which a second motion may exist.
     pub(super) unknown: Vec<[f64; 2]>,
-    /// Those in which fewer than two motions are known.
+    /// Ranges in which fewer than two motions are known.
     pub(super) lone: Vec<[f64; 2]>,
     /// Motions that the scene's own start or a push out of rest leads to in the middle of a range in which fewer than two others are known.
     pub(super) new: Vec<Reached>,
@@ -28,7 +28,7 @@ pub(super) struct Ranges {
 
 /// All motions that are known at a value.
 pub(super) struct Motions {
-    /// Each once; that of the way upwards first, then that of the way downwards.
+    /// The known motions, each once; that of the way upwards first, then that of the way downwards.
     pub(super) known: Vec<(Ending, Progress)>,
     /// `true` where another one that was met may be there and is not known.
     misses: bool,

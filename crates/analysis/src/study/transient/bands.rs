@@ -48,7 +48,7 @@ pub struct Combination {
 
 /// The bands of a history through windows of one length.
 pub(super) struct Bands {
-    /// s.
+    /// Length of the windows, s.
     pub(super) window: f64,
     all: Vec<FollowedBand>,
     /// `true`, for each band at each instant, if it is neither rounding nor hidden by a stronger one.
@@ -90,7 +90,7 @@ impl Bands {
         4.0 / self.window
     }
 
-    /// Strongest first.
+    /// The bands, strongest first.
     pub(super) fn shown(&self) -> Vec<Band> {
         let band = |(band, seen): (&FollowedBand, &Vec<bool>)| Band {
             frequency: band.frequency,
@@ -147,7 +147,7 @@ fn frequencies(history: &[f64], interval: f64, piece: usize, width: f64) -> Vec<
 struct FollowedBand {
     frequency: f64,
     amplitude: Vec<f64>,
-    /// Without jumps, rad.
+    /// Phase without jumps, rad.
     phase: Vec<f64>,
     /// Time of the first value, and between two values, s.
     begin: f64,

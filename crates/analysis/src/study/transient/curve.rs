@@ -31,7 +31,7 @@ pub(super) struct Curve<'a> {
 struct Difference {
     /// The weight of each row.
     weights: Vec<f64>,
-    /// Between two of these, in kept rows.
+    /// Distance between two rows of the sum, in kept rows.
     lag: usize,
     /// Factor by which the difference multiplies the values of the mode.
     left: Complex<f64>,

@@ -30,8 +30,8 @@ pub(super) const STRAIGHT: f64 = 0.1;
 /// A stretch of time over which the logarithm of an amplitude is straight.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Phase {
-    /// Its place among the bands; `None` of a mode while no contact changes its state, of the envelope, and of a band
-    /// of a shorter window than the bands that are kept.
+    /// Index of the band; `None` for a mode while no contact changes its state, for the envelope, and for a band of a
+    /// shorter window than the bands that are kept.
     pub band: Option<usize>,
     /// Beginning and end, s: of a band, half a window inside of where the logarithm bends.
     pub span: [f64; 2],
@@ -43,7 +43,7 @@ pub struct Phase {
     pub rate: f64,
     /// Uncertainty of the rate, as far as the amplitudes tell, 1/s.
     pub rate_error: f64,
-    /// Hz; 0 of a mode that does not oscillate.
+    /// Frequency, Hz; 0 for a mode that does not oscillate.
     pub frequency: f64,
     /// Uncertainty of the frequency, as far as the phases tell, Hz.
     pub frequency_error: f64,
@@ -67,7 +67,7 @@ pub struct Growth {
     pub window: f64,
     /// Strongest first, by what part of the largest line they are somewhere. None where the run is too short for them.
     pub bands: Vec<Band>,
-    /// By beginning, of equal ones the fastest growth first.
+    /// Phases by beginning, of equal ones the fastest growth first.
     #[serde(skip)]
     pub phases: Vec<Phase>,
 }
@@ -122,7 +122,7 @@ pub fn growth(history: &[f64], interval: f64, spans: &[[f64; 2]], known: Vec<Pha
 }
 
 impl Growth {
-    /// By beginning, growth before decay.
+    /// Sorts the phases by beginning, growth before decay.
     fn sort(&mut self) {
         let order =
             |a: &Phase, b: &Phase| a.span[0].total_cmp(&b.span[0]).then(b.rate.total_cmp(&a.rate));
@@ -251,7 +251,7 @@ mod tests {
         (0..count).map(value).collect()
     }
 
-    /// All of a history.
+    /// Growth and decay in the whole of a history.
     fn of(history: &[f64]) -> Growth {
         growth(history, 2e-4, &[[0.0, f64::INFINITY]], Vec::new())
     }

@@ -35,7 +35,8 @@ const FEWEST_POINTS: usize = 8;
 const FAINT: f64 = 3e-2;
 /// A mode that is not found over fewer periods may be found over more.
 pub(super) const ENOUGH_PERIODS: f64 = 3.0;
-/// One whose rate is larger in parts of its angular frequency is gone in rounding before a period is over.
+/// A mode whose rate is larger than this in parts of its angular frequency is gone in rounding before a period is
+/// over.
 const GONE: f64 = 4.0;
 /// For a mode that does not oscillate, the logarithm of its change below which it is nearly a straight line: a
 /// difference of rows that removes straight lines then removes nearly all of it.
@@ -60,7 +61,7 @@ pub(super) struct Found {
 /// or, of one that does not oscillate, cannot tell it from a straight line.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct TooSlow {
-    /// s.
+    /// Time from which on the run is too short, s.
     pub(super) from: f64,
     pub(super) count: usize,
     /// The frequency, Hz, of the one that takes longest; 0 where it does not oscillate.
@@ -306,7 +307,7 @@ struct SeenMode {
 }
 
 impl SeenMode {
-    /// By what its logarithm changes along one straight line.
+    /// The largest change of the logarithm of the amplitude along one straight line, in modulus.
     fn change(&self) -> f64 {
         self.traces.iter().fold(0.0, |most, trace| f64::max(most, trace.change().abs()))
     }
@@ -441,7 +442,7 @@ mod tests {
         of(&drives.iter().map(sine).collect::<String>())
     }
 
-    /// With these signals.
+    /// A follower of a scene with these signals.
     fn of(signals: &str) -> Follower {
         let omega_squared = (TAU * FREQUENCY).powi(2) + RATE * RATE;
         let text = format!(

@@ -1,6 +1,6 @@
 //! One run of a scene: how one of its outputs grows and decays, at which frequencies, in which contact states.
 //!
-//! | file | what it finds |
+//! | file | contents |
 //! | --- | --- |
 //! | `linear` | growth and decay mode by mode while no contact changes its state |
 //! | `rows` | the rows of a run by stretches without a change of state or an edge of a signal |
@@ -8,10 +8,10 @@
 //! | `curve` | one mode over such a stretch of time |
 //! | `growth` | growth and decay in a history, by its bands and its envelope |
 //! | `bands` | the strongest lines, each followed over time by itself |
-//! | `straight` | where a curve is straight |
+//! | `straight` | straight pieces of a curve |
 //! | `shares` | the contact states of a span of time, and their eigenvalues |
-//! | `open` | what a run leaves open, and what would decide it |
-//! | `stretches` | which states each contact takes over time |
+//! | `open` | questions that a run leaves open, and the runs that would answer them |
+//! | `stretches` | states of each contact over time |
 
 mod bands;
 mod curve;
@@ -62,7 +62,7 @@ const LONGER: f64 = 2.0;
 pub struct Eigenvalue {
     /// Growth rate, 1/s.
     pub rate: f64,
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency: f64,
 }
 
@@ -84,7 +84,8 @@ pub struct Finding {
     /// The growth or decay that was found.
     #[serde(flatten)]
     pub phase: Phase,
-    /// Nearest to it in the state in which the scene is at rest, which is uniform sliding where the slider moves.
+    /// The nearest eigenvalue in the state in which the scene is at rest, which is uniform sliding where the slider
+    /// moves.
     pub resting: Option<Eigenvalue>,
     /// The states in which the contacts were, longest first.
     pub taken: Vec<Taken>,
@@ -95,15 +96,15 @@ pub struct Finding {
 pub struct Transient {
     /// The output's name.
     pub output: String,
-    /// And its unit.
+    /// Unit of the output.
     pub unit: &'static str,
     /// Time between two values, s.
     pub interval: f64,
-    /// Until when the run went, s.
+    /// Time at which the run ended, s.
     pub end: f64,
     /// `true` if the run reached its end.
     pub complete: bool,
-    /// Why it did not, unless the watch ended it.
+    /// The reason why the run did not reach its end, unless the watch ended it.
     #[serde(skip)]
     pub failure: Option<Error>,
     /// The output's values, one each `interval`, from 0 s on.
@@ -301,7 +302,7 @@ impl Record {
         }
     }
 
-    /// All rows until the end, or a failure, or the watch's word: whether it is the end.
+    /// Records all rows until the end, a failure, or the end by the watch. Returns `true` if the run reached its end.
     fn run(
         &mut self,
         simulation: &mut Simulation,

@@ -8,7 +8,7 @@ use std::f64::consts::LN_10;
 
 /// A growth or decay that was found at another frequency, but for this part of it, is that of another mode.
 const SAME_FREQUENCY: f64 = 3e-2;
-/// So is one at another rate, but for this part of it and what both may be off.
+/// A growth or decay at another rate, but for this part of it and the uncertainty of both, is that of another mode.
 const SAME_RATE: f64 = 0.2;
 /// A run that is to show a tenfold change is asked to be longer than that by this factor.
 const MARGIN: f64 = 1.1;
@@ -46,7 +46,7 @@ pub enum Open {
     },
     /// Contacts change their states to the end of the run, over too few periods to tell growth from decay.
     TooShort {
-        /// s.
+        /// Beginning and end of the span, s.
         span: [f64; 2],
         /// Length of the span in periods of the strongest line.
         periods: f64,
@@ -56,7 +56,7 @@ pub enum Open {
     /// Contacts change their states to the end of the run: a tenfold change that is slower than its length would not have
     /// been found.
     Slower {
-        /// s.
+        /// Beginning and end of the span, s.
         span: [f64; 2],
         /// The growth rate or decay that would have been tenfold over that span, 1/s.
         rate: f64,
@@ -64,9 +64,8 @@ pub enum Open {
 }
 
 /// The spans of a run to `end` (s) that the modes do not explain: those in which contacts change their states, or do
-/// not follow
-/// the modes. Between two changes of state, stretches have to last for some periods of the strongest line to be no part of
-/// these.
+/// not follow the modes. Between two changes of state, stretches have to last for some periods of the strongest line
+/// to be no part of these.
 pub(super) fn unexplained(
     explained: &[Explained],
     end: f64,

@@ -4,13 +4,13 @@ use amontons::contact::ContactState;
 use amontons::numerics::max_norm;
 use amontons::scene::{Shape, Signal};
 
-/// So many rows are kept of a stretch at most, and of a longer one as many of every other, every fourth one, ….
+/// The most rows that are kept of a stretch; of a longer one every other row is kept, every fourth one, ….
 const MOST_ROWS: usize = 512;
 
 /// A stretch of time that the modes explain.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Explained {
-    /// s.
+    /// Beginning and end of the stretch, s.
     pub(super) span: [f64; 2],
     /// `true` if it begins with the run or at an edge of a signal, and not where a contact has changed its state.
     pub(super) is_woken: bool,

@@ -12,7 +12,7 @@ const PIECES: usize = 300;
 pub struct StateTimeline {
     /// The contact, as `contact[1]`.
     pub contact: String,
-    /// One after the other.
+    /// Stretches one after the other.
     pub stretches: Vec<Stretch>,
 }
 
@@ -23,7 +23,7 @@ pub struct Stretch {
     pub from: f64,
     /// End, s.
     pub to: f64,
-    /// In the order of [`ContactState::ALL`].
+    /// States in the order of [`ContactState::ALL`].
     pub states: Vec<ContactState>,
 }
 

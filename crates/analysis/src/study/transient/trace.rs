@@ -20,7 +20,7 @@ pub(super) struct Trace {
     pub(super) dof: usize,
     pub(super) span: [f64; 2],
     pub(super) fit: Fit,
-    /// And how far it may be off, Hz.
+    /// The frequency and its uncertainty, Hz.
     pub(super) frequency: [f64; 2],
     /// `true` where the mode is a fair part of the motion at some time.
     pub(super) matters: bool,

@@ -3,7 +3,7 @@
 use serde_json::Value;
 use toml::de::{DeFloat, DeInteger};
 
-/// Beyond this a double does not hold every whole number.
+/// The largest integer up to which a double holds every whole number.
 const EXACT: u64 = 1 << 53;
 
 /// The problem with a number, and a valid alternative.

@@ -8,9 +8,9 @@ use toml::de::{DeTable, DeValue};
 pub(super) struct Keys<'s> {
     /// Every key with the schema of its value.
     pub(super) properties: Vec<(&'s str, &'s Value)>,
-    /// Those that must be there.
+    /// Keys that must be there.
     pub(super) required: Vec<&'s str>,
-    /// Those that must be there beside another key.
+    /// Keys that must be there beside another key.
     pub(super) required_by: Vec<(&'s str, Vec<&'s str>)>,
     /// The schema of values under other keys, if those may be there.
     pub(super) others: Option<&'s Value>,
@@ -65,11 +65,11 @@ fn dependencies(schema: &Value) -> impl Iterator<Item = (&str, Vec<&str>)> {
 /// The one of several alternatives that a table chooses.
 pub(super) enum Choice<'s> {
     One(&'s Value),
-    /// None of these keys is there, and one of them must.
+    /// None of these keys is there, and one of them must be.
     Neither(Vec<&'s str>),
     /// Several of these keys are there, of which there may be one only.
     Several(Vec<&'s str>),
-    /// This key, which names the alternative, has none of these for its value.
+    /// This key, which names the alternative, has none of these values.
     NoSuch(&'s str, Vec<&'s str>),
 }
 

@@ -1,4 +1,4 @@
-//! From the path of a problem to its place in the document.
+//! Places in the document of problems that are given by a path.
 
 use super::{Located, Problem};
 use std::ops::Range;

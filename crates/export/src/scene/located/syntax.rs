@@ -21,7 +21,7 @@ impl Lines {
         self.starts.partition_point(|start| *start <= byte)
     }
 
-    /// Those that the parser's errors are in.
+    /// Lines that contain the parser's errors.
     pub(super) fn with(&self, errors: &[Error]) -> HashSet<usize> {
         errors.iter().filter_map(|error| Some(self.at(error.span()?.start))).collect()
     }

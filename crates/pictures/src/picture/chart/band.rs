@@ -16,7 +16,7 @@ pub struct Band {
     pub from: f64,
     /// End of the band, in the unit of the x axis; ∞ is the right end of the axis.
     pub to: f64,
-    /// For the legend, which equal labels in the same colour share.
+    /// Label in the legend, which equal labels in the same colour share.
     pub label: Option<String>,
     /// Place in the [palette](crate::picture::PALETTE), of which a pale tint is shown, or over a raster two
     /// lines at the ends.
@@ -60,7 +60,7 @@ impl Band {
         Ok(())
     }
 
-    /// Its ends as lines, where a raster would cover it.
+    /// Paints the ends of the band as lines, where a raster would cover it.
     pub(super) fn paint_ends<B: DrawingBackend>(
         &self,
         canvas: &Canvas<B>,

@@ -17,7 +17,7 @@ const MOST: f64 = 400.0;
 const LEAST: f64 = 2.0;
 /// Names stand no closer than this above each other, px.
 const NAME: f64 = 17.0;
-/// Between names and the frame, and at their left, px.
+/// Space between names and the frame, and at their left, px.
 const BESIDE: f64 = 10.0;
 const EDGE: f64 = 8.0;
 /// Longer names are cut, px.
@@ -26,7 +26,7 @@ const LONGEST: f64 = 250.0;
 /// A row of stretches.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Lane {
-    /// Written at its left.
+    /// Name of the lane, written at its left.
     pub name: String,
     /// The stretches of the lane; the space between them, or where they are not finite, stays empty.
     pub stretches: Vec<Stretch>,
@@ -39,7 +39,7 @@ pub struct Stretch {
     pub from: f64,
     /// End of the stretch, in the unit of the x axis.
     pub to: f64,
-    /// Its place in the panel's `classes`.
+    /// Index of its class in the panel's `classes`.
     pub class: usize,
 }
 

@@ -12,7 +12,7 @@ use crate::picture::palette::INK;
 use plotters::backend::DrawingBackend;
 
 const TITLE: f64 = 38.0;
-/// Between panels, px, of which this is above the marks' labels.
+/// Space between panels, px, of which `ABOVE` is above the marks' labels.
 const GAP: f64 = 18.0;
 const ABOVE: f64 = 8.0;
 

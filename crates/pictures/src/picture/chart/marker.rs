@@ -27,7 +27,7 @@ pub enum Marker {
 }
 
 impl Marker {
-    /// All of them, those that are told apart best first.
+    /// All markers, those that are told apart best first.
     pub const ALL: [Self; 6] =
         [Self::Disc, Self::Ring, Self::Triangle, Self::Square, Self::Cross, Self::Diamond];
 

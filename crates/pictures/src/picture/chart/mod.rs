@@ -28,7 +28,7 @@ pub struct Chart {
     pub title: String,
     /// The quantity along x, with its unit.
     pub x_label: String,
-    /// From top to bottom.
+    /// Panels from top to bottom.
     pub panels: Vec<Panel>,
     /// `true` if both axes are logarithmic. Values that are not above zero then break a curve.
     pub logarithmic: bool,
@@ -58,7 +58,7 @@ pub struct Panel {
 /// A curve.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Series {
-    /// For the legend, which equal labels in the same colour, style and marker share.
+    /// Label in the legend, which equal labels in the same colour, style and marker share.
     pub label: Option<String>,
     /// (x, y); one that is not finite breaks the curve, which leaves a gap. A point between two gaps is a dot.
     pub points: Vec<[f64; 2]>,
@@ -68,7 +68,8 @@ pub struct Series {
     pub style: Style,
     /// The form at each point: `None` leaves the points of a line unmarked, and makes those of dots small discs.
     pub marker: Option<Marker>,
-    /// One for each point, which is then a dot where there is no marker; written beside it where there is room. Or none at all.
+    /// One label for each point, which is then a dot where there is no marker; written beside it where there is room.
+    /// Or none at all.
     pub labels: Vec<String>,
 }
 
@@ -76,10 +77,10 @@ pub struct Series {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Style {
-    /// In full.
+    /// A full line.
     #[default]
     Line,
-    /// With short dashes.
+    /// A line with short dashes.
     Dashed,
     /// Points that are not joined, each with the series' marker; of those at one place of the picture one is drawn.
     Dots,
@@ -90,7 +91,7 @@ pub enum Style {
 pub struct Mark {
     /// Position on the x axis.
     pub x: f64,
-    /// Written above its panel, where there is room: at most eight labels stand above each other.
+    /// Label written above its panel, where there is room: at most eight labels stand above each other.
     pub label: Option<String>,
 }
 

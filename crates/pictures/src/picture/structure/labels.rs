@@ -5,16 +5,16 @@ use super::symbols::{self, Shape};
 use crate::picture::canvas::{Point, WIDTH, text_width};
 use crate::picture::palette::GREY;
 
-/// Between labels, and between labels and what is drawn, px.
+/// Space between labels, and between labels and the drawing, px.
 const GAP: f64 = 2.0;
-/// Free at the left and the right of a picture, px.
+/// Free space at the left and the right of a picture, px.
 pub(super) const EDGE: f64 = 8.0;
 /// A row of text, in sizes of its letters.
 const ROW: f64 = 1.15;
 /// Width that an arrow of direction takes before a text, in sizes of its letters.
 const ARROW: f64 = 1.35;
 
-/// Between a label and what it speaks of, px.
+/// Distances between a label and the line that it belongs to, px.
 const NEAR: [f64; 2] = [4.0, 10.0];
 
 /// A label that wants a place.
@@ -35,10 +35,10 @@ pub(super) struct Request {
 pub(super) struct Label {
     pub(super) lines: Vec<String>,
     pub(super) middle: Point,
-    /// Half of its width and height.
+    /// Half of the label's width and height.
     pub(super) half: Point,
     pub(super) acts: Option<Point>,
-    /// To what it speaks of, where that is not near.
+    /// Leader to the line that the label belongs to, where that is not near.
     pub(super) leader: Option<[Point; 2]>,
 }
 

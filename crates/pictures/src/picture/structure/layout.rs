@@ -28,7 +28,7 @@ const ALONE: f64 = 0.46;
 const LONGEST: f64 = 2.9;
 /// Rows of parts that nothing joins are about this wide.
 const ROW: f64 = 6.0;
-/// Between the masses of two such parts.
+/// Distance between the masses of two such parts.
 const BETWEEN_PARTS: f64 = 2.0;
 
 /// The end of a run.

@@ -12,7 +12,7 @@ const ROW: f64 = 26.0;
 const MARGIN: f64 = 20.0;
 /// Width of a sample, px.
 const SAMPLE: f64 = 34.0;
-/// From end to end of a sample, and at its middle.
+/// Line from end to end of a sample, at its middle height.
 const LINE: [Point; 2] = [[2.0, 0.0], [SAMPLE - 2.0, 0.0]];
 const MIDDLE: Point = [0.5 * SAMPLE, 0.0];
 const DOWN: Point = [0.0, 1.0];
@@ -109,7 +109,7 @@ impl StructureLegend {
     }
 }
 
-/// So far above the middle of a sample.
+/// The point at this height above the middle of a sample.
 fn above(height: f64) -> Point {
     add(MIDDLE, [0.0, -height])
 }

@@ -59,7 +59,8 @@ impl Plot<'_> {
         end
     }
 
-    /// Between the first and the last link of a run. The label of an inner one stands between it and the next.
+    /// Distance between the first and the last link of a run. The label of an inner one stands between it and the
+    /// next.
     #[allow(clippy::cast_precision_loss)]
     fn spread(&self, run: &Run, way: Point) -> f64 {
         let SheetStyle { amplitude, size, .. } = self.style;

@@ -25,7 +25,7 @@ use std::path::Path;
 pub struct Structure {
     /// Title of the picture.
     pub title: String,
-    /// At most 40.
+    /// The masses, at most 40.
     pub masses: Vec<MassMark>,
     /// Springs and dashpots. Links of one pair of masses stand side by side.
     pub links: Vec<Link>,
@@ -40,9 +40,9 @@ pub struct Structure {
 /// A force on a mass: an arrow.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ForceMark {
-    /// Short, as "F".
+    /// Short name, as "F".
     pub name: String,
-    /// Its value, as "2 kN"; may be empty.
+    /// Value of the force, as "2 kN"; may be empty.
     pub label: String,
     /// The place in the masses of the one that it pushes.
     pub mass: usize,
@@ -53,11 +53,11 @@ pub struct ForceMark {
 /// A mass: a square.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct MassMark {
-    /// Short, as it stands in the square if there is room.
+    /// Short name, as it stands in the square if there is room.
     pub name: String,
-    /// Its value, as "0.3 kg"; may be empty.
+    /// Value of the mass, as "0.3 kg"; may be empty.
     pub label: String,
-    /// From the axes of the picture to its own, rad, anticlockwise.
+    /// Angle from the axes of the picture to the mass's own, rad, anticlockwise.
     pub angle: f64,
     /// `true` for each of its own two axes that it cannot move along.
     pub locked: [bool; 2],
@@ -66,9 +66,9 @@ pub struct MassMark {
 /// A spring or a dashpot.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Link {
-    /// Short, as "k1".
+    /// Short name, as "k1".
     pub name: String,
-    /// Its value, as "55 kN/m"; may be empty. A crowded picture lists values below.
+    /// Value of the link, as "55 kN/m"; may be empty. A crowded picture lists values below.
     pub label: String,
     /// Places in the masses; None is ground.
     pub ends: [Option<usize>; 2],
@@ -94,9 +94,9 @@ pub enum LinkKind {
 /// A surface at the foot of a mass, on which it rubs.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SliderMark {
-    /// Short, as "c1"; may be empty.
+    /// Short name, as "c1"; may be empty.
     pub name: String,
-    /// Its values, as "µ = 0.4, v = 0.1 m/s"; may be empty.
+    /// Values of the contact, as "µ = 0.4, v = 0.1 m/s"; may be empty.
     pub label: String,
     /// The place in the masses of the one that rubs.
     pub mass: usize,

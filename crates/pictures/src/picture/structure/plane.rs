@@ -53,7 +53,7 @@ pub(super) fn centred(middle: Point, way: Point, half: f64) -> [Point; 2] {
     [along(middle, way, -half), along(middle, way, half)]
 }
 
-/// From a point to the nearest of a segment.
+/// Distance from a point to the nearest point of a segment.
 fn distance(point: Point, [from, to]: [Point; 2]) -> f64 {
     let whole = sub(to, from);
     let square = dot(whole, whole);
@@ -61,7 +61,7 @@ fn distance(point: Point, [from, to]: [Point; 2]) -> f64 {
     length(sub(point, along(from, whole, part.clamp(0.0, 1.0))))
 }
 
-/// Between the nearest points of two segments.
+/// Distance between the nearest points of two segments.
 pub(super) fn apart(a: [Point; 2], b: [Point; 2]) -> f64 {
     let side = |[from, to]: [Point; 2], point| dot(across(sub(to, from)), sub(point, from));
     if side(a, b[0]) * side(a, b[1]) < 0.0 && side(b, a[0]) * side(b, a[1]) < 0.0 {

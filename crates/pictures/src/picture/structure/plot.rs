@@ -15,7 +15,7 @@ pub(super) struct SheetStyle {
     pub(super) values: bool,
     /// Size of letters, px.
     pub(super) size: f64,
-    /// Free for labels at the left and the right, px.
+    /// Free space for labels at the left and the right, px.
     pub(super) margin: f64,
     /// Half of the width of springs and dashpots, px.
     pub(super) amplitude: f64,
@@ -27,7 +27,7 @@ pub(super) struct SheetStyle {
 pub(super) struct Plot<'a> {
     pub(super) structure: &'a Structure,
     pub(super) style: SheetStyle,
-    /// px for a step of the grid along x and y.
+    /// Length of a step of the grid along x and y, px.
     pub(super) scale: Point,
     /// Half of the side of the masses' squares, px.
     pub(super) half: f64,

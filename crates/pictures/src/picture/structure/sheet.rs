@@ -15,7 +15,7 @@ use plotters::backend::DrawingBackend;
 const MARGIN: f64 = 20.0;
 const TITLE_ROW: f64 = 28.0;
 const TEXT_ROW: f64 = 22.0;
-/// Free at each side of an icon, px.
+/// Free space at each side of an icon, px.
 const ICON_MARGIN: f64 = 40.0;
 
 /// Tried in turn until every label has a place at what it speaks of.
