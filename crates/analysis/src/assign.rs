@@ -9,8 +9,8 @@ use std::collections::HashSet;
 /// Gives a parameter or input of a scene, known by its name, another value.
 ///
 /// # Errors
-/// There is no such parameter or input (the nearest name is given, or those with like names), or it
-/// cannot have this value.
+/// Returns an error if there is no such parameter or input (the nearest name is given, or those with like names), or
+/// if it cannot have this value.
 pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     let settable: Vec<Variable> =
         variables(scene).into_iter().filter(Variable::is_settable).collect();

@@ -23,7 +23,7 @@ impl Inputs {
     /// Reads a CSV file: `time`, then columns named after inputs of the scene; linear between rows.
     ///
     /// # Errors
-    /// The file cannot be read, a line makes no sense, or a column is no input of the scene.
+    /// Returns an error if the file cannot be read, a line is invalid, or a column is no input of the scene.
     pub fn read(path: &Path, scene: &Scene) -> Result<Self, Error> {
         let table = TimeTable::read(path)?;
         let mut inputs = variables(scene);
@@ -55,7 +55,7 @@ impl Inputs {
     /// Gives the scene the values that the run starts with, at time `t` (s).
     ///
     /// # Errors
-    /// An impossible value.
+    /// Returns an error if a value is impossible.
     pub fn assign(&self, scene: &mut Scene, t: f64) -> Result<(), Error> {
         self.columns.iter().try_for_each(|(input, table)| {
             assign(scene, &input.name, self.value(table, t)).map_err(|e| at(t, &e))
@@ -65,7 +65,7 @@ impl Inputs {
     /// Gives the simulation the values for a step that begins at time `t` (s).
     ///
     /// # Errors
-    /// An impossible value.
+    /// Returns an error if a value is impossible.
     pub fn write(&self, simulation: &mut Simulation, t: f64) -> Result<(), Error> {
         self.columns.iter().try_for_each(|(input, table)| {
             simulation.write(input, self.value(table, t)).map_err(|e| at(t, &e))

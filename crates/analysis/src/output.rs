@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 /// Refuses a file whose folder is not there, before the work whose results it is to hold.
 ///
 /// # Errors
-/// The file, and the folder that lacks.
+/// Returns an error that names the file and the missing folder.
 pub fn check_folder(file: &Path) -> Result<(), Error> {
     let folder = file.parent().filter(|folder| !folder.as_os_str().is_empty());
     match folder {
@@ -24,7 +24,7 @@ pub fn check_folder(file: &Path) -> Result<(), Error> {
 /// Refuses an output that would replace a file that the same command reads.
 ///
 /// # Errors
-/// It would.
+/// Returns an error if the output would replace such a file.
 pub fn check_inputs_stay(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
     let real = |path: &Path| path.canonicalize().ok();
     match inputs.iter().find(|input| real(input).is_some_and(|input| real(output) == Some(input))) {
@@ -49,7 +49,7 @@ impl Pending {
     /// Begins a file that is to stand at `target`.
     ///
     /// # Errors
-    /// A folder stands there, or its folder cannot be written to.
+    /// Returns an error if a folder has that path, or if its folder cannot be written to.
     pub fn create(target: &Path) -> Result<Self, Error> {
         let open = || -> io::Result<Self> {
             // Through a symbolic link, to what it names.

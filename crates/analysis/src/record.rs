@@ -12,7 +12,7 @@ const ROWS_AT_ONCE: usize = 64;
 /// whether the row ends a whole interval. `false` if the watch, which is told what part of the time has passed, ended the run.
 ///
 /// # Errors
-/// A step fails, or `note` does.
+/// Returns an error if a step or `note` fails.
 pub fn record_rows(
     simulation: &mut Simulation,
     experiment: Experiment,

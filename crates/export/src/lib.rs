@@ -1,6 +1,6 @@
 //! Makes an FMI 2.0 co-simulation FMU of a scene of Amontons.
 //!
-//! | module | what it does |
+//! | module | contents |
 //! | --- | --- |
 //! | [`scene`] | reads a scene file and reports everything that is wrong with it, with its lines |
 //! | [`package`] | the FMU as an archive: model description, libraries, the scene |

@@ -5,7 +5,7 @@ use amontons::decimal::one_two_five;
 use amontons::error::Short;
 use amontons::scene::{Method, Scene};
 
-/// A window is looked at no less often than this.
+/// The fewest instants at which a window is observed.
 const FEWEST: u64 = 200;
 /// The most displacements that are kept of a run.
 const MOST_KEPT: f64 = 2e7;
@@ -17,7 +17,7 @@ const EVENT_DRIVEN_ROWS: usize = 4;
 const MOST_WORK: f64 = 1e9;
 const NETWORK: f64 = 30.0;
 
-/// Equal intervals, at whose ends a run is looked at.
+/// Equal intervals, at whose ends a run is observed.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Grid {
     /// Their length, s.

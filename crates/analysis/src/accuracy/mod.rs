@@ -88,7 +88,7 @@ impl Row {
 /// The degree of freedom of that name, `module[1].x1` or `mass.pad.x`.
 ///
 /// # Errors
-/// There is none; the nearest name, or what there is.
+/// Returns an error if there is none; it gives the nearest name, or all names.
 pub fn dof_named(scene: &Scene, name: &str) -> Result<usize, Error> {
     let names = scene.dof_names();
     names.iter().position(|known| known == name).ok_or_else(|| {
@@ -104,7 +104,8 @@ pub fn dof_named(scene: &Scene, name: &str) -> Result<usize, Error> {
 /// Gives a parameter or input of a scene that is to be studied another value.
 ///
 /// # Errors
-/// The name is that of the step, which a study goes through by itself, or [`assign`](crate::assign::assign) refuses it.
+/// Returns an error if the name is that of the step, which a study varies itself, or if
+/// [`assign`](crate::assign::assign) refuses it.
 pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     if name == "integrator.step" {
         return Err(Error::argument(
@@ -249,12 +250,12 @@ impl Study {
     /// The largest step of the paper's scheme.
     ///
     /// # Errors
-    /// None is known.
+    /// Returns an error if none is known.
     pub fn critical_step(&self) -> Result<&CriticalStep, &Error> {
         self.critical.as_ref()
     }
 
-    /// The degree of freedom whose cycle is looked at.
+    /// The degree of freedom whose cycle is observed.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.dof

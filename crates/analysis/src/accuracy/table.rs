@@ -106,7 +106,7 @@ impl Study {
         ]
     }
 
-    /// Words on what is not to be seen in the rows.
+    /// Notes on facts that the rows do not show.
     #[must_use]
     pub fn notes(&self, rows: &[Row]) -> Vec<String> {
         let mut notes = Vec::new();

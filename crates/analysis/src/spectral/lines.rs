@@ -5,7 +5,8 @@ use super::window::{Window, sum, weighted};
 use amontons::numerics::max_norm;
 use serde::Serialize;
 
-/// Low side lobes matter more than narrow lines: a faint line beside a strong one is what is looked for.
+/// The window of spectra. Low side lobes matter more than narrow lines, because faint lines beside strong ones are
+/// looked for.
 const WINDOW: Window = Window::BlackmanHarris;
 /// Least number of spectrum values for each cycle over the history, reached by zero padding behind the history.
 const FINENESS: usize = 4;
@@ -48,7 +49,7 @@ pub fn lines(history: &[f64], interval: f64, floor: f64) -> Lines {
     let values = weighted(history, &weights);
     let largest = max_norm(history);
     let moving = max_norm(&values);
-    // Written so that what is not a number rests too.
+    // The condition is written so that values that are not numbers rest too.
     if !(moving > REST * largest && moving.is_finite()) {
         return Lines { resolution, ..Lines::default() };
     }

@@ -16,7 +16,7 @@ use amontons::scene::Scene;
 /// Bi-stability over a range of µ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Bistability {
-    /// The range that was looked at: what was asked for, up to the static friction.
+    /// The range that was analysed: the range that was asked for, up to the static friction.
     pub range: [f64; 2],
     /// Ranges of µ in which there is an equilibrium in uniform sliding.
     pub equilibrium: Vec<[f64; 2]>,
@@ -67,7 +67,7 @@ pub fn resting_state(model: &LumpedModel) -> Vec<ContactState> {
 /// The state of uniform sliding: the resting state, where that has every contact sliding.
 ///
 /// # Errors
-/// A surface stands still.
+/// Returns an error if a surface stands still.
 pub fn uniform_sliding(model: &LumpedModel) -> Result<Vec<ContactState>, Error> {
     let states = resting_state(model);
     let Some(stuck) = states.iter().position(|state| *state == ContactState::Stick) else {
@@ -206,7 +206,7 @@ fn least_reach(
 /// The part of a range of µ that the scene's static friction leaves possible.
 ///
 /// # Errors
-/// There is none.
+/// Returns an error if there is none.
 fn possible_range(scene: &Scene, [first, last]: [f64; 2]) -> Result<[f64; 2], Error> {
     match scene.greatest_friction() {
         Some(greatest) if first >= greatest => Err(Error::argument(format!(

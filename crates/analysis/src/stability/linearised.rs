@@ -70,7 +70,7 @@ impl Linearised {
     /// The linearised model: what eigenvalues are taken of.
     ///
     /// # Errors
-    /// µ depends on the slip velocity, and there is no equilibrium to linearise about.
+    /// Returns an error if µ depends on the slip velocity and there is no equilibrium to linearise about.
     pub fn linear(&self) -> Result<LinearModel<'_>, Error> {
         if self.model.law.friction.info().is_constant() {
             self.model.linear()
@@ -82,7 +82,7 @@ impl Linearised {
     /// The equilibrium in uniform sliding.
     ///
     /// # Errors
-    /// There is none: why.
+    /// Returns an error with the reason if there is none.
     pub fn equilibrium(&self) -> Result<&Equilibrium, Error> {
         let found = self.equilibrium.get_or_init(|| match &self.scene {
             Some(scene) => equilibrium(scene, &self.model),
@@ -100,7 +100,7 @@ impl Linearised {
     /// The state of uniform sliding.
     ///
     /// # Errors
-    /// A surface stands still ([`uniform_sliding`]).
+    /// Returns an error if a surface stands still ([`uniform_sliding`]).
     pub fn uniform_sliding(&self) -> Result<Vec<ContactState>, Error> {
         uniform_sliding(&self.model)
     }

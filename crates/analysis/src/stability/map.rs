@@ -59,7 +59,7 @@ impl std::fmt::Display for Verdict {
 /// The verdict on a scene.
 ///
 /// # Errors
-/// Impossible values, or a state that cannot be analysed.
+/// Returns an error if values are impossible, or if a state cannot be analysed.
 pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
     if scene.has_static_below_kinetic_friction() {
         return Ok(Verdict::Impossible);
@@ -100,7 +100,7 @@ pub fn verdict(scene: &Scene) -> Result<Verdict, Error> {
 /// Verdicts on a grid of scenes, row by row, on all cores; `done` hears the number of rows done.
 ///
 /// # Errors
-/// The first that `scene_at` or a verdict gave.
+/// Returns the first error of `scene_at` or of a verdict.
 pub fn map(
     columns: usize,
     rows: usize,

@@ -91,8 +91,8 @@ impl Modes {
 /// each other (two on one mass, one Sl, one R-Sl).
 ///
 /// # Errors
-/// The masses of the state cannot be inverted (friction wedges a contact), the eigenvalue iteration
-/// does not converge or leaves the range of numbers, or the model is too large for dense matrices.
+/// Returns an error if the masses of the state cannot be inverted (friction wedges a contact), the eigenvalue
+/// iteration does not converge or leaves the range of numbers, or the model is too large for dense matrices.
 pub fn modes(model: LinearModel<'_>, states: &[ContactState]) -> Result<Modes, Error> {
     let mut found = Modes { oscillating: Vec::new(), real: Vec::new() };
     for part in SymmetrySector::all([model], states) {

@@ -28,7 +28,7 @@ pub struct Reach {
 /// friction the direction of the surface.
 ///
 /// # Errors
-/// There is no equilibrium in uniform sliding.
+/// Returns an error if there is no equilibrium in uniform sliding.
 pub fn reach(here: &Linearised, states: &[ContactState]) -> Result<Option<Reach>, Error> {
     let (model, sliding) = (here.model(), here.uniform_sliding()?);
     let equilibrium = here.equilibrium()?;

@@ -7,7 +7,7 @@ use amontons::model::{LinearModel, LumpedModel};
 use amontons::stability::{Spectrum, Symmetry};
 use std::collections::HashMap;
 
-/// The most contacts whose states are all looked at.
+/// The most contacts with which all states are analysed.
 pub const MAX_CONTACTS: usize = 8;
 
 /// All contact states of a model, in classes that symmetry makes equal.
@@ -23,7 +23,7 @@ impl StateClasses {
     /// The classes of a model's states.
     ///
     /// # Errors
-    /// More contacts than [`MAX_CONTACTS`].
+    /// Returns an error if there are more contacts than [`MAX_CONTACTS`].
     pub fn of(model: &LumpedModel) -> Result<Self, Error> {
         let contacts = model.contacts.len();
         if contacts > MAX_CONTACTS {
@@ -56,7 +56,7 @@ impl StateClasses {
     /// The spectrum of each class, on all cores; `done` hears how many are done.
     ///
     /// # Errors
-    /// A class has no spectrum ([`Spectrum::of`]).
+    /// Returns an error if a class has no spectrum ([`Spectrum::of`]).
     pub fn spectra(
         &self,
         model: LinearModel<'_>,

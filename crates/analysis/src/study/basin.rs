@@ -42,11 +42,12 @@ const OF_A_CYCLE: usize = SHORT_WINDOWS as usize;
 /// velocity, over `KEPT` short windows. Cycles of one size and nearly one frequency differ by more.
 const ALIKE: f64 = 2e-3;
 const KEPT: usize = 2;
-/// The part of the longest time that a point takes which is decided early, as a guess for what is left.
+/// The part of the longest time that a point takes which is decided early, as an estimate for the remaining work.
 const EARLY: f64 = 0.05;
 /// Points that are one piece of work.
 const PIECE: usize = 8;
-/// The part of the points that a traced plane runs, and the rounds that it runs them in, as guesses for what is left.
+/// The part of the points that a traced plane runs, and the rounds that it runs them in, as estimates for the
+/// remaining work.
 const TRACED: f64 = 0.2;
 const ROUNDS: f64 = 3.0;
 
@@ -277,7 +278,8 @@ impl Plane<'_> {
         let mut round = 0;
         trace(self.axes.map(|axis| axis.values.len()), &mut |places| {
             round += 1;
-            // The last of the expected rounds takes half of what is left, as any further one does: it may not be the last.
+            // The last of the expected rounds takes half of the remaining work, as any further one does: it may not
+            // be the last.
             let begin = part;
             part += (1.0 - part) / f64::max(ROUNDS + 1.0 - f64::from(round), 2.0);
             let name = format!("round {round}");

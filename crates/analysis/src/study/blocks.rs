@@ -33,7 +33,7 @@ struct Block {
 /// result has the attractor with which it is filled in. `None` if `run` gives `None`.
 ///
 /// # Errors
-/// An error of `run`.
+/// Returns an error of `run`.
 pub(super) fn trace(
     [columns, rows]: [usize; 2],
     run: Runner<'_>,

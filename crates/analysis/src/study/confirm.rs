@@ -22,7 +22,7 @@ const FAST: f64 = 10.0;
 /// Places in the candidate's range of µ, from its end, where the mode grows most, to its start.
 pub const PLACES: [f64; 3] = [0.98, 0.6, 0.2];
 
-/// A push and what it ended in.
+/// A push and the ending of its motion.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Attempt {
     /// µ.
@@ -61,7 +61,7 @@ pub struct Tried {
     pub met: Option<Attempt>,
     /// The longest time that a motion may take to settle, s.
     pub longest: f64,
-    /// The output whose amplitude is told.
+    /// The output whose amplitude is given.
     pub of: String,
 }
 
@@ -86,7 +86,7 @@ impl Tried {
 /// if the watch ended it. The scene has no signals.
 ///
 /// # Errors
-/// A scene that cannot be looked at.
+/// Returns an error if the scene cannot be observed.
 pub fn confirm(
     scene: &Scene,
     candidates: &[&Candidate],

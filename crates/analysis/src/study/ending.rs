@@ -2,7 +2,8 @@
 //!
 //! # What is measured
 //!
-//! A motion is looked at in windows, one after the other ([`Look`](super::look::Look)). Of each window these are known:
+//! A motion is observed in windows, one after the other ([`Look`](super::look::Look)). These are known of each
+//! window:
 //!
 //! - its *size*: root mean square, about its mean, of a mixture of all displacements, so that nothing hides where one output does
 //!   not see it;
@@ -153,9 +154,10 @@ pub struct Ending {
     /// Rate at which the motion still grew or, below zero, decayed at the end, 1/s: for a linear motion the growth
     /// rate of its fastest growing mode. 0 where signals drive it on.
     pub rate: f64,
-    /// `true` of a small motion about the equilibrium that goes on with whatever size it has: contacts were in the states
-    /// of rest throughout the last window, their forces are linear, and motions of every size near this one are possible.
-    /// `false` where the motion is driven and all else decays, and of the largest motion of such a family.
+    /// `true` for a small motion about the equilibrium that persists with whatever size it has: contacts were in the
+    /// states of rest throughout the last window, their forces are linear, and motions of every size near this one
+    /// are possible. `false` where the motion is driven and all else decays, and for the largest motion of such a
+    /// family.
     #[serde(default)]
     pub linear: bool,
     /// Size of the motion of all degrees of freedom together, m: root mean square of a mixture of their displacements.
@@ -243,7 +245,7 @@ impl Ending {
         }
     }
 
-    /// Forgets what was left of the motion: at its end it rests in these contact states.
+    /// Removes the remaining motion: at its end it rests in these contact states.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn come_to_rest(&mut self, states: &[ContactState]) {
         (self.amplitude, self.frequency) = (0.0, None);
@@ -265,7 +267,7 @@ impl Ending {
         self.lines = lines.map(|line| [line.frequency, line.amplitude]).collect();
     }
 
-    /// Takes over what was found of a periodic motion.
+    /// Takes over the period and the closure of a periodic motion.
     pub(super) fn come_back(&mut self, Closure { period, distance, .. }: Closure) {
         (self.period, self.closure) = (Some(period), Some(distance));
         // A line of a periodic motion is a multiple of its base frequency.

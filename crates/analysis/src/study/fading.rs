@@ -34,7 +34,7 @@ pub(super) struct Shown<'a> {
 pub(super) struct Lasting {
     /// The part of the time for which contacts are in each state.
     pub shares: [f64; 4],
-    /// `true` for each state that they take no more, though they still took it in what was shown.
+    /// `true` for each state that they take no more, though they still took it in the windows shown.
     pub fading: [bool; 4],
 }
 
@@ -52,7 +52,7 @@ enum Fate {
 /// waits any more.
 ///
 /// # Errors
-/// A step fails.
+/// Returns an error if a step fails.
 pub(super) fn lasting(
     simulation: &Simulation,
     shown: &Shown<'_>,

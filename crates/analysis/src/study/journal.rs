@@ -33,10 +33,12 @@ impl Journal {
         Self { path: None, pages: Mutex::new(Pages { file: None, done: HashMap::new() }) }
     }
 
-    /// The journal in a file, with what it has of this study; one is begun where there is none, or with `anew`.
+    /// Opens the journal in a file, with the finished pieces of this study; a new one is begun where there is none,
+    /// or with `anew`.
     ///
     /// # Errors
-    /// It cannot be written, another program is writing it, it is of another study, or it is no journal.
+    /// Returns an error if the file cannot be written, another program is writing it, it is of another study, or it
+    /// is no journal.
     pub fn open(path: &Path, study: &Value, anew: bool) -> Result<Self, Error> {
         let failed = |error: std::io::Error| Error::file(path, &error);
         let options = File::options().read(true).write(true).create(true).truncate(false).clone();
@@ -86,7 +88,8 @@ impl Journal {
     /// before it was finished.
     ///
     /// # Errors
-    /// The work's, or the journal cannot be written; what was noted before is kept.
+    /// Returns an error if the work fails, or if the journal cannot be written; pieces that were noted before are
+    /// kept.
     pub fn piece<T: Serialize + DeserializeOwned>(
         &self,
         key: &str,
@@ -196,7 +199,7 @@ fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<Strin
         .map(Some)
 }
 
-/// The first thing in which two studies differ, with what it is there, in a file, and here.
+/// The first difference between two studies: its name, the value there, in a file, and the value here.
 fn difference(there: &Value, here: &Value) -> String {
     let (mut path, mut two) = (String::new(), [there, here]);
     while let [Value::Object(a), Value::Object(b)] = two {
@@ -221,7 +224,7 @@ fn difference(there: &Value, here: &Value) -> String {
     }
 }
 
-/// The longest text that is told of a study.
+/// The longest text of a study that is quoted.
 const LONGEST: usize = 60;
 
 fn damaged(path: &Path) -> Error {

@@ -86,11 +86,11 @@ impl Outcome {
 pub enum Change {
     /// The motion comes to rest below the threshold and persists above it.
     RestEnds,
-    /// The other way round.
+    /// The motion persists below the threshold and comes to rest above it.
     RestBegins,
-    /// Contacts take this state above it and not below.
+    /// Contacts take this state above the threshold and not below.
     Appears(ContactState),
-    /// The other way round.
+    /// Contacts take this state below the threshold and not above.
     Vanishes(ContactState),
 }
 
@@ -145,8 +145,8 @@ pub struct LimitCycles {
 /// it.
 ///
 /// # Errors
-/// No such parameter or a value that it cannot have, no value with which the scene can start, a journal that cannot be
-/// written.
+/// Returns an error if there is no such parameter, it cannot have a value, the scene cannot start with any value, or
+/// the journal cannot be written.
 pub fn limit_cycles(
     scene: &Scene,
     prepare: Prepare<'_>,
@@ -255,7 +255,7 @@ struct Runs<'a> {
 }
 
 impl Runs<'_> {
-    /// The scene with a value, and how its motion is looked at.
+    /// The scene with a value, and the settings with which its motion is observed.
     fn with(&self, value: f64) -> Result<(Scene, Look), Error> {
         let mut scene = self.scene.clone();
         assign(&mut scene, self.name, value)?;
@@ -263,7 +263,7 @@ impl Runs<'_> {
         Ok((scene, look))
     }
 
-    /// A motion that has settled, and what it has ended in.
+    /// A motion that has settled, and its ending.
     fn settled(&self, (scene, look): (Scene, Look)) -> Result<Option<(Simulation, Ending)>, Error> {
         let push = Push::of_resting(&scene);
         let mut simulation = Simulation::new(scene, 0.0)?;

@@ -29,7 +29,7 @@ const MOST_WAITED: f64 = 1000.0;
 /// Settings with which a motion is observed.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Look {
-    /// The output whose amplitude and frequency are told, by its name in the FMU.
+    /// The output whose amplitude and frequency are given, by its name in the FMU.
     pub of: String,
     /// Time between two rows, s.
     pub interval: f64,
@@ -42,7 +42,7 @@ pub struct Look {
 /// Settings that a person asks for; `None` is derived from the scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Wish<'a> {
-    /// The output that is looked at ([`Look::of`]).
+    /// The output that is observed ([`Look::of`]).
     pub of: Option<&'a str>,
     /// Time between two rows, s ([`Look::interval`]).
     pub interval: Option<f64>,
@@ -154,7 +154,8 @@ impl Look {
     }
 }
 
-/// Says how the motion of a scene is looked at, and gives the scene the method and step in which that motion is computed.
+/// A function that gives a scene the method and step in which its motion is computed, and returns the settings with
+/// which it is observed.
 ///
 /// A study over a parameter calls it for each value: other stiffnesses and masses have other frequencies.
 pub type Prepare<'a> = &'a (dyn Fn(&mut Scene) -> Result<Look, Error> + Sync);

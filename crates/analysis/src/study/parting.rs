@@ -46,7 +46,7 @@ pub(super) enum Parting {
 /// over the first windows leave it unknown.
 ///
 /// # Errors
-/// A step fails.
+/// Returns an error if a step fails.
 #[allow(clippy::cast_precision_loss)]
 pub(super) fn parting(
     simulation: &Simulation,

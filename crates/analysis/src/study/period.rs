@@ -41,7 +41,7 @@ impl OverSpan {
 /// Follows the motion of a simulation over a span (s) in rows of `interval` (s), or shorter ones.
 ///
 /// # Errors
-/// A step fails.
+/// Returns an error if a step fails.
 pub(super) fn over_span(
     simulation: &Simulation,
     output: &Variable,

@@ -67,8 +67,8 @@ pub struct Perturbations {
 /// in the journal.
 ///
 /// # Errors
-/// No such initial value, one that is impossible, or a journal that cannot be written. A run that fails is told
-/// in its place.
+/// Returns an error if there is no such initial value, one is impossible, or the journal cannot be written. A run
+/// that fails is recorded in its place.
 pub fn perturbation(
     scene: &Scene,
     direction: &Direction,

@@ -31,15 +31,15 @@ use amontons::simulation::{Simulation, Variable};
 
 /// Lines of more than this part of the strongest one are listed.
 const TOLD: f64 = 1e-3;
-/// Number of windows before the last one from which lines of a motion without a period are told too, since they may
-/// lie near each other.
+/// Number of windows before the last one from which lines of a motion without a period are determined too, since they
+/// may lie near each other.
 const MORE_WINDOWS: usize = 3;
 /// Windows from one look at how neighbouring motions part to the next.
 const WINDOWS_BETWEEN: usize = 12;
 /// Windows after which a period is looked for again where none was found: that takes longer than a window.
 const WINDOWS_IN_VAIN: usize = 4;
 
-/// A motion that is looked at until it is settled.
+/// A motion that is observed until it is settled.
 pub(crate) struct Settling {
     look: Look,
     output: Variable,

@@ -25,7 +25,7 @@ const CREEP: f64 = 0.5;
 /// the last window that is looked at, the other numbers count too.
 const IRREGULAR_WINDOWS: [usize; 3] = [12, 24, 48];
 
-/// A window that was looked at.
+/// A window that was observed.
 struct SeenWindow {
     /// Deviation of the mixture from its mean, root mean square of the weighted values, and whether a contact changed
     /// its state.
@@ -59,7 +59,8 @@ pub(super) struct Surroundings<'a> {
     pub(super) at_rest: f64,
     /// `true` where signals still drive the motion.
     pub(super) is_driven: bool,
-    /// `true` where what drives it does in each window what it has done in the last one ([`is_repeated`](super::drive::is_repeated)).
+    /// `true` if the drive in each window repeats that in the one before
+    /// ([`is_repeated`](super::drive::is_repeated)).
     pub(super) is_repeated: bool,
     /// `true` where loads and surfaces no longer matter ([`is_far`](super::linear::is_far)).
     pub(super) is_far: bool,
@@ -140,11 +141,11 @@ impl Windows {
     ) -> Trend {
         let size = weighted_deviation(&mixture, &self.weights);
         self.seen.push(SeenWindow { size, changed, mixture, lines: None });
-        // Older ones are not looked at again, but for their size.
+        // Older windows are needed for their sizes only.
         if let Some(old) = self.seen.len().checked_sub(5) {
             (self.seen[old].mixture, self.seen[old].lines) = (Vec::new(), None);
         }
-        // Against the equilibrium, too: what is left of a motion at rest is rounding of forces.
+        // The equilibrium counts, too: the rest of a motion at rest is rounding of forces.
         let nothing = ROUNDING * around.largest.max(around.at_rest);
         let is_rounding = size <= nothing;
         let is_free = !around.is_driven;

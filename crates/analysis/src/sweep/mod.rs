@@ -47,14 +47,14 @@ pub const FRICTION: &str = "friction.coefficient";
 /// The outputs to observe, and the window.
 #[derive(Clone, Debug, PartialEq)]
 pub struct View {
-    /// The outputs whose amplitudes are looked at ([`observed::output`]).
+    /// The outputs whose amplitudes are observed ([`observed::output`]).
     pub outputs: Vec<Variable>,
     /// Length of the window before the end of a run, s.
     pub window: f64,
 }
 
 impl View {
-    /// The earliest time that one looks at, s.
+    /// The beginning of the window, s.
     fn begin(&self, experiment: &Experiment) -> f64 {
         experiment.stop_time - self.window - 1e-9 * experiment.output_interval
     }
@@ -126,7 +126,7 @@ pub const FEWEST_PERIODS: f64 = 3.0;
 /// ended, which is told how much of the work is done, from 0 to 1, by all cores.
 ///
 /// # Errors
-/// A name that is no parameter or input, a value that it cannot have, or a window without two rows.
+/// Returns an error if a name is no parameter or input, a value is impossible, or the window has fewer than two rows.
 pub fn sweep(
     scene: &Scene,
     name: &str,

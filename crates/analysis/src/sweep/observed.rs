@@ -20,7 +20,7 @@ const MORE_ROWS: f64 = 4.0;
 /// An output of a scene that can be followed: a displacement, a velocity, a force; no state and no count.
 ///
 /// # Errors
-/// There is none of that name; the nearest name, or what there is.
+/// Returns an error if there is no output of that name; it gives the nearest name, or all names.
 pub fn output(scene: &Scene, name: &str) -> Result<Variable, Error> {
     let is_followed = |variable: &Variable| {
         variable.causality == Causality::Output

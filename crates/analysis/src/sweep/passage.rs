@@ -87,7 +87,7 @@ impl Passage {
     /// Takes note of the next row.
     ///
     /// # Errors
-    /// A step between the rows fails.
+    /// Returns an error if a step between the rows fails.
     pub(crate) fn note(&mut self, simulation: &mut Simulation) -> Result<(), Error> {
         let now = self.point(simulation)?;
         let Some(before) = self.last.take() else {

@@ -18,8 +18,8 @@ impl Possible {
     /// one are skipped, for the coefficients that a range does not vary stay as they are.
     ///
     /// # Errors
-    /// There is no such parameter or input, it cannot have one of the values whatever the others are, or all values
-    /// would be skipped.
+    /// Returns an error if there is no such parameter or input, if it cannot have one of the values whatever the
+    /// others are, or if all values would be skipped.
     pub fn of(scene: &Scene, name: &str, values: &[f64]) -> Result<Self, Error> {
         let mut possible = Self { values: Vec::new(), skipped: Vec::new() };
         let mut first = None;

@@ -1,4 +1,4 @@
-//! The size of each displacement over the four quarters of a window, and what it says of a motion.
+//! The size of each displacement over the four quarters of a window, from which a motion is judged.
 
 use super::steady::{ROUNDING, drifts, is_steady};
 use crate::spectral::Window;

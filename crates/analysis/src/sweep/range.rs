@@ -17,7 +17,8 @@ const WISH: &str =
 /// A number.
 ///
 /// # Errors
-/// It is none, or not finite; the number that is meant, where a comma stands for its point.
+/// Returns an error if the text is no finite number; it gives the number that is meant, where a comma stands for its
+/// point.
 pub fn number(text: &str) -> Result<f64, String> {
     finite(text).ok_or_else(|| match with_point(text) {
         Some(meant) => format!("{text} is not a number; write {meant}"),
@@ -43,7 +44,7 @@ fn with_point(text: &str) -> Option<String> {
 /// A name and its value: `NAME=VALUE`.
 ///
 /// # Errors
-/// There is no name, or no number; what would be one.
+/// Returns an error if there is no name or no number; it gives the number that is meant.
 pub fn assignment(text: &str) -> Result<(String, f64), String> {
     let (name, value) = text.split_once('=').ok_or("write it as NAME=VALUE")?;
     let (name, value) = (name.trim(), value.trim());
@@ -61,7 +62,7 @@ pub fn assignment(text: &str) -> Result<(String, f64), String> {
 /// Refuses a name that has two values.
 ///
 /// # Errors
-/// The name, with both.
+/// Returns an error that gives the name and both values.
 pub fn check_once(values: &[(String, f64)]) -> Result<(), Error> {
     let twice = |(place, (name, second)): (usize, &(String, f64))| {
         let (_, first) = values[..place].iter().find(|(before, _)| before == name)?;
@@ -113,7 +114,7 @@ fn ascending(first: &str, last: &str) -> Result<[f64; 2], String> {
 /// Both ends of `A:B`.
 ///
 /// # Errors
-/// They are no two numbers, the first below the last.
+/// Returns an error if the text is not two numbers, the first below the last.
 pub fn ends(text: &str) -> Result<[f64; 2], String> {
     match text.split_once(':') {
         Some((first, last)) if !last.contains([':', '/']) => ascending(first, last),
@@ -126,7 +127,7 @@ pub fn ends(text: &str) -> Result<[f64; 2], String> {
 /// Steps are counted from the first, never accumulated, and the last is there, on the grid or not.
 ///
 /// # Errors
-/// It is no such range, or one of more than a million values.
+/// Returns an error if the text is no such range, or one of more than a million values.
 pub fn steps(text: &str) -> Result<Vec<f64>, String> {
     match parsed(text)? {
         Range { ends, rest: Rest::Third(step) } => stepped(ends, number(step)?),
@@ -137,7 +138,8 @@ pub fn steps(text: &str) -> Result<Vec<f64>, String> {
 /// The values of `A:B:STEP` or `A:B/N` in a command that once read `A:B:N`.
 ///
 /// # Errors
-/// It is no such range, one of more than a million values, or one whose third number may be either.
+/// Returns an error if the text is no such range, one of more than a million values, or one whose third number may be
+/// either.
 #[allow(clippy::cast_possible_truncation)]
 pub fn grid(text: &str) -> Result<Vec<f64>, String> {
     if let Range { rest: Rest::Third(third), .. } = parsed(text)? {
@@ -187,7 +189,7 @@ fn spread([first, last]: [f64; 2], count: &str) -> Result<Vec<f64>, String> {
 /// A name and its range: `NAME=…`.
 ///
 /// # Errors
-/// There is no name, or what is wrong with the range.
+/// Returns an error if there is no name, or if the range is invalid.
 pub fn named<T>(
     text: &str,
     parse: impl Fn(&str) -> Result<T, String>,

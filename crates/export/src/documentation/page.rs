@@ -5,7 +5,7 @@ use amontons::Error;
 use amontons_pictures::picture::Structure;
 use amontons_pictures::report::{add, text};
 
-/// The page. `structure` is what is drawn; `accuracy` says whether there is a page on that beside this one.
+/// The page. `structure` is the picture; `accuracy` is `true` if there is a page on that beside this one.
 ///
 /// # Errors
 /// A picture cannot be drawn.

@@ -28,8 +28,8 @@ pub struct Documentation {
     pub icon: Option<Vec<u8>>,
 }
 
-/// The FMU of a scene; `source` is what it was read from. An FMU that is for people has a documentation.
-/// It runs on the platforms of `libraries`.
+/// The FMU of a scene; `source` is the text that it was read from. An FMU that is for people has a documentation. It
+/// runs on the platforms of `libraries`.
 ///
 /// # Errors
 /// `SOURCE_DATE_EPOCH` is set to something that is not a time.

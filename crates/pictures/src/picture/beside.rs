@@ -6,7 +6,7 @@ use super::canvas::{Align, Point, text_width};
 const HEIGHT: f64 = 15.0;
 /// Distance between a point and its text, px.
 const AWAY: f64 = 9.0;
-/// Lines are looked at in pieces not longer than this, px.
+/// Lines are checked in pieces not longer than this, px.
 const PIECE: f64 = 4.0;
 
 /// A text with its place, px.

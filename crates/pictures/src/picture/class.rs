@@ -65,7 +65,7 @@ impl Class {
     }
 }
 
-/// The colour of what is not known.
+/// The colour of unknown classes.
 const UNKNOWN: usize = 6;
 
 /// Places in the palette: a blue for either direction of sliding, dark and light, and two warm ones.

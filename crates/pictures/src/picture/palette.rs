@@ -17,7 +17,7 @@ pub const PALETTE: [[u8; 3]; 8] = [
 
 /// Text, axes and zero lines.
 pub(super) const INK: RGBColor = RGBColor(0x22, 0x22, 0x22);
-/// Marks, springs and what else is not to be looked at first.
+/// Colour of marks, springs and other parts that are not to catch the eye first.
 pub(super) const GREY: RGBColor = RGBColor(0x66, 0x66, 0x66);
 /// Rest positions.
 pub(super) const PALE: RGBColor = RGBColor(0xBB, 0xBB, 0xBB);

@@ -18,7 +18,7 @@ pub fn text(plain: &str) -> String {
 }
 
 /// # Errors
-/// Those of [`super::html`].
+/// Returns an error in the cases of [`super::html`].
 pub(super) fn page(page: &Page) -> Result<String, Error> {
     let body = body(page)?;
     // Only the style that bears the page's own mark counts. The mark is made from all there is on the page, so no text

@@ -77,7 +77,7 @@ pub enum Verdict {
     },
 }
 
-/// A picture with what is to be said about it.
+/// A picture with its caption and the command that makes it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
     /// Content of the figure in words.
@@ -154,7 +154,7 @@ pub fn html(page: &Page) -> Result<String, Error> {
 /// Writes the page; it appears whole or not at all.
 ///
 /// # Errors
-/// Those of [`html`], and a file that cannot be written.
+/// Returns an error of [`html`], or if the file cannot be written.
 pub fn write(page: &Page, path: &Path) -> Result<(), Error> {
     let text = html(page)?;
     let mut file = Pending::create(path)?;

@@ -45,7 +45,7 @@ pub(super) fn is_ascending(points: &[Point]) -> bool {
     finite.all(|x| std::mem::replace(&mut before, x) <= x)
 }
 
-/// A value to seven significant digits; what is not finite stays.
+/// A value to seven significant digits; a value that is not finite is unchanged.
 pub(super) fn rounded(value: f64) -> f64 {
     to_significant(value, 7)
 }

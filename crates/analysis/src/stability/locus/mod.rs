@@ -57,7 +57,7 @@ enum Followable {
     Damped,
 }
 
-/// All roots of what is followed of a contact state, by σ.
+/// All roots of the followed quantity of a contact state, by σ.
 ///
 /// # Errors
 /// Returns an error if the state cannot be analysed.
@@ -77,7 +77,7 @@ fn roots(
 /// The modes of a contact state that grow.
 ///
 /// # Errors
-/// The state cannot be analysed.
+/// Returns an error if the state cannot be analysed.
 pub(super) fn growing(model: LinearModel<'_>, states: &[ContactState]) -> Result<Vec<Root>, Error> {
     let mut found = if model.has_single_damping_in(states) {
         damped_roots(model, states)?

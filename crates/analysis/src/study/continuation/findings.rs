@@ -126,7 +126,7 @@ pub struct Both {
     pub friction: f64,
     /// Rest first.
     pub endings: [Ending; 2],
-    /// `true` of a motion in which contacts take the states of the candidate that it was looked at for.
+    /// `true` if contacts take the states of the candidate in the motion.
     pub takes: [bool; 2],
 }
 

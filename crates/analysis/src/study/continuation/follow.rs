@@ -25,7 +25,7 @@ const MORE_TIMES: usize = 2;
 /// at closely, changes by 0.5 % and not only by 5 % count, and a change of µ by the square of this part tells.
 const STEEP: f64 = 1.0 / 16.0;
 
-/// A way that is looked at closely takes no step larger than this part of that between two values that were asked for.
+/// The largest step of a way that is followed closely, in parts of the step between two values that were asked for.
 const CLOSELY: f64 = 1.0 / 8.0;
 
 /// Number of rows that a motion may take from a value that it has passed to another one at which it is compared.
@@ -36,7 +36,7 @@ const SMALLER: f64 = 1e-3;
 /// Time that such a cycle is given, in parts of the time that the whole push took to end it.
 const WAITS: f64 = 2.0;
 
-/// A piece of the work: what was found, and the state from which the next value starts.
+/// A piece of the work: the ending that was found, and the state from which the next value starts.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Piece {
     ending: Result<Ending, String>,

@@ -14,7 +14,7 @@ pub(super) struct Reached {
 }
 
 impl Reached {
-    /// A value at which a motion is not looked at because it has taken too many rows.
+    /// A value at which a motion is not followed because it has taken too many rows.
     pub(super) fn not_tried(friction: f64) -> Self {
         let ending = Err("the motion would have taken too long to be followed to here".to_owned());
         Self { point: Point { friction, ending }, progress: None }

@@ -50,7 +50,7 @@ pub struct Plan<'a> {
     pub resolution: f64,
     /// The push that each value starts with.
     pub push: Push,
-    /// Candidates, in whose ranges of µ motions beside rest are looked at by runs of their own.
+    /// Candidates, in whose ranges of µ motions beside rest are examined by runs of their own.
     pub candidates: &'a [Candidate],
 }
 

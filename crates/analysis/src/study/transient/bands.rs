@@ -7,8 +7,8 @@ use serde::Serialize;
 use std::f64::consts::TAU;
 use std::ops::Range;
 
-/// A band is looked at so often within a window. Its phase is then followed without ambiguity: what the window
-/// lets through turns by a quarter of a turn at most.
+/// Number of instants within a window at which a band is evaluated. Its phase is then followed without ambiguity: the
+/// frequencies that the window passes turn by a quarter of a turn at most.
 const LOOKS: usize = 16;
 /// Length of the pieces in which the strongest lines are looked for, in periods of the strongest line of all.
 const PIECE_PERIODS: f64 = 60.0;
@@ -85,7 +85,7 @@ impl Bands {
         Self { window, seen: all.iter().map(seen).collect(), all }
     }
 
-    /// Lines of this distance or more are told from each other, Hz.
+    /// The least distance of lines that are told from each other, Hz.
     pub(super) fn width(&self) -> f64 {
         4.0 / self.window
     }

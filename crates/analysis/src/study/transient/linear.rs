@@ -26,9 +26,9 @@ use std::ops::Range;
 
 /// Masses that move by less than this part of the largest displacement from row to row stand still.
 const STANDS: f64 = 1e-12;
-/// Fewer rows that show so much of a change are looked at in place of more, which show it coarsely.
+/// The first rows of a mode are preferred to more, coarser rows if they show this part of the largest change.
 const SHORTER: f64 = 0.9;
-/// A stretch of fewer rows is not looked at, nor a line through fewer points.
+/// A stretch of fewer rows is not analysed, nor a line through fewer points.
 const FEWEST_ROWS: usize = 16;
 const FEWEST_POINTS: usize = 8;
 /// A mode that is nowhere this part of the largest of its time does not matter for what the motion is.

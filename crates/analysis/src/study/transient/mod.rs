@@ -73,8 +73,8 @@ pub struct Taken {
     pub states: String,
     /// The part of the time, from 0 to 1.
     pub share: f64,
-    /// That of the states' eigenvalues which is nearest in the complex plane to what was found; `None` if they have
-    /// none that oscillates, or none that does not, as what was found.
+    /// The one of the states' eigenvalues that is nearest in the complex plane to the growth or decay that was found;
+    /// `None` if they have none that oscillates, or none that does not, as the found one does.
     pub eigenvalue: Option<Eigenvalue>,
 }
 
@@ -129,9 +129,9 @@ pub struct Transient {
     pub spectrogram: Spectrogram,
 }
 
-/// Runs a scene once, as long as `experiment` says, and looks at its output of that name, or else at the displacement
-/// that moves most, as often as the output interval and [`interval()`] say. A run that fails or is ended by the
-/// watch is looked at as far as it went.
+/// Runs a scene once, as long as `experiment` says, and analyses its output of that name, or else the displacement
+/// that moves most, in rows as near as the output interval and [`interval()`] say. A run that fails or is ended by
+/// the watch is analysed as far as it went.
 ///
 /// # Errors
 /// Returns an error if the scene is invalid, there is no such output or the run is too long to keep.

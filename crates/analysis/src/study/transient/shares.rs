@@ -68,7 +68,8 @@ impl<'a> Shares<'a> {
         self.linear.partition_point(|(row, _)| *row <= first).max(1) - 1
     }
 
-    /// The eigenvalue of these states that is nearest to what was found: of those that oscillate, or do not, as it does.
+    /// The eigenvalue of these states that is nearest to the phase: of those that oscillate if it does, else of those
+    /// that do not.
     fn nearest(&mut self, states: &[ContactState], phase: &Phase) -> Option<Eigenvalue> {
         let place = self.place(phase);
         let here = &self.linear[place].1;

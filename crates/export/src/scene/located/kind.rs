@@ -1,4 +1,4 @@
-//! Kinds of values: what stands there, what is wanted, and how it is written.
+//! Kinds of values: names of the kind that a value has, names of the kinds that a schema takes, and examples.
 
 use serde_json::Value;
 use toml::de::DeValue;
@@ -71,7 +71,7 @@ fn spoken_kind(kind: &str) -> &'static str {
     }
 }
 
-/// A value as a person would say it: what it is, or itself where that says more.
+/// A value in plain words: its kind, or the value itself where that says more.
 pub(super) fn spoken(value: &DeValue<'_>) -> String {
     match value {
         DeValue::Integer(integer) => integer.to_string(),

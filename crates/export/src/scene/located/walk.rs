@@ -150,7 +150,7 @@ impl<'s> Walk<'s> {
         }
     }
 
-    /// Reports what is not a key here, and drops it, or renames it to what it is likely to mean.
+    /// Reports a key that is unknown here, and drops it, or renames it to the key that it is likely to mean.
     fn unknown_keys(&mut self, table: &mut DeTable<'_>, known: &Keys<'s>, path: &str) {
         if !known.is_closed || known.others.is_some() {
             return;

@@ -20,9 +20,9 @@ pub struct Raster {
     pub x: [f64; 2],
     /// The outer edges of the lowest and the highest row, in the unit of the y axis.
     pub y: [f64; 2],
-    /// Rows of values, the lowest row first; what is not a number stays white.
+    /// Rows of values, the lowest row first; values that are not numbers stay white.
     pub rows: Vec<Vec<f64>>,
-    /// The values of the first and the last colour; what is beyond them has these colours, too.
+    /// The values of the first and the last colour; values beyond them have these colours, too.
     pub range: [f64; 2],
     /// The quantity, with its unit, for the scale of colours.
     pub label: String,

@@ -1,4 +1,4 @@
-//! The symbols of a structure and what is written at them, px.
+//! The symbols of a structure and their labels, px.
 
 use super::labels::{Labels, Request, half_size};
 use super::layout::{End, Run, STUB, directions};
@@ -37,7 +37,7 @@ pub(super) struct Plot<'a> {
 }
 
 impl<'a> Plot<'a> {
-    /// Draws all symbols and finds places for what is written at them.
+    /// Draws all symbols and finds places for their labels.
     pub(super) fn of(
         structure: &'a Structure,
         places: &[Point],

@@ -18,7 +18,7 @@ const TEXT_ROW: f64 = 22.0;
 /// Free space at each side of an icon, px.
 const ICON_MARGIN: f64 = 40.0;
 
-/// Tried in turn until every label has a place at what it speaks of.
+/// Styles, tried in turn until every label has a place at the line that it belongs to.
 const STYLES: [SheetStyle; 3] = [
     SheetStyle { values: true, size: 15.0, margin: 90.0, amplitude: 6.0, largest: 0.24 },
     SheetStyle { values: false, size: 15.0, margin: 40.0, amplitude: 6.0, largest: 0.28 },
@@ -40,7 +40,7 @@ pub(super) struct Sheet<'a> {
     list: Vec<String>,
     /// Shift of the drawing to the right and down.
     by: Point,
-    /// Lower end of what is drawn.
+    /// Lower end of the drawing.
     bottom: f64,
     /// Width of the picture, with all its texts.
     width: f64,
