@@ -36,9 +36,9 @@ pub fn check_inputs_stay(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
     }
 }
 
-/// A file that is written under another name until it is complete. What stood at its place stays
-/// until then; a run that is cut short leaves what it had in the file ending in `.partial`. What is
-/// not a regular file (a pipe, a device) is written to directly.
+/// A file that is written under another name until it is complete. A file that was at the target before is kept until
+/// then; an interrupted run leaves its results in the file ending in `.partial`. A target that is not a regular file
+/// (a pipe, a device) is written to directly.
 pub struct Pending {
     target: PathBuf,
     partial: Option<PathBuf>,
@@ -52,7 +52,7 @@ impl Pending {
     /// Returns an error if a folder has that path, or if its folder cannot be written to.
     pub fn create(target: &Path) -> Result<Self, Error> {
         let open = || -> io::Result<Self> {
-            // Through a symbolic link, to what it names.
+            // A symbolic link is followed to its target.
             let real = target.canonicalize().unwrap_or_else(|_| target.to_owned());
             if real.is_dir() {
                 return Err(io::ErrorKind::IsADirectory.into());

@@ -5,11 +5,12 @@ use amontons::Error;
 use amontons::scene::Experiment;
 use amontons::simulation::Simulation;
 
-/// Rows between two questions whether to go on.
+/// Number of rows between two checks of the watch.
 const ROWS_AT_ONCE: usize = 64;
 
-/// Runs an experiment from its start. At each row after that of the start `note` is given the simulation, the time (s), and
-/// whether the row ends a whole interval. `false` if the watch, which is told what part of the time has passed, ended the run.
+/// Runs an experiment from its start. At each row after that of the start `note` is given the simulation, the time
+/// (s), and `true` if the row ends a whole interval. Returns `false` if the watch, to which the elapsed part of the
+/// time is reported, ended the run.
 ///
 /// # Errors
 /// Returns an error if a step or `note` fails.

@@ -7,7 +7,7 @@ use std::ops::ControlFlow;
 pub struct Watch<'a> {
     /// Decides if the work continues; called often. After the first `Break` the work ends with the results so far.
     pub go_on: &'a (dyn Fn() -> ControlFlow<()> + Sync),
-    /// Told now and then: how much of the work is done, from 0 to 1.
+    /// Receives the part of the work that is done, from 0 to 1, at intervals.
     pub progress: &'a (dyn Fn(f64) + Sync),
 }
 
@@ -22,7 +22,7 @@ impl Watch<'_> {
         (self.go_on)().is_break()
     }
 
-    /// Tells that a part of the work, from 0 to 1, is done. `true` if the work has been ended.
+    /// Reports that a part of the work, from 0 to 1, is done. `true` if the work has been ended.
     #[must_use]
     pub fn ends_after(&self, part: f64) -> bool {
         (self.progress)(part);

@@ -92,18 +92,19 @@ pub fn uniform_sliding(model: &LumpedModel) -> Result<Vec<ContactState>, Error> 
 const STEP: f64 = 0.01;
 /// The fewest steps in a range.
 const FEWEST_STEPS: f64 = 200.0;
-/// Contact states are looked at as often as this, all classes and values of µ together, but for where modes begin and
-/// cease to grow: half a minute of work for a ring of eight modules, which has 4435 classes.
+/// Number of analyses of contact states to aim at, all classes and values of µ together, besides those that locate
+/// where modes begin and cease to grow: half a minute of work for a ring of eight modules, which has 4435 classes.
 const LOOKS: f64 = 200_000.0;
 /// The fewest steps of a class, whatever the number of classes.
 const FEWEST_STEPS_OF_A_CLASS: f64 = 40.0;
 
-/// Looks through all states of a scene over a range of µ, that of `friction.coefficient` alone, on all cores; `done`
-/// hears how many classes of states are done. Values above the static friction, which stays as it is, are left out.
+/// Analyses all states of a scene over a range of µ, that of `friction.coefficient` alone, on all cores; `done`
+/// receives the number of classes of states that are done. Values above the static friction, which stays as it is,
+/// are left out.
 ///
 /// # Errors
-/// A surface that stands still ([`uniform_sliding`]), no equilibrium in the whole range, a range above the static friction,
-/// too many contacts, or a state that cannot be analysed.
+/// Returns an error if a surface stands still ([`uniform_sliding`]), there is no equilibrium in the whole range, the
+/// range is above the static friction, there are too many contacts, or a state cannot be analysed.
 pub fn bistability(
     scene: &Scene,
     range: [f64; 2],

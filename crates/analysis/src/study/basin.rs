@@ -31,11 +31,12 @@ use std::collections::VecDeque;
 
 /// Points along each axis that are followed until they are settled, first of all.
 const FIRST: usize = 6;
-/// Short windows in a window: with a window of 50 periods of the slowest mode one has ten of them.
+/// Number of short windows in a window; with a window of 50 periods of the slowest mode, a short window has ten
+/// periods.
 pub const SHORT_WINDOWS: u32 = 5;
 /// Number of short windows whose habits are an attractor's: those of the four windows in which a motion was found
-/// settled. In the first of them a motion that converges to a cycle may still be on its way; for a cycle those of the
-/// last window are used.
+/// settled. In the first of them a motion that converges to a periodic one may still be on its way; for a periodic
+/// motion only those of the last window are used.
 const HABITUAL: usize = 4 * SHORT_WINDOWS as usize;
 const OF_A_CYCLE: usize = SHORT_WINDOWS as usize;
 /// A point has the habits of an attractor if it keeps to them, up to `ALIKE` times the largest displacement or

@@ -29,9 +29,9 @@ pub struct Attempt {
     pub friction: f64,
     /// The largest velocity that it gave a degree of freedom, m/s.
     pub push: f64,
-    /// The motion that it ended in, or why it failed.
+    /// The ending of the motion, or the reason of its failure.
     pub ending: Result<Ending, String>,
-    /// The states that contacts took together in that motion; `None` of a motion that rests or has not settled.
+    /// The states that contacts took together in that motion; `None` for a motion that rests or has not settled.
     pub visited: Option<Visited>,
 }
 

@@ -54,11 +54,11 @@ pub(super) fn starting_from(scene: &Scene, values: &[(&str, f64)]) -> Result<Sce
     Ok(scene)
 }
 
-/// The first `duration` (s) of the run from another initial value: the output that is looked at, one row an
+/// The first `duration` (s) of the run from another initial value: the output that is observed, one row for each
 /// interval, from time 0 on; in its unit. `None` if the watch ended it.
 ///
 /// # Errors
-/// No such initial value or output, an impossible value, or a run that fails.
+/// Returns an error if there is no such initial value or output, a value is impossible, or a run fails.
 #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
 pub fn history(
     scene: &Scene,

@@ -1,7 +1,7 @@
-//! Finished pieces of work in a file, one a line, as JSON.
+//! Finished pieces of work in a file, one for each line, as JSON.
 //!
-//! The first line says what study it is: all that a piece depends on. A piece has a key, such as the value of the
-//! parameter that it was made for; so a study may also be given a wider range, and makes only what is new. A last
+//! The first line identifies the study by all that a piece depends on. A piece has a key, such as the value of the
+//! parameter that it was made for; so a study may also be given a wider range, and computes only new pieces. A last
 //! line without an end, as a full disk or a switched off machine leaves it, is dropped.
 
 use amontons::Error;

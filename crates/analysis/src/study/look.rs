@@ -12,11 +12,11 @@ use serde::Serialize;
 
 /// Periods of the slowest mode in a window: lines a fiftieth of its frequency apart are told from each other.
 const PERIODS: f64 = 50.0;
-/// A person may ask for fewer, but not for less than these.
+/// The fewest periods in a window that a person may ask for.
 const FEWEST_PERIODS: f64 = 5.0;
 /// The most rows of a window, whatever lies between the slowest and the fastest mode.
 const MOST_ROWS: f64 = 100_000.0;
-/// Nor may a person ask for more than these, whose spectrum would take all memory.
+/// The most rows of a window that a person may ask for; the spectrum of more would take all memory.
 const MOST_WISHED_ROWS: f64 = 5e6;
 /// The fewest rows that a window may have, which its spectrum needs.
 const FEWEST_ROWS: f64 = 64.0;

@@ -167,9 +167,9 @@ pub(super) fn closure(
     })
 }
 
-/// Finds the period of a motion that neighbouring motions come to: since it has no say in where it is, it comes back after some
-/// multiple of the period of what drives it. The search goes on for [`MOST_WINDOWS`] windows, and so has time for few returns: only
-/// for those that may be exact. For the arguments and errors see [`closure`].
+/// Finds the period of a motion that neighbouring motions come to: since it has no phase of its own, it comes back
+/// after some multiple of the period of its drive. The search covers [`MOST_WINDOWS`] windows, and so has time for
+/// few returns: only for those that may be exact. For the arguments and errors see [`closure`].
 pub(super) fn long_closure(
     simulation: &Simulation,
     interval: f64,

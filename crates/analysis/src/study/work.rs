@@ -21,7 +21,7 @@ impl<'a> Work<'a> {
         Self { points, within, watch, done: Mutex::new(0.0) }
     }
 
-    /// Does a piece of the work, which may report the number of points done since its last report.
+    /// Carries out a piece of the work, which may report the number of points done since its last report.
     #[allow(clippy::cast_precision_loss)]
     pub(super) fn piece<T>(&self, points: usize, work: impl FnOnce(&dyn Fn(f64)) -> T) -> T {
         let told = Cell::new(0.0);

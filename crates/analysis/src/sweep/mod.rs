@@ -122,8 +122,8 @@ const PERIODS_TO_SETTLE: f64 = 5.0;
 /// A window with fewer periods of an oscillation does not tell its frequency.
 pub const FEWEST_PERIODS: f64 = 3.0;
 
-/// The run of each value, in their order: its summary or why it has none; `None` for runs that the watch
-/// ended, which is told how much of the work is done, from 0 to 1, by all cores.
+/// The run of each value, in their order: its summary or the reason why it has none; `None` for runs that the watch
+/// ended. The watch receives the completed part of the work, from 0 to 1, of all cores.
 ///
 /// # Errors
 /// Returns an error if a name is no parameter or input, a value is impossible, or the window has fewer than two rows.

@@ -136,7 +136,7 @@ pub struct Continuation {
     /// Points of the way upwards, by ascending µ.
     pub rising: Vec<Point>,
     /// Points of the way downwards, by ascending µ too. The way begins from the scene's own start at the last value.
-    /// Where both ways end in the same motion and another cycle was met, that cycle stands here in its place.
+    /// If both ways end in the same motion and another cycle was met, that cycle stands here in its place.
     pub falling: Vec<Point>,
     /// Jumps by ascending µ, rising ones first.
     pub jumps: Vec<Jump>,

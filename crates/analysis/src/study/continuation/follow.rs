@@ -21,8 +21,9 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// A motion that has not settled and in which contacts change their states is followed for this many times longer.
 const MORE_TIMES: usize = 2;
-/// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution. Where a motion is looked
-/// at closely, changes by 0.5 % and not only by 5 % count, and a change of µ by the square of this part tells.
+/// One cycle that changes steeply is told from two by a change of µ that is this part of the resolution. Where a
+/// motion is followed closely, changes by 0.5 % and not only by 5 % count, and a change of µ by the square of this
+/// part tells.
 const STEEP: f64 = 1.0 / 16.0;
 
 /// The largest step of a way that is followed closely, in parts of the step between two values that were asked for.

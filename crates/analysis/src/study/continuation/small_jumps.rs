@@ -51,8 +51,8 @@ impl PlanRun<'_> {
         }
     }
 
-    /// A way once more from what it has reached through some values, in small steps, up to the first of them at which it has the
-    /// motion that it had before. `None` if the watch ended it.
+    /// Follows a way once more from the motion that it has reached through some values, in small steps, up to the
+    /// first of them at which it has the motion that it had before. `None` if the watch ended it.
     fn follow_closely(
         &self,
         way: &Followed,

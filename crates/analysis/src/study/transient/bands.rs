@@ -22,9 +22,11 @@ const LEAK: f64 = 2e-4;
 const FINEST: f64 = 1e-9;
 /// The most terms of the sums and differences of the frequencies of two lines that are looked for.
 const MOST_TERMS: i32 = 3;
-/// Near any frequency there is some such sum by chance: only what is known to this part of itself is one.
+/// A frequency must be known to this part of itself to count as such a sum: near any frequency there is one by
+/// chance.
 const CHANCE: f64 = 1e-3;
-/// Or to this part, if its rate is the sum of theirs and that is known to this part of itself.
+/// A frequency that is known to this part of itself is enough if the rate is the sum of their rates and is known to
+/// `SAME_RATE` of itself.
 const CHANCE_WITH_RATE: f64 = 5e-3;
 const SAME_RATE: f64 = 0.2;
 

@@ -33,11 +33,11 @@ pub struct Phase {
     /// Index of the band; `None` for a mode while no contact changes its state, for the envelope, and for a band of a
     /// shorter window than the bands that are kept.
     pub band: Option<usize>,
-    /// Beginning and end, s: of a band, half a window inside of where the logarithm bends.
+    /// Beginning and end, s: for a band, half a window inside of the points where the logarithm bends.
     pub span: [f64; 2],
-    /// The fitted line's amplitudes there, the history's unit.
+    /// Amplitudes of the fitted line at the beginning and the end, in the history's unit.
     pub amplitude: [f64; 2],
-    /// The displacement of which these are the amplitudes (m), where they are not those of the output.
+    /// The displacement of which these are the amplitudes (m), if they are not those of the output.
     pub displacement: Option<String>,
     /// The growth rate, 1/s; negative where it decays.
     pub rate: f64,
@@ -47,7 +47,7 @@ pub struct Phase {
     pub frequency: f64,
     /// Uncertainty of the frequency, as far as the phases tell, Hz.
     pub frequency_error: f64,
-    /// The frequency is that of a sum or difference of stronger lines: no motion of its own.
+    /// The combination, if the frequency is that of a sum or difference of stronger lines: no motion of its own.
     pub combination: Option<Combination>,
 }
 
@@ -56,16 +56,18 @@ pub struct Phase {
 pub struct Growth {
     /// The strongest line of the whole, Hz; `None` if nothing oscillates.
     pub dominant: Option<f64>,
-    /// (time, amplitude), s and the history's unit: half of what lies between smallest and largest value within a
-    /// period of the strongest line.
+    /// (time, amplitude), s and the history's unit: half of the difference between the largest and the smallest value
+    /// within a period of the strongest line.
     ///
-    /// That, not the modulus of the analytic signal: it is the amplitude that one sees, whatever lines the motion
-    /// has, a slow motion of the middle does not enter it, and it needs no filter that smears a beginning.
+    /// This amplitude is used, not the modulus of the analytic signal: it is the amplitude that one sees, whatever
+    /// lines the motion has, a slow motion of the middle does not enter it, and it needs no filter that smears a
+    /// beginning.
     pub envelope: Vec<[f64; 2]>,
-    /// The length of the windows through which the bands are seen that are kept, s: lines 4 / window apart are told from
-    /// each other. 0 where the run is too short for bands.
+    /// The length of the windows of the bands that are kept, s: lines 4 / window apart are told from each other. 0
+    /// where the run is too short for bands.
     pub window: f64,
-    /// Strongest first, by what part of the largest line they are somewhere. None where the run is too short for them.
+    /// The bands, by the largest part of the largest line that they have at any time, the strongest first. None where
+    /// the run is too short for them.
     pub bands: Vec<Band>,
     /// Phases by beginning, of equal ones the fastest growth first.
     #[serde(skip)]
@@ -83,8 +85,8 @@ pub(super) fn dominant(history: &[f64], interval: f64) -> Option<f64> {
     cycles.map(|cycles| cycles / (history.len() as f64 * interval))
 }
 
-/// Finds growth and decay within some `spans` (s) of a history in steps of `interval` (s), besides what is `known`:
-/// straight stretches in which an amplitude changes by a factor of ten or more.
+/// Finds growth and decay within some `spans` (s) of a history in steps of `interval` (s), besides the `known`
+/// phases: straight stretches in which an amplitude changes by a factor of ten or more.
 #[must_use]
 #[allow(clippy::cast_precision_loss)]
 pub fn growth(history: &[f64], interval: f64, spans: &[[f64; 2]], known: Vec<Phase>) -> Growth {
@@ -129,8 +131,8 @@ impl Growth {
         self.phases.sort_by(order);
     }
 
-    /// Adds what was found through a shorter window than the others, unless they have it: at a frequency nearer than
-    /// `width` (Hz), over half of its time.
+    /// Adds a phase that was found through a shorter window than the others, unless they have it: at a frequency
+    /// nearer than `width` (Hz), over half of its time.
     fn add(&mut self, phase: Phase, width: f64) {
         let is_it = |other: &Phase| {
             let common = other.span[1].min(phase.span[1]) - other.span[0].max(phase.span[0]);
@@ -191,8 +193,8 @@ fn whole(
     found
 }
 
-/// The straight pieces of a logarithm that are longer than two windows, and in which it rises or falls enough: the
-/// piece but half a window at each end, which sees what is beyond; its span; its line.
+/// The straight pieces of a logarithm that are longer than two windows, and in which it rises or falls enough. Each
+/// is given without half a window at each end, which sees values beyond the piece, with its span and its line.
 pub(super) fn straight_pieces(
     points: &[[f64; 2]],
     looks_a_window: usize,
