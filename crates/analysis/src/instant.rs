@@ -30,7 +30,7 @@ pub fn signals_left_out(scene: &Scene, t: f64) -> Option<String> {
 /// than the analysis says.
 ///
 /// # Errors
-/// A signal does.
+/// Returns an error if a signal drives it.
 pub fn require_undriven(scene: &Scene, name: &str) -> Result<(), Error> {
     let Some(place) = scene.signals.iter().position(|signal| signal.input == name) else {
         return Ok(());

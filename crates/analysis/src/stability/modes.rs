@@ -286,7 +286,7 @@ mod tests {
             // Two masses that fly: twice zero. A damper to the ground leaves a place that is any, once zero.
             assert_eq!(zeros(&model(&[1.0, 0.3], &tie(2e5), &tie(d))), 2, "{d}");
             assert_eq!(zeros(&model(&[1.0, 0.3], &tie(2e5), &[(0, 0, d)])), 1, "{d}");
-            // One that hardly brakes: its rate is lost in the zero's rounding, and is no growth.
+            // The rate of a damper that hardly brakes is lost in the zero's rounding, and is no growth.
             let slow = spectrum(&model(&[1.0, 0.3], &tie(2e5), &[(0, 0, 1e-4)]));
             assert!(!slow.unstable());
             // A soft spring to the ground holds them.

@@ -128,7 +128,7 @@ const MOST_POINTS: usize = 1_000_000;
 /// Refuses a plane of too many points, before the work on it.
 ///
 /// # Errors
-/// It has more than a million.
+/// Returns an error if it has more than a million points.
 pub fn check_points([x, y]: [&Axis; 2]) -> Result<(), Error> {
     let [columns, rows] = [x, y].map(|axis| axis.values.len());
     match columns * rows {

@@ -11,7 +11,7 @@ const PREFIX: &str = "initial.";
 /// The full name of an initial value of a scene, which may be given without `initial.`.
 ///
 /// # Errors
-/// There is none of that name; the nearest name, or what there is.
+/// Returns an error if there is none of that name; it gives the nearest name, or all names.
 pub fn initial_value(scene: &Scene, name: &str) -> Result<String, Error> {
     let names: Vec<String> = variables(scene)
         .into_iter()

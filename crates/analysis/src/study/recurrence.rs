@@ -132,7 +132,7 @@ struct Return {
 /// search ends after [`MOST_PERIODS`] periods of the drive and of the strongest line, of `frequency` (Hz).
 ///
 /// # Errors
-/// A step fails.
+/// Returns an error if a step fails.
 pub(super) fn closure(
     simulation: &Simulation,
     interval: f64,

@@ -470,7 +470,7 @@ impl Settling {
 /// Advances a simulation until its motion is settled; `None` if the watch ended it.
 ///
 /// # Errors
-/// The motion fails ([`Simulation::advance_to`]).
+/// Returns an error if the motion fails ([`Simulation::advance_to`]).
 pub(crate) fn settle(
     simulation: &mut Simulation,
     look: &Look,

@@ -29,7 +29,7 @@ impl Visited {
 /// Follows the motion from where the simulation is, over its period (s) or, where it has none, a window.
 ///
 /// # Errors
-/// A step fails.
+/// Returns an error if a step fails.
 pub(super) fn visited(
     simulation: &Simulation,
     look: &Look,

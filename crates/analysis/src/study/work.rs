@@ -33,7 +33,7 @@ impl<'a> Work<'a> {
             (self.watch.progress)(from + (to - from) * *done / self.points as f64);
         };
         let result = work(&tell);
-        // One that was noted before tells nothing.
+        // Points that were noted before have reported nothing.
         tell(points as f64 - told.get());
         result
     }

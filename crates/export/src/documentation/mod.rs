@@ -60,7 +60,7 @@ pub struct Subject<'a> {
 /// The documentation of a scene's FMU. `accuracy` is the page of [`accuracy_page`], where there is one.
 ///
 /// # Errors
-/// A picture cannot be drawn.
+/// Returns an error if a picture cannot be drawn.
 pub fn documentation(
     subject: Subject<'_>,
     accuracy: Option<String>,

@@ -8,7 +8,7 @@ use amontons_pictures::report::{add, text};
 /// The page. `structure` is the picture; `accuracy` is `true` if there is a page on that beside this one.
 ///
 /// # Errors
-/// A picture cannot be drawn.
+/// Returns an error if a picture cannot be drawn.
 pub(super) fn index(
     subject: Subject<'_>,
     structure: Option<&Structure>,

@@ -20,7 +20,7 @@ fn is_still(values: &[f64], start: &[f64]) -> bool {
 }
 
 /// # Errors
-/// The chart cannot be drawn.
+/// Returns an error if the chart cannot be drawn.
 pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error> {
     let mut html = String::new();
     let (experiment, rows) = (run.experiment, &run.rows);

@@ -17,7 +17,7 @@ const MOST_DOFS: usize = 256;
 const ROUNDING: f64 = 1e-9;
 
 /// # Errors
-/// The chart cannot be drawn.
+/// Returns an error if the chart cannot be drawn.
 pub(super) fn section(effective: &Scene, reference: &Equilibrium) -> Result<String, Error> {
     let mut html = String::new();
     let here = Linearised::about(effective, reference);

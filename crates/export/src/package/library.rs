@@ -22,10 +22,10 @@ impl Library {
         CARRIED
     }
 
-    /// The one for a platform.
+    /// The library for a platform.
     ///
     /// # Errors
-    /// This program carries none for it: how to get one that does.
+    /// Returns an error if this program carries none for it; the message says how to get one that does.
     pub fn of(platform: &str) -> Result<Self, String> {
         let platform = platform.trim();
         CARRIED.iter().find(|library| library.platform == platform).copied().ok_or_else(|| {

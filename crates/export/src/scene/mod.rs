@@ -12,7 +12,7 @@ use std::path::Path;
 /// Reads and checks a scene file; its name becomes the file's stem.
 ///
 /// # Errors
-/// Everything that is wrong with the file, each with its line and column, key, and what would be right.
+/// Returns all errors of the file, each with its line and column, its key, and a remedy.
 pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
     let mut file = SceneFile::open(path)?;
     let scene = scene_of(&mut file)?;
@@ -22,7 +22,7 @@ pub fn read(path: &Path) -> Result<(Scene, Source), Error> {
 /// Makes a scene from the text of a scene file that names no other files.
 ///
 /// # Errors
-/// Everything that is wrong with the text, as [`read`] reports it; the scene's name stands for the file's.
+/// Returns all errors of the text, as [`read`] reports them; the scene's name stands for the file's.
 pub fn parse(name: &str, text: &str) -> Result<Scene, Error> {
     scene_of(&mut SceneFile::of(name, text))
 }
@@ -36,7 +36,7 @@ fn scene_of(file: &mut SceneFile<'_>) -> Result<Scene, Error> {
 /// A file that is named like a built-in scene is `./name`.
 ///
 /// # Errors
-/// There is no such scene, or it is not as [`read`] wants it.
+/// Returns an error if there is no such scene, or if [`read`] would refuse it.
 pub fn find(argument: &str) -> Result<(Scene, Source), Error> {
     let path = Path::new(argument);
     match builtin(argument) {

@@ -7,7 +7,7 @@ use serde::Serialize;
 /// Writes another method and step (s) into the scene file; all else stays as it is, comments included.
 ///
 /// # Errors
-/// The file is not TOML, or has no table `[integrator]`.
+/// Returns an error if the file is not TOML, or has no table `[integrator]`.
 pub fn set_integrator(source: &mut Source, method: Method, step: f64) -> Result<(), Error> {
     set_keys(source, [("method", word(method)?), ("step", step.into())])
 }
@@ -15,7 +15,7 @@ pub fn set_integrator(source: &mut Source, method: Method, step: f64) -> Result<
 /// Writes a preset in place of method and step into the scene file; all else stays as it is, comments included.
 ///
 /// # Errors
-/// The file is not TOML, or has no table `[integrator]`.
+/// Returns an error if the file is not TOML, or has no table `[integrator]`.
 pub fn set_preset(source: &mut Source, preset: Preset) -> Result<(), Error> {
     set_keys(source, [("preset", word(preset)?)])
 }

@@ -29,7 +29,7 @@ impl Format {
 /// Refuses the name of a picture that cannot be one, before the work that it would show.
 ///
 /// # Errors
-/// An ending other than `.svg` and `.png`; a folder that is not there.
+/// Returns an error if the ending is not `.svg` or `.png`, or if the folder does not exist.
 pub fn check_name(path: &Path) -> Result<(), Error> {
     Format::of(path)?;
     check_folder(path)

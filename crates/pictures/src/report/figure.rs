@@ -10,7 +10,7 @@ use amontons::Error;
 /// The HTML of a figure; `number` counts from 1.
 ///
 /// # Errors
-/// The picture cannot be drawn.
+/// Returns an error if the picture cannot be drawn.
 pub(super) fn figure(figure: &Figure, number: usize) -> Result<String, Error> {
     let id = format!("figure-{number}");
     let (title, svg) = match &figure.content {

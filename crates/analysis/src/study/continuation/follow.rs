@@ -207,7 +207,7 @@ impl<'a> PlanRun<'a> {
         }
     }
 
-    /// One value, from where it starts.
+    /// Follows a motion to one value from the state in which it starts.
     pub(super) fn reach(
         &self,
         label: &str,

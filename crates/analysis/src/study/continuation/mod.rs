@@ -58,8 +58,8 @@ pub struct Plan<'a> {
 /// is in the journal.
 ///
 /// # Errors
-/// A scene without a common friction coefficient or that cannot start at either end, a value that µ cannot have, or a
-/// journal that cannot be written.
+/// Returns an error if the scene has no common friction coefficient or cannot start at either end, if µ cannot have a
+/// value, or if the journal cannot be written.
 pub fn continuation(
     plan: &Plan<'_>,
     journal: &Journal,

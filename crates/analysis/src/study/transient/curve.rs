@@ -78,8 +78,8 @@ impl Difference {
 }
 
 impl Members {
-    /// By rows `step` (s) apart of a scene that is driven with the frequencies (Hz) of `drives`. `None` where no difference
-    /// shows the mode.
+    /// The curve of these modes from rows `step` (s) apart of a scene that is driven with the frequencies (Hz) of
+    /// `drives`. `None` where no difference shows the mode.
     pub(super) fn curve(
         &self,
         coefficients: &[DVector<Complex<f64>>],

@@ -271,7 +271,7 @@ impl Follower {
     /// The modes of all stretches; a mode that continues unchanged over an edge is one.
     fn joined(&mut self) -> Vec<Trace> {
         let mut found: Vec<Trace> = Vec::new();
-        // Those of the stretch before, by their place in what was found.
+        // The traces of the stretch before, by their place in `found`.
         let mut before: (Vec<ContactState>, Range<usize>) = (Vec::new(), 0..0);
         for Traced { states, modes, .. } in &mut self.finished {
             let mut begin = found.len();

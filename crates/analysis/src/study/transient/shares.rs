@@ -17,7 +17,7 @@ pub(super) struct Shares<'a> {
     linear: &'a [(usize, Linearised)],
     states: &'a [Vec<ContactState>],
     interval: f64,
-    /// By the place of the linearised scene, and the states.
+    /// Spectra by the place of the linearised scene, and the states.
     known: HashMap<(usize, Vec<ContactState>), Spectrum>,
 }
 

@@ -53,7 +53,7 @@ pub(super) fn schema<T: JsonSchema>() -> Value {
 /// Whatever `finish` finds wrong has paths through the file.
 ///
 /// # Errors
-/// Everything that is wrong with the text.
+/// Returns all errors of the text.
 pub(super) fn read<T: JsonSchema + DeserializeOwned, S>(
     place: &str,
     text: &str,
