@@ -5,8 +5,8 @@
 //! | `page` | the page at which the documentation begins, put together |
 //! | `facts` | facts of the scene, in words |
 //! | `stability` | stability at the start, in words: whether the scene may squeal |
-//! | `locus` | the friction from which on it does |
-//! | `run` | a run of the scene, from which the page's values are |
+//! | `locus` | the friction from which on modes grow |
+//! | `run` | a run of the scene, which gives the page's values |
 //! | `reference` | that run as a chart and a table |
 //! | `variables` | the variables, by kind and one by one |
 //! | `importing` | instructions for importers of the FMU |
