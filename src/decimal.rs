@@ -1,12 +1,13 @@
 //! Decimal numbers: significant digits, and the series 1, 2, 5.
 
-/// A value to so many significant decimal digits, at least one: the double nearest to that decimal. Zero and what is not finite stay.
+/// Rounds a value to `digits` significant decimal digits, at least one: the double nearest to that decimal. Zero and
+/// values that are not finite stay.
 #[must_use]
 pub fn to_significant(value: f64, digits: usize) -> f64 {
     format!("{value:.*e}", digits.saturating_sub(1)).parse().unwrap_or(value)
 }
 
-/// 1, 2, 5, 10, 20, 50, …, without an end.
+/// The endless series 1, 2, 5, 10, 20, 50, ….
 pub fn one_two_five() -> impl Iterator<Item = f64> {
     let powers = std::iter::successors(Some(1.0), |power| Some(10.0 * power));
     powers.flat_map(|power| [1.0, 2.0, 5.0].map(|digit| digit * power))

@@ -1,12 +1,12 @@
-//! The one error type of Amontons: opaque, with private kinds that grow with what can fail.
+//! The error type of Amontons, opaque so that its private kinds can grow.
 
 use crate::decimal::to_significant;
 use std::fmt;
 use std::path::Path;
 
-/// Anything that can go wrong, in words that say what is wrong, where, and what would be right.
+/// An error of Amontons, with a message that says what is wrong, where, and what would be right.
 ///
-/// The kinds stay private so that they can grow; ask with the `is_*` methods.
+/// The kinds are private so that they can grow; the `is_*` methods tell them apart.
 #[derive(Clone, PartialEq)]
 pub struct Error(Box<ErrorKind>);
 
@@ -65,34 +65,34 @@ macro_rules! kinds {
 }
 
 kinds! {
-    /// Could a file not be read or written?
+    /// `true` if a file could not be read or written.
     File: unusable_file, is_file;
-    /// Is the scene itself unusable: unreadable, a wrong key, an impossible value?
+    /// `true` if the scene itself is unusable: unreadable, with a wrong key or an impossible value.
     Scene: scene, is_scene;
-    /// Is there no static equilibrium to start from (jamming, or a contact that opens)?
+    /// `true` if there is no static equilibrium to start from (jamming, or a contact that opens).
     Equilibrium: equilibrium, is_equilibrium;
-    /// Is the integration step above the critical step?
+    /// `true` if the integration step is above the critical step.
     StepTooLarge: step_too_large, is_step_too_large;
-    /// Did the analysis of a contact state fail?
+    /// `true` if the analysis of a contact state failed.
     Analysis: analysis, is_analysis;
-    /// Did a step fail: a non-finite state, contact forces that do not converge, time going back?
+    /// `true` if a step failed: a non-finite state, contact forces that do not converge, time going back.
     Step: step, is_step;
-    /// Does a command name what there is not: a parameter, a contact state, a built-in scene?
+    /// `true` if a command names an unknown parameter, contact state or built-in scene.
     Argument: argument, is_argument;
-    /// Is a variable unknown, or not one that may be set now?
+    /// `true` if a variable is unknown, or may not be set now.
     Variable: variable, is_variable;
-    /// Was an FMI call made at the wrong time, or with arguments that cannot be used?
+    /// `true` if an FMI call was made at the wrong time, or with arguments that cannot be used.
     Call: call, is_call;
-    /// Is a saved state damaged, or not of this FMU?
+    /// `true` if a saved state is damaged, or belongs to another FMU.
     SavedState: saved_state, is_saved_state;
-    /// Could an FMU not be read or written?
+    /// `true` if an FMU could not be read or written.
     Package: package, is_package;
-    /// Could a picture not be drawn or written?
+    /// `true` if a picture could not be drawn or written.
     Picture: picture, is_picture;
 }
 
 impl Error {
-    /// A file could not be read or written.
+    /// The error of a file that could not be read or written.
     #[must_use]
     pub fn file(path: &Path, error: &std::io::Error) -> Self {
         Self::unusable_file(format!("cannot use {}: {error}", path.display()))
@@ -110,7 +110,7 @@ impl fmt::Display for Short {
     }
 }
 
-/// A number in a message that was computed: the ten digits that rounding leaves of it.
+/// A computed number in a message, rounded to ten significant digits.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Rounded(pub f64);
 

@@ -1,8 +1,8 @@
 //! Friction contact dynamics of lumped models, packaged as FMI 2.0 co-simulation FMUs.
 //!
-//! The way through the crate goes in one direction; a module imports only from modules above it:
+//! The modules form a sequence; a module imports only from modules above it:
 //!
-//! | module | what lives there |
+//! | module | contents |
 //! | --- | --- |
 //! | [`numerics`] | bisection; the norm and the range of values |
 //! | [`decimal`] | significant digits, and the series 1, 2, 5 |

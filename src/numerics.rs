@@ -1,12 +1,14 @@
-//! Bisection, and the norm and the range of values.
+//! Bisection, and the norm and the range of a set of values.
 
-/// ‖x‖∞: the largest magnitude of some values, in their unit; 0 of none. What is not a number counts as nothing.
+/// Maximum norm ‖x‖∞: the largest magnitude of some values, in their unit; 0 of none. Values that are not a number are
+/// ignored.
 #[must_use]
 pub fn max_norm(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |most, value| f64::max(most, value.abs()))
 }
 
-/// The smallest and the largest of some values, in their unit; `[∞, −∞]` of none. What is not a number counts as nothing.
+/// The smallest and the largest of some values, in their unit; `[∞, −∞]` of none. Values that are not a number are
+/// ignored.
 pub fn range(values: impl IntoIterator<Item = f64>) -> [f64; 2] {
     let nothing = [f64::INFINITY, f64::NEG_INFINITY];
     values.into_iter().fold(nothing, |[least, most], value| [least.min(value), most.max(value)])
@@ -19,8 +21,8 @@ pub fn middle(low: f64, high: f64) -> Option<f64> {
     (low < middle && middle < high).then_some(middle)
 }
 
-/// The two neighbouring doubles between which a condition changes that holds at `low` and not at `high`, which is above: the last
-/// at which it holds, then the first at which it does not. Of several changes it is one.
+/// Returns the two neighbouring doubles between which a condition changes that holds at `low` and not at `high`, which
+/// is above `low`: the last at which it holds, then the first at which it does not. Of several changes it finds one.
 pub fn bisect(mut low: f64, mut high: f64, holds: impl Fn(f64) -> bool) -> [f64; 2] {
     while let Some(middle) = middle(low, high) {
         if holds(middle) { low = middle } else { high = middle }

@@ -1,4 +1,4 @@
-//! From a scene to its lumped model.
+//! Assembly of the lumped model of a scene.
 
 mod elements;
 mod network;
@@ -20,8 +20,8 @@ impl From<&Scene> for LumpedModel {
     }
 }
 
-/// Writes the loads of the scene as it is now, N, into `load`, one value a degree of freedom;
-/// `numbering` is the scene's.
+/// Writes the present loads of the scene, N, into `load`, one value for each degree of freedom; `numbering` is the
+/// scene's.
 pub fn load(scene: &Scene, numbering: &Numbering, load: &mut [f64]) {
     match &scene.structure {
         Structure::Ring(modules) => ring::load(modules, load),
@@ -29,8 +29,8 @@ pub fn load(scene: &Scene, numbering: &Numbering, load: &mut [f64]) {
     }
 }
 
-/// Adds the forces, N, of a preload (m) to `load`, one value a degree of freedom. `index` is the place of
-/// the module or spring that has it, `numbering` the scene's.
+/// Adds the forces, N, of a preload (m) to `load`, one value for each degree of freedom. `index` is the place of the
+/// module or spring that has it, `numbering` the scene's.
 pub fn add_preload(
     scene: &Scene,
     numbering: &Numbering,
@@ -49,7 +49,7 @@ pub fn add_preload(
     }
 }
 
-/// Takes over the friction and the surface velocities of the contacts as they are in the scene now.
+/// Copies the friction and the surface velocities of the contacts from the present scene.
 pub fn update_contacts(model: &mut LumpedModel, scene: &Scene) {
     for (i, contact) in model.contacts.iter_mut().enumerate() {
         contact.friction = scene.friction_of(i);
@@ -60,7 +60,7 @@ pub fn update_contacts(model: &mut LumpedModel, scene: &Scene) {
 /// The equilibrium of a scene in uniform sliding ([`LumpedModel::equilibrium`]); `model` is the scene's.
 ///
 /// # Errors
-/// There is none: why, with the names that the scene gives to contacts.
+/// Returns an error that says why there is no equilibrium, with the scene's names of contacts.
 pub fn equilibrium(scene: &Scene, model: &LumpedModel) -> Result<Equilibrium, Error> {
     model.equilibrium(&|contact| scene.contact_name(contact))
 }

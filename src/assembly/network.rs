@@ -12,7 +12,7 @@ use super::elements::{Elongation, difference, spring};
 use crate::model::{Contact, Direction, LumpedModel, SparseMatrix};
 use crate::scene::{Mass, Network, Scene, Spring, direction};
 
-/// Where the degrees of freedom of each mass stand; `None` for a locked one.
+/// Numbers of the degrees of freedom of each mass along x and y; `None` for a locked one.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Numbering {
     places: Vec<[Option<usize>; 2]>,
@@ -102,7 +102,7 @@ pub(super) fn model(scene: &Scene, network: &Network) -> LumpedModel {
     model
 }
 
-/// Writes the constant forces and the preloads, N, into `load`, one value a degree of freedom.
+/// Writes the constant forces and the preloads, N, into `load`, one value for each degree of freedom.
 pub(super) fn load(network: &Network, numbering: &Numbering, load: &mut [f64]) {
     let constant = network.masses.iter().flat_map(|mass| mass.free(mass.load));
     load.iter_mut().zip(constant).for_each(|(load, constant)| *load = constant);

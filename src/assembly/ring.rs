@@ -57,7 +57,7 @@ pub(super) fn model(scene: &Scene, modules: &[Module]) -> LumpedModel {
     model
 }
 
-/// Writes the preload's forces, N, into `load`, one value a degree of freedom.
+/// Writes the preload's forces, N, into `load`, one value for each degree of freedom.
 pub(super) fn load(modules: &[Module], load: &mut [f64]) {
     for (module, load) in modules.iter().zip(load.chunks_exact_mut(MODULE_DOFS)) {
         load[PRELOADED] = preload_force(module, module.preload);

@@ -2,7 +2,7 @@
 
 use super::{ContactState, FrictionRange};
 
-/// A determinant of W that is smaller than this part of its first term is nothing but rounding.
+/// A determinant of W that is smaller than this part of its first term is rounding.
 const SINGULAR: f64 = 1e-13;
 
 /// Block of the Delassus matrix G M⁻¹ Gᵀ that belongs to one contact, 1/kg: normal–normal,
@@ -22,12 +22,12 @@ pub struct LocalProblem {
 pub struct LocalSolution {
     /// (N, T), N.
     pub force: [f64; 2],
-    /// Dt where N is zero.
+    /// The state of the contact; `Detached` where N is zero.
     pub state: ContactState,
 }
 
 impl LocalSolution {
-    /// Of a contact that carries nothing.
+    /// The solution of a contact that carries no force.
     pub const OPEN: Self = Self { force: [0.0; 2], state: ContactState::Detached };
 }
 
@@ -38,8 +38,8 @@ impl LocalProblem {
     /// a = W (N, T) + `free`,
     ///
     /// where `free` holds the normal and tangential accelerations (m/s²) without this contact.
-    /// The cases are tried in turn: open, stick, slide. Where W is positive definite, one of them holds. Where it
-    /// is singular (the mass has one degree of freedom), friction may jam the contact: `None`.
+    /// The cases are tried in turn: open, stick, slide. Where W is positive definite, one of them holds. Where W is
+    /// singular (the mass has one degree of freedom), friction may jam the contact: `None`.
     #[inline]
     #[must_use]
     pub fn solve(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
@@ -67,22 +67,22 @@ impl LocalProblem {
             .or_else(|| self.slide(free_normal, range.limit(against), against))
     }
 
-    /// Has the mass one degree of freedom for both normal and tangent, or none along the tangent? Then forces
-    /// along both do the same, but for a factor.
+    /// `true` if W is singular: the mass has one degree of freedom for both normal and tangent, or none along the
+    /// tangent. Forces along both directions then have the same effect, but for a factor.
     #[inline]
     #[must_use]
     pub fn is_singular(&self) -> bool {
         self.nn * self.tt - self.nt * self.nt <= SINGULAR * self.nn * self.tt
     }
 
-    /// T/N of a contact that sticks where W is singular. Its forces are then not unique: of those within the
-    /// cone of friction that do the same, the smallest N² + T².
+    /// T/N of a contact that sticks where W is singular. Its forces are then not unique: of the equivalent forces
+    /// within the cone of friction, those with the smallest N² + T² are taken.
     #[must_use]
     pub fn stuck_slope(&self, range: &FrictionRange) -> f64 {
         (self.nt / self.nn).max(-range.backward).min(range.forward)
     }
 
-    /// Solves a contact whose W is singular. There a_N = 0 determines a_T, whatever the forces are.
+    /// Solves a contact whose W is singular. The condition a_N = 0 then determines a_T, whatever the forces are.
     fn solve_along_line(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
         let carried = self.nt / self.nn * free[0];
         let acceleration = free[1] - carried;
@@ -94,9 +94,9 @@ impl LocalProblem {
         self.slide(free[0], range.limit(direction), direction)
     }
 
-    /// The multipliers of a contact that does slip, with `friction` = µ_k in the given direction (±1);
-    /// `None` where it wedges (Painlevé): friction then presses the mass on more than it is
-    /// pressed, W_NN ± µ W_NT ≤ 0.
+    /// The multipliers of a contact that slips, with `friction` = µ_k in the given direction (±1); `None` where it
+    /// wedges (Painlevé): W_NN ± µ W_NT ≤ 0, so the normal force and its friction together do not accelerate the mass
+    /// off its surface.
     #[inline]
     #[must_use]
     pub fn slide(&self, free_normal: f64, friction: f64, direction: f64) -> Option<LocalSolution> {
@@ -129,7 +129,7 @@ impl LocalProblem {
             let acceleration = free[1] + self.nt * normal + self.tt * tangential;
             (direction * acceleration <= 0.0).then_some(solution)
         };
-        // What would hold it says where it goes, but for rounding.
+        // The direction of slip is that of the friction force that would hold the contact, but for rounding.
         let direction = tangential.signum();
         slides(direction)
             .or_else(|| slides(-direction))
@@ -153,8 +153,8 @@ impl LocalProblem {
         self.guide(free[0], self.stuck_slope(&range), ContactState::Stick)
     }
 
-    /// The multipliers of a contact that holds in both directions of its normal and does slip, with `friction` = µ_k in the given
-    /// direction (±1); `None` where it wedges.
+    /// The multipliers of a contact that holds in both directions of its normal and slips, with `friction` = µ_k in the
+    /// given direction (±1); `None` where it wedges.
     #[must_use]
     pub fn slide_held(
         &self,
@@ -180,16 +180,16 @@ impl LocalProblem {
         (stiffness > 0.0).then_some(LocalSolution { force: [normal, slope * normal], state })
     }
 
-    /// The multipliers of a contact that is held along normal and tangent, whatever that takes.
+    /// The multipliers of a contact that is held along normal and tangent, however large they are.
     #[must_use]
     pub fn fix(&self, free: [f64; 2]) -> LocalSolution {
         LocalSolution { force: self.hold(free), state: ContactState::Stick }
     }
 
-    /// (N, T) that keep the contact closed and stuck.
+    /// Returns the (N, T) that keep the contact closed and stuck.
     fn hold(&self, [free_normal, free_tangential]: [f64; 2]) -> [f64; 2] {
         if self.is_singular() {
-            // What is not unique: the smallest of those that do.
+            // The forces are not unique: the smallest ones are taken.
             let normal = -free_normal * self.nn / (self.nn * self.nn + self.nt * self.nt);
             return [normal, self.nt / self.nn * normal];
         }
@@ -198,7 +198,7 @@ impl LocalProblem {
         [normal, (self.nt * free_normal - self.nn * free_tangential) / determinant]
     }
 
-    /// The multipliers that hold the contact, if friction can.
+    /// The multipliers that hold the contact, if friction can hold it.
     fn stick(&self, free: [f64; 2], range: &FrictionRange) -> Option<LocalSolution> {
         let [normal, tangential] = self.hold(free);
         let state = if normal > 0.0 { ContactState::Stick } else { ContactState::Detached };
@@ -238,7 +238,7 @@ mod tests {
             let free = [along * cos, along * sin - surface];
             let found = line.solve_held(free, &range).unwrap();
             let [normal, tangential] = found.force;
-            // What the forces do along the line takes away all of the free acceleration there.
+            // The forces along the line cancel the free acceleration there.
             assert!((normal * cos + tangential * sin + along).abs() < 1e-14);
             assert!((tangential - sign * 0.4 * normal).abs() < 1e-14);
             assert_eq!(found.state, state);

@@ -1,9 +1,9 @@
-//! Contact states and the Signorini–Coulomb law of one contact; no matrices of the structure here.
+//! Contact states and the Signorini–Coulomb law of one contact, without matrices of the structure.
 //!
 //! Signs: the normal force N ≥ 0 is compressive. The slip velocity is that of the slider against
 //! the mass, v_r = v − ẋ_t. The friction force is the one on the mass, along the tangent:
-//! T = +µN where v_r > 0, −µN where v_r < 0, anything with |T| ≤ µN where v_r = 0. Where a law has
-//! a static coefficient besides, that one stands in the last of the three ([`friction`]).
+//! T = +µN where v_r > 0, −µN where v_r < 0, any value with |T| ≤ µN where v_r = 0. Where a law has
+//! an additional static coefficient, that one applies in the last of the three cases ([`friction`]).
 
 pub mod friction;
 mod local;
@@ -16,7 +16,7 @@ use crate::Error;
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// What a contact does (paper, section 2.1). The numbers are those of the FMU's enumeration.
+/// The kinematic state of a contact (paper, section 2.1). The numbers are those of the FMU's enumeration.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[repr(u8)]
 pub enum ContactState {
@@ -31,7 +31,7 @@ pub enum ContactState {
 }
 
 impl ContactState {
-    /// All four, in the paper's order.
+    /// All four states, in the paper's order.
     pub const ALL: [Self; 4] = [Self::Slide, Self::ReverseSlide, Self::Stick, Self::Detached];
 
     /// The direction of the friction force on a sliding mass: +1 or −1; `None` in the other states.
@@ -45,15 +45,15 @@ impl ContactState {
     }
 }
 
-/// Which parts of the law of contact there are; what is left out is asked nowhere in a step.
+/// The parts of the law of contact that are in force. The step does not evaluate the parts that are left out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct ContactLaw {
     /// The law of friction.
     pub friction: Law,
-    /// Can contacts stick? If not, friction has the direction of uniform sliding throughout: that of the
-    /// surface's velocity.
+    /// `true` if contacts can stick. Otherwise friction keeps the direction of uniform sliding: that of the surface's
+    /// velocity.
     pub sticking: bool,
-    /// Can contacts open? If not, they hold in both directions: x_N = 0, N of either sign. Friction that
+    /// `true` if contacts can open. Otherwise they hold in both directions: x_N = 0, N of either sign. Friction that
     /// can stick then follows |N|.
     pub detachment: bool,
 }
@@ -66,19 +66,19 @@ impl Default for ContactLaw {
 }
 
 impl ContactLaw {
-    /// Is a part left out that the motion might need?
+    /// `true` if sticking or detachment, which the motion might need, is left out.
     #[must_use]
     pub fn is_reduced(self) -> bool {
         !self.sticking || !self.detachment
     }
 
-    /// Do closed contacts keep their state whatever their slip does?
+    /// `true` if closed contacts keep their state whatever their slip velocity is.
     #[must_use]
     pub fn is_frozen(self) -> bool {
         !(self.sticking && self.friction.info().sticks)
     }
 
-    /// Can a contact be in this state?
+    /// `true` if the law lets a contact be in this state.
     #[must_use]
     pub fn allows(self, state: ContactState) -> bool {
         match state {
@@ -89,20 +89,19 @@ impl ContactLaw {
         }
     }
 
-    /// Has friction a direction that is frozen, which a slip may be against?
+    /// `true` if friction has a fixed direction, which a slip may oppose.
     #[must_use]
     pub fn has_frozen_direction(self) -> bool {
         !self.sticking && self.friction.info().sticks
     }
 
-    /// Does friction follow |N|, of contacts that can stick and cannot open? Then a contact state has no linear
-    /// motion.
+    /// `true` if friction follows |N|: contacts can stick and cannot open. A contact state then has no linear motion.
     #[must_use]
     pub fn follows_size(self) -> bool {
         !self.is_frozen() && !self.detachment
     }
 
-    /// The state that closed contacts then have on a surface with this velocity, m/s.
+    /// The fixed state of closed contacts on a surface with this velocity, m/s; `None` if the law lets them change it.
     #[must_use]
     pub fn frozen_state(self, surface: f64) -> Option<ContactState> {
         let has_direction = self.friction.info().sticks;
@@ -114,7 +113,7 @@ impl ContactLaw {
     }
 }
 
-/// As the paper prints them.
+/// Writes the abbreviation that the paper uses.
 impl fmt::Display for ContactState {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.pad(match self {
@@ -126,7 +125,7 @@ impl fmt::Display for ContactState {
     }
 }
 
-/// The states of several contacts, joined as the paper joins them: `Sl-St`.
+/// Several contact states, displayed joined as in the paper: `Sl-St`.
 pub struct Joined<'a>(pub &'a [ContactState]);
 
 impl fmt::Display for Joined<'_> {
@@ -141,10 +140,10 @@ impl fmt::Display for Joined<'_> {
     }
 }
 
-/// The states of `contacts` contacts from their joined names; one name alone stands for all.
+/// Parses the states of `contacts` contacts from their joined names; one name alone stands for all.
 ///
 /// # Errors
-/// What the names should look like.
+/// Returns an error that describes the expected names.
 pub fn parse_states(text: &str, contacts: usize) -> Result<Vec<ContactState>, Error> {
     let wish = || {
         let several = format!(" for all {contacts} contacts, or one for each, joined as in Sl-St");
@@ -180,21 +179,21 @@ pub fn all_states(contacts: u32) -> impl Iterator<Item = Vec<ContactState>> {
     })
 }
 
-/// What a contact does and what it carries at one instant.
+/// The state and the forces of a contact at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ContactForce {
-    /// Its state.
+    /// The state of the contact.
     pub state: ContactState,
-    /// N ≥ 0, compressive, N.
+    /// Normal force N ≥ 0, compressive, N.
     pub normal_force: f64,
-    /// T, on the mass along the tangent, N.
+    /// Friction force T on the mass along the tangent, N.
     pub friction_force: f64,
-    /// v_r = v − ẋ_t, m/s.
+    /// Slip velocity v_r = v − ẋ_t, m/s.
     pub slip_velocity: f64,
 }
 
 impl ContactForce {
-    /// An open contact.
+    /// The values of an open contact.
     #[must_use]
     pub fn detached(slip_velocity: f64) -> Self {
         Self {
@@ -206,7 +205,7 @@ impl ContactForce {
     }
 }
 
-/// What a contact's friction is, under a law that is known when it is compiled.
+/// The inputs for the friction of a closed contact, to be evaluated under a law known at compile time.
 struct Closing {
     friction: Friction,
     surface: f64,
@@ -233,16 +232,16 @@ impl UnderLaw for Closing {
         } else {
             law.slip(holding_force, size)
         };
-        // Nothing has no direction.
+        // A force of zero has no negative sign.
         let friction_force = friction_force + 0.0;
         ContactForce { state, normal_force, friction_force, slip_velocity }
     }
 }
 
 impl ContactLaw {
-    /// A closed contact that presses with `normal_force` on a surface of velocity `surface` (m/s) and, to
-    /// keep its tangential velocity, needs `holding_force`; a contact that slips has no choice, one that
-    /// does not slip may stick.
+    /// The values of a closed contact that presses with `normal_force` on a surface of velocity `surface` (m/s) and
+    /// needs `holding_force` to keep its tangential velocity. A contact that does not slip may stick; one that slips
+    /// may not.
     #[must_use]
     pub fn closed(
         self,

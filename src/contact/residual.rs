@@ -1,49 +1,48 @@
-//! How far a contact is from the Signorini–Coulomb law: a judge of integrators.
+//! The residual of a contact in the Signorini–Coulomb law, an independent check of integrators.
 //!
-//! It knows positions, velocities and forces of one contact at one instant and nothing else, and
-//! shares nothing with the code that solves the law. The law, with the gap g, N compressive, T on
-//! the mass and v_r = v − ẋ_t:
+//! The residual depends only on positions, velocities and forces of one contact at one instant, and shares nothing with
+//! the code that solves the law. The law, with the gap g, N compressive, T on the mass and v_r = v − ẋ_t:
 //!
 //! * 0 ≤ g ⊥ N ≥ 0, and on a closed contact 0 ≤ ġ ⊥ N ≥ 0;
 //! * |T| ≤ µ_s N;
 //! * v_r = 0, or T = sign(v_r) µ_k N.
 //!
-//! "Either this or that vanishes" is measured by the smaller of the two, each over its scale, so no
-//! threshold decides what counts as closed or as stuck.
+//! The condition that one of two values vanishes is measured by the smaller of the two, each over its scale, so no
+//! threshold decides which contacts are closed or stuck.
 
 use super::Friction;
 use std::fmt;
 
-/// What a contact does at one instant.
+/// Gap, velocities and forces of a contact at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Instant {
-    /// g, m; negative where the mass is inside the slider.
+    /// Gap g, m; negative where the mass is inside the slider.
     pub gap: f64,
-    /// ġ, m/s; positive where it opens.
+    /// Rate of the gap ġ, m/s; positive where the contact opens.
     pub gap_velocity: f64,
-    /// v_r = v − ẋ_t, slider against mass, m/s.
+    /// Slip velocity v_r = v − ẋ_t, slider against mass, m/s.
     pub slip_velocity: f64,
-    /// N, compressive, N.
+    /// Normal force N, compressive, N.
     pub normal_force: f64,
-    /// T, on the mass along the tangent, N.
+    /// Friction force T on the mass along the tangent, N.
     pub friction_force: f64,
 }
 
-/// What a violation is measured against; all above zero.
+/// The scales by which violations of the law are divided; all above zero.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Scales {
-    /// m.
+    /// Scale of lengths, m.
     pub length: f64,
-    /// m/s.
+    /// Scale of velocities, m/s.
     pub velocity: f64,
-    /// N.
+    /// Scale of forces, N.
     pub force: f64,
 }
 
 /// A part of the law.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Values are numbers.
+    /// All values are finite.
     Finite,
     /// g ≥ 0.
     Penetration,
@@ -76,12 +75,12 @@ impl fmt::Display for Part {
     }
 }
 
-/// The part of the law that is violated most, and how much, as a part of the scales.
+/// The part of the law that is violated most, and the size of the violation relative to the scales.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Violation {
-    /// Zero where the law holds; infinite where values are not numbers.
+    /// Size of the violation: zero where the law holds, infinite where values are not finite.
     pub size: f64,
-    /// Which part, if any is violated.
+    /// The violated part; `None` if the law holds.
     pub part: Option<Part>,
 }
 
@@ -94,7 +93,7 @@ impl fmt::Display for Violation {
     }
 }
 
-/// How far a contact is from the law.
+/// Returns the largest violation of the law by a contact.
 #[must_use]
 pub fn residual(instant: &Instant, friction: Friction, scales: &Scales) -> Violation {
     let Instant { gap, gap_velocity, slip_velocity, normal_force, friction_force } = *instant;
@@ -108,7 +107,7 @@ pub fn residual(instant: &Instant, friction: Friction, scales: &Scales) -> Viola
     let compressed = pressing.max(0.0);
     let feeds = friction_force * slip_velocity < 0.0;
     let kinetic = friction.kinetic * compressed;
-    // Against the slip a force misses the kinetic one by the sum of both.
+    // A force against the slip differs from the kinetic one by the sum of both.
     let missed = if feeds { held + kinetic } else { (held - kinetic).abs() };
     let sliding = if feeds { Part::Feeding } else { Part::SlidingFriction };
     let parts = [
@@ -151,7 +150,7 @@ mod tests {
 
     #[track_caller]
     fn assert_found(instant: Instant, part: Part, size: f64) {
-        // The law knows no left and right.
+        // The law is symmetric in the direction along the tangent.
         let (slip, friction) = (-instant.slip_velocity, -instant.friction_force);
         let mirrored = Instant { slip_velocity: slip, friction_force: friction, ..instant };
         for instant in [instant, mirrored] {

@@ -1,5 +1,4 @@
-//! The equation of motion with its contacts, on sparse matrices: what integrators share that take any
-//! structure.
+//! Equation of motion with contacts on sparse matrices, shared by the integrators for any structure.
 
 use super::contact_problem::{ContactProblem, Delassus, Freedom, FreedomOf, freedom_of};
 use super::{Drive, Kept, Motion, Push, Response, StepFailure};
@@ -20,7 +19,7 @@ pub(super) struct Dynamics {
     pub(super) law: ContactLaw,
     pub(super) freedom_of: FreedomOf,
     pub(super) inverse_mass: SparseMatrix,
-    /// M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
+    /// M⁻¹ Gᵀ, one pair (normal, tangent) for each contact.
     pub(super) responses: Vec<[Direction; 2]>,
     pub(super) problem: ContactProblem,
     force: Vec<f64>,
@@ -31,7 +30,7 @@ impl Dynamics {
     /// The equation of motion of this model.
     ///
     /// # Errors
-    /// A mass matrix that is not positive definite.
+    /// Returns an error if the mass matrix is not positive definite.
     pub(super) fn new(model: &LumpedModel) -> Result<Self, Error> {
         let dofs = model.dofs();
         let inverse_mass = inverse(&model.mass).ok_or_else(|| {
@@ -67,7 +66,7 @@ impl Dynamics {
         })
     }
 
-    /// The largest acceleration, m/s², by size, that these forces (N) alone give a degree of freedom.
+    /// The largest magnitude of acceleration, m/s², that these forces (N) alone give a degree of freedom.
     pub(super) fn fastest_driven(&self, force: &[f64]) -> f64 {
         let driven = (0..force.len()).map(|row| self.inverse_mass.row_times(row, force).abs());
         driven.fold(0.0, f64::max)
@@ -94,8 +93,8 @@ impl Dynamics {
         }
     }
 
-    /// Counts, where the law of contact is not whole, what would have needed the rest of it, for the velocities
-    /// and multipliers that a step ends with.
+    /// Counts, if the law of contact is reduced, the contacts that would have needed the omitted parts with the
+    /// velocities and multipliers at the end of a step.
     pub(super) fn count_broken(&self, motion: &mut Motion, velocity: &[f64], drive: &Drive) {
         let (has_direction, detachment) = (self.law.has_frozen_direction(), self.law.detachment);
         for (i, contact) in self.contacts.iter().enumerate() {
@@ -109,10 +108,10 @@ impl Dynamics {
         }
     }
 
-    /// What forces on the masses make of contacts that keep their states.
+    /// Computes the response to forces on the masses of contacts that keep their states.
     ///
     /// # Errors
-    /// Contacts that could not be solved.
+    /// Returns the contact that could not be solved.
     pub(super) fn respond(
         &mut self,
         kept: Kept<'_>,
@@ -137,14 +136,14 @@ impl Dynamics {
         Ok(())
     }
 
-    /// The accelerations without contact forces.
+    /// Writes the accelerations without contact forces.
     pub(super) fn push(&self, push: Push<'_>, response: &mut Response) {
         for (row, acceleration) in response.acceleration.iter_mut().enumerate() {
             *acceleration = self.inverse_mass.row_times(row, push.force);
         }
     }
 
-    /// Adds to the accelerations what the contact forces give.
+    /// Adds to the accelerations those that the contact forces cause.
     pub(super) fn carry(&self, response: &mut Response) {
         for (forces, responses) in response.forces.iter().zip(&self.responses) {
             for (&force, direction) in forces.iter().zip(responses) {
@@ -156,7 +155,7 @@ impl Dynamics {
     /// The contact forces at the present instant.
     ///
     /// # Errors
-    /// Contacts that could not be solved.
+    /// Returns the contact that could not be solved.
     pub(super) fn contact_forces(
         &mut self,
         motion: &Motion,
@@ -166,10 +165,11 @@ impl Dynamics {
         self.contact_forces_from(&motion.contacts, motion, drive, forces)
     }
 
-    /// The forces of contacts, as [`contact_forces`](Self::contact_forces) has them, if these are the contacts' states.
+    /// The contact forces at the present instant, starting from these contact states; see
+    /// [`contact_forces`](Self::contact_forces).
     ///
     /// # Errors
-    /// Contacts that could not be solved.
+    /// Returns the contact that could not be solved.
     pub(super) fn contact_forces_from(
         &mut self,
         states: &[ContactState],
@@ -187,7 +187,7 @@ impl Dynamics {
                 (ContactState::Detached, _) => Freedom::Open,
                 (ContactState::Stick, _) => held,
                 _ if slip == 0.0 => held,
-                // What is nothing does not turn it round; a slider whose velocity was changed does.
+                // A slip of rounding does not reverse the state; a slider whose velocity was changed does.
                 (_, Some(direction)) if slip.abs() <= ROUNDING * drive.slider_velocity[i].abs() => {
                     slipping(direction)
                 }
@@ -211,7 +211,7 @@ impl Dynamics {
             *out = ContactForce {
                 state: self.problem.states[i],
                 normal_force,
-                // Nothing has no direction.
+                // A force of zero has no negative sign.
                 friction_force: friction_force + 0.0,
                 slip_velocity: slip,
             };

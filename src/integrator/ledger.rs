@@ -1,4 +1,4 @@
-//! The energy ledger: where the energy of a motion comes from, and where it goes.
+//! The energy ledger: sources and sinks of the energy of a motion.
 //!
 //! Displacements count from the reference position, whose contact forces λ₀ balance the load there. Of impulses
 //! P = (P_N, P_T) of a contact, along which the masses have the mean velocities u_N and u_T while the slider has v,
@@ -9,23 +9,23 @@
 //! | elastic | ½ xᵀ K x + x·Gᵀ λ₀, of springs and constant loads, less what they have in the reference position |
 //! | damping | ∫ ẋᵀ C ẋ dt |
 //! | friction | Σ P_T (v − u_T), of impacts too |
-//! | impact | −Σ P_N u_N, which is nothing but where a contact lands |
+//! | impact | −Σ P_N u_N, zero except where a contact lands |
 //! | slider | Σ P_T v, the work of the sliders on the masses |
 //! | forces | the work of external forces, and of loads so far as they have changed |
 //! | residual | (kinetic + elastic) − those at the start − slider − forces + damping + friction + impact |
 //!
-//! The entries from damping to forces gather since the start. Nothing of this is in the integrators themselves:
-//! each has a twin that writes the ledger of a motion as it goes, and is made where a ledger is asked for
+//! The entries from damping to forces accumulate since the start. The integrators themselves contain no part of the
+//! ledger: each has a variant that writes the ledger of its motion and is made only on request
 //! ([`choose_with_ledger`](super::choose_with_ledger)).
 
 use super::Motion;
 use crate::model::{Equilibrium, LumpedModel, SparseMatrix};
 use serde::{Deserialize, Serialize};
 
-/// What has been done and dissipated since the start of a motion.
+/// Work done and energy dissipated since the start of a motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Ledger {
-    /// Gᵀ λ₀, N, one value a degree of freedom: what of a drive's forces is no work of its own.
+    /// Gᵀ λ₀, N, one value for each degree of freedom: the part of a drive's forces that the elastic energy includes.
     pub(super) balance: Vec<f64>,
     /// Kinetic and elastic energy at the start, J.
     start: f64,
@@ -39,26 +39,26 @@ pub struct Ledger {
 /// The energy of a motion, J.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Energy {
-    /// Of the masses, at this instant.
+    /// Kinetic energy of the masses at this instant, J.
     pub kinetic: f64,
-    /// Of springs and constant loads, at this instant; zero in the reference position.
+    /// Elastic energy of springs and constant loads at this instant, J; zero in the reference position.
     pub elastic: f64,
-    /// Dissipated by damping since the start.
+    /// Energy dissipated by damping since the start, J.
     pub damping: f64,
-    /// Dissipated by friction since the start, in impacts too.
+    /// Energy dissipated by friction since the start, J, in impacts too.
     pub friction: f64,
-    /// Dissipated by normal impulses of impacts since the start.
+    /// Energy dissipated by normal impulses of impacts since the start, J.
     pub impact: f64,
-    /// Work of the sliders on the masses since the start.
+    /// Work of the sliders on the masses since the start, J.
     pub slider: f64,
-    /// Work of external forces and of changed loads since the start.
+    /// Work of external forces and of changed loads since the start, J.
     pub forces: f64,
-    /// What does not add up.
+    /// Residual of the energy balance, J.
     pub residual: f64,
 }
 
 impl Energy {
-    /// All of it, in the order of the catalogue of variables.
+    /// All entries, in the order of the catalogue of variables.
     #[must_use]
     pub fn parts(&self) -> [f64; 8] {
         let &Self { kinetic, elastic, damping, friction, impact, slider, forces, residual } = self;
@@ -88,7 +88,7 @@ impl Ledger {
         }
     }
 
-    /// The energy of the motion that this is the ledger of.
+    /// The energy of the motion to which the ledger belongs.
     #[must_use]
     pub fn energy(&self, model: &LumpedModel, motion: &Motion) -> Energy {
         let &Self { start, damping, friction, impact, slider, forces, .. } = self;
@@ -99,20 +99,20 @@ impl Ledger {
         Energy { kinetic, elastic, damping, friction, impact, slider, forces, residual }
     }
 
-    /// Gᵀ λ₀, N, the forces of the contacts in the reference position; one value a degree of freedom.
+    /// Gᵀ λ₀, N, the forces of the contacts in the reference position; one value for each degree of freedom.
     #[must_use]
     pub fn balance(&self) -> &[f64] {
         &self.balance
     }
 
-    /// The number of degrees of freedom that it is for.
+    /// Number of degrees of freedom of the model to which the ledger belongs.
     #[must_use]
     pub fn dofs(&self) -> usize {
         self.balance.len()
     }
 
-    /// Takes down the impulses (normal, tangential; N s) of a contact, where the masses have these mean velocities
-    /// along them and the slider this one, m/s.
+    /// Adds the work of the impulses (normal, tangential; N s) of a contact, along which the masses have these mean
+    /// velocities and the slider has this one, m/s.
     pub(super) fn add_impulses(
         &mut self,
         [normal, tangential]: [f64; 2],

@@ -1,7 +1,6 @@
 //! Time integration: an immutable integrator moves a mutable [`Motion`] under a [`Drive`].
 //!
-//! [`choose`] picks the integrator once, from the structure of the model; from then on a step
-//! tests no option.
+//! [`choose`] picks the integrator once, from the structure of the model; the steps then test no option.
 
 mod contact_problem;
 mod dynamics;
@@ -21,21 +20,21 @@ use crate::contact::{ContactForce, ContactState, Friction};
 use crate::model::{Damping, LumpedModel};
 use serde::{Deserialize, Serialize};
 
-/// Position, velocity and contact states at one instant, with what has been counted on the way.
+/// Position, velocity and contact states of a model at one instant, with the counts of the motion so far.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// x, m, relative to the reference position; closed contacts stand at an exact gap of zero.
+    /// Displacement x, m, relative to the reference position; closed contacts have a gap of exactly zero.
     pub displacement: Vec<f64>,
-    /// ẋ, m/s.
+    /// Velocity ẋ, m/s.
     pub velocity: Vec<f64>,
     /// The state of each contact over the last step.
     pub contacts: Vec<ContactState>,
-    /// Which contacts pulled in the last step, where contacts can stick and cannot open. Their friction follows |N|, so that the
-    /// same states may have forces of either sign.
+    /// `true` for each contact that pulled in the last step; only contacts that can stick and cannot open pull. Their
+    /// friction follows |N|, so the same states may have forces of either sign.
     pub pulls: Vec<bool>,
-    /// What has been counted since the start.
+    /// Counts since the start of the motion.
     pub statistics: Statistics,
-    /// Where energy has gone; for an integrator with a ledger.
+    /// Energy ledger of the motion; `None` if the integrator writes none.
     pub ledger: Option<Ledger>,
 }
 
@@ -49,38 +48,39 @@ impl Motion {
     }
 }
 
-/// What an integrator counts.
+/// Counts of an integrator since the start of a motion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Statistics {
-    /// Internal steps.
+    /// Number of internal steps.
     pub steps: u64,
-    /// How often contacts took each state, all contacts together, in the order of [`ContactState::ALL`]. What
-    /// they start in is not counted.
+    /// Number of times that contacts entered each state, summed over the contacts, in the order of
+    /// [`ContactState::ALL`]. The initial states are not counted.
     pub entered: [u64; 4],
-    /// Changes from detached to any closed state; their impulses show in no contact force.
+    /// Number of changes from detached to any closed state; no contact force contains their impulses.
     pub touch_downs: u64,
-    /// Hops after impacts that exact motion has ended before they began, since too many of the same contact came before
-    /// them in one internal step. Their velocities were below 1.1e-5 of the fastest one.
+    /// Number of hops after impacts that the event-driven method has ended before they began, since too many landings
+    /// of the same contact came before them in one internal step. Their velocities were below 1.1e-5 of the fastest
+    /// one.
     pub ended_hops: u64,
-    /// Instants within steps at which the states of contacts were decided anew; none by methods that do so
-    /// once a step.
+    /// Number of instants within steps at which the states of contacts were decided anew; zero for methods that decide
+    /// them once for each step.
     pub events: u64,
-    /// Gauss–Seidel sweeps over the contacts.
+    /// Number of Gauss–Seidel iterations over the contacts.
     pub sweeps: u64,
-    /// The most sweeps that one solution of the contacts took.
+    /// Largest number of Gauss–Seidel iterations that one solution of the contacts took.
     pub most_sweeps: u64,
-    /// How often, counted by steps (by series of exact motion) and contacts, a mass slipped against the
+    /// Number of steps (series in event-driven motion), summed over the contacts, in which a mass slipped against the
     /// direction that friction keeps without sticking.
     pub reversed_slips: u64,
-    /// How often a contact had to pull that cannot open.
+    /// Number of times that a contact which cannot open had to pull.
     pub pulled_contacts: u64,
-    /// How often, when a run began or contacts changed their states, the law of contact had another solution than the one
-    /// that was taken, with another motion. Only contacts are looked at of which up to four share masses.
+    /// Number of times that the law of contact had a second solution with another motion when a run began or contacts
+    /// changed their states. Only contacts of which up to four share masses are examined.
     pub other_solutions: u64,
 }
 
 impl Statistics {
-    /// Are all counts such as a run may come to, with room to go on?
+    /// `true` if all counts are small enough for a run to go on counting.
     pub(crate) fn are_countable(&self) -> bool {
         const MOST: u64 = 1 << 60;
         let Self { steps, entered, touch_downs, ended_hops, events, sweeps, .. } = *self;
@@ -91,59 +91,60 @@ impl Statistics {
         entered.into_iter().chain(others).all(|count| count <= MOST)
     }
 
-    /// Changes of state, summed over the contacts.
+    /// Number of changes of contact state, summed over the contacts.
     #[must_use]
     pub fn state_changes(&self) -> u64 {
         self.entered.iter().sum()
     }
 
-    /// Counts a contact that goes from one state into another.
+    /// Counts a change of a contact into `state`.
     #[inline(always)]
     pub(crate) fn count_change(&mut self, state: ContactState) {
         self.entered[state as usize - 1] += 1;
     }
 
-    /// Counts the sweeps of one solution of the contacts.
+    /// Counts the Gauss–Seidel iterations of one solution of the contacts.
     pub(crate) fn count_sweeps(&mut self, sweeps: u64) {
         self.sweeps += sweeps;
         self.most_sweeps = self.most_sweeps.max(sweeps);
     }
 }
 
-/// What drives a motion over a step, or over several that are alike.
+/// The inputs of a motion over a step, or over several equal steps: forces, slider velocities and friction.
 ///
-/// The forward increment scheme takes the forces at the beginning and the velocities at the end of a
-/// step; the event-driven integrator lets both change linearly, and as waves do.
+/// The forward increment scheme takes the forces at the beginning and the velocities at the end of a step; the
+/// event-driven integrator lets both change linearly, plus the waves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drive {
-    /// All forces but those of springs, dampers and contacts, N, at the beginning; one value a degree of
+    /// All forces but those of springs, dampers and contacts, N, at the beginning; one value for each degree of
     /// freedom.
     pub force: Vec<f64>,
-    /// How fast they change, waves apart, N/s.
+    /// Rates of these forces without the waves, N/s; one value for each degree of freedom.
     pub force_rate: Vec<f64>,
-    /// Slider velocity v along the tangent, m/s, at the end; one value a contact.
+    /// Slider velocity v along the tangent, m/s, at the end; one value for each contact.
     pub slider_velocity: Vec<f64>,
-    /// v̇ of the straight line over the step, m/s²; one value a contact.
+    /// Mean slider acceleration v̇ over the step, m/s²; one value for each contact.
     pub slider_acceleration: Vec<f64>,
-    /// Friction coefficients; one pair a contact.
+    /// Friction coefficients; one item for each contact.
     pub friction: Vec<Friction>,
-    /// What of forces and slider velocities oscillates, and how: in exact motion they follow it between the values
-    /// above, which count it.
+    /// The oscillating parts of forces and slider velocities. The values above include them at their instants;
+    /// event-driven motion also follows them in between.
     pub waves: Vec<Wave>,
 }
 
-/// amplitude · sin(pulsation · t + phase), t from the beginning of a step on: a part of what drives a motion.
+/// A harmonic part of the inputs of a motion: amplitude · sin(pulsation · t + phase), with t from the beginning of a
+/// step.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wave {
-    /// Half peak to peak; zero while it rests.
+    /// Amplitude, half peak to peak; zero while the wave rests.
     pub amplitude: f64,
-    /// 2π times the frequency, rad/s.
+    /// Angular frequency, 2π times the frequency, rad/s.
     pub pulsation: f64,
-    /// At the beginning of the step, rad.
+    /// Phase at the beginning of the step, rad.
     pub phase: f64,
-    /// The degrees of freedom that it pushes, each with the force that it is for each unit of the wave, N.
+    /// The degrees of freedom on which the wave acts, each with the force for one unit of the wave, N.
     pub pushes: Vec<(usize, f64)>,
-    /// The contacts whose sliders move with it (m/s), in ascending order.
+    /// The contacts whose slider velocities (m/s) include the wave, in ascending order.
     pub moves: Vec<usize>,
 }
 
@@ -154,13 +155,13 @@ impl Wave {
         self.phase + self.pulsation * t
     }
 
-    /// The value at that time.
+    /// The value at time `t` (s) after the beginning of the step.
     #[must_use]
     pub fn after(&self, t: f64) -> f64 {
         self.amplitude * libm::sin(self.phase_after(t))
     }
 
-    /// How fast it changes at that time, per second.
+    /// The time derivative at time `t` (s) after the beginning of the step, per second.
     #[must_use]
     pub fn rate_after(&self, t: f64) -> f64 {
         self.amplitude * self.pulsation * libm::cos(self.phase_after(t))
@@ -168,8 +169,8 @@ impl Wave {
 }
 
 impl Drive {
-    /// A drive with these forces (N, one a degree of freedom) and the same v (m/s) and friction for as
-    /// many contacts.
+    /// A drive with these forces (N, one for each degree of freedom), and the same v (m/s) and friction for all of
+    /// `contacts` contacts.
     #[must_use]
     pub fn uniform(
         force: Vec<f64>,
@@ -194,61 +195,61 @@ impl Drive {
 pub struct Kept<'a> {
     /// The state of each contact.
     pub states: &'a [ContactState],
-    /// ±µ of each contact that slides; of no meaning in the other states.
+    /// ±µ of each contact that slides; ignored in the other states.
     pub slopes: &'a [f64],
 }
 
-/// What acts on the masses, contacts apart.
+/// The actions on the masses, contacts apart.
 #[derive(Clone, Copy, Debug)]
 pub struct Push<'a> {
-    /// F − C ẋ − K x, N; one value a degree of freedom.
+    /// F − C ẋ − K x, N; one value for each degree of freedom.
     pub force: &'a [f64],
-    /// v̇ of the sliders, m/s², which stuck contacts follow; one value a contact.
+    /// Slider accelerations v̇, m/s², which stuck contacts follow; one value for each contact.
     pub slider_acceleration: &'a [f64],
 }
 
-/// What comes of it.
+/// Contact forces and accelerations that a [`Push`] causes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
     /// (N, T) of each contact, N.
     pub forces: Vec<[f64; 2]>,
-    /// ẍ, m/s²; one value a degree of freedom.
+    /// Acceleration ẍ, m/s²; one value for each degree of freedom.
     pub acceleration: Vec<f64>,
 }
 
 impl Response {
-    /// Room for the response of as many contacts and degrees of freedom.
+    /// A response of zeros for this number of contacts and degrees of freedom.
     #[must_use]
     pub fn new(contacts: usize, dofs: usize) -> Self {
         Self { forces: vec![[0.0; 2]; contacts], acceleration: vec![0.0; dofs] }
     }
 }
 
-/// A step that could not be taken; the motion is then not to be used.
+/// The reason why a step could not be taken; the motion is then not to be used.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum StepFailure {
-    /// Gauss–Seidel over the contacts did not converge in this many sweeps.
+    /// Gauss–Seidel over the contacts did not converge in this number of iterations.
     NoConvergence {
-        /// Sweeps taken.
+        /// Number of iterations.
         sweeps: u64,
-        /// The contact, from 0, whose force changed most in the last of them.
+        /// The contact, from 0, whose force changed most in the last iteration.
         contact: usize,
-        /// By how much, in parts of the largest force; infinite where it left the range of numbers.
+        /// Change of that force relative to the largest force; infinite where it left the range of numbers.
         change: f64,
-        /// What would have been enough.
+        /// The tolerance that the change had to reach.
         tolerance: f64,
     },
-    /// What acts on this contact (from 0) is no finite number.
+    /// The forces on this contact (from 0) are not finite.
     NotFinite {
         /// The contact, from 0.
         contact: usize,
     },
-    /// One step has more oscillations, of the structure or of what drives it, than exact motion follows.
+    /// One step has more oscillations, of the structure or of its inputs, than the event-driven method follows.
     TooManySeries {
-        /// The most power series that a step may take.
+        /// Largest number of power series in a step.
         most: u64,
     },
-    /// This contact (from 0) changed its state again and again at one instant.
+    /// This contact (from 0) changed its state repeatedly at one instant without an end.
     TooManyEvents {
         /// The contact, from 0.
         contact: usize,
@@ -272,12 +273,12 @@ pub enum StepFailure {
     },
 }
 
-/// Moves a motion forward. Implementations allocate when they are made, never in a step.
+/// Advances a motion in time. Implementations allocate memory when they are made, never in a step.
 pub trait Integrator: Send {
     /// Takes `count` steps of length `step` (s).
     ///
     /// # Errors
-    /// Says which contact could not be solved; the motion is then half-way.
+    /// Returns the contact that could not be solved; the motion is then incomplete.
     fn advance(
         &mut self,
         motion: &mut Motion,
@@ -289,7 +290,7 @@ pub trait Integrator: Send {
     /// The contact forces at the present instant, from position, velocity and drive alone.
     ///
     /// # Errors
-    /// The contact whose forces were not found.
+    /// Returns the contact whose forces were not found.
     fn contact_forces(
         &mut self,
         motion: &Motion,
@@ -297,11 +298,11 @@ pub trait Integrator: Send {
         forces: &mut [ContactForce],
     ) -> Result<(), StepFailure>;
 
-    /// What a push does to contacts that keep their states. It is linear: forces give contact forces and
-    /// accelerations, changes of forces give their changes, and rates their rates.
+    /// Computes the response of contacts that keep their states to a push. The response is linear: forces give contact
+    /// forces and accelerations, changes of forces give their changes, and rates give their rates.
     ///
     /// # Errors
-    /// The contact whose forces were not found.
+    /// Returns the contact whose forces were not found.
     fn respond(
         &mut self,
         kept: Kept<'_>,
@@ -315,19 +316,19 @@ pub trait Integrator: Send {
         None
     }
 
-    /// Makes room for as many waves of a drive, before the first step that has them.
+    /// Reserves memory for `_count` waves of a drive, before the first step that has them.
     fn expect_waves(&mut self, _count: usize) {}
 
-    /// Takes over another damping.
+    /// Replaces the damping.
     fn set_damping(&mut self, damping: Damping);
 }
 
-/// The loop over steps of the paper's scheme, compiled for one structure and what acts on it.
+/// Name of a compiled time loop of the paper's scheme, specialised for one structure and its effects.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Kernel {
-    /// The structure whose forces it evaluates.
+    /// The structure whose forces the kernel evaluates.
     pub structure: &'static str,
-    /// What its arithmetic is made for.
+    /// The effects for which the kernel's arithmetic is compiled.
     pub arithmetic: String,
 }
 

@@ -1,6 +1,6 @@
 //! Direct solution of sparse systems: reverse Cuthill–McKee ordering, banded LU, row pivoting.
 //!
-//! Our own loops in a fixed order, so that the equilibrium is the same to the last bit on every
+//! The loops are written here in a fixed order, so that the equilibrium is the same to the last bit on every
 //! machine; libraries choose fused multiply-add at run time.
 
 use super::sparse::Entry;
@@ -101,7 +101,7 @@ impl Band {
                     pivot = row;
                 }
             }
-            // A pivot this small is what rounding leaves of an exact zero.
+            // A pivot this small is the rounding of an exact zero.
             if self.at(pivot, k).abs() <= 1e-14 * scale {
                 return Err(Singular);
             }

@@ -9,11 +9,11 @@ use serde::{Deserialize, Serialize};
 /// A static equilibrium with every contact closed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Equilibrium {
-    /// X, m, from the unloaded position; one value a degree of freedom.
+    /// Displacement X, m, from the unloaded position; one value for each degree of freedom.
     pub displacement: Vec<f64>,
-    /// N ≥ 0 of each contact, N.
+    /// Normal force N ≥ 0 of each contact, N.
     pub normal_force: Vec<f64>,
-    /// T of each contact, on the mass along the tangent, N.
+    /// Friction force T of each contact, on the mass along the tangent, N.
     pub friction_force: Vec<f64>,
 }
 
@@ -26,8 +26,8 @@ impl LumpedModel {
     /// which a solution of the whole, with its rounding, would not give.
     ///
     /// # Errors
-    /// The contact, as `name` calls it, that opens under the load; or the friction coefficient from which on the structure
-    /// jams; or a motion that no spring holds.
+    /// Returns an error with the contact, as `name` calls it, that opens under the load; or with the friction
+    /// coefficient above which the structure jams; or with a motion that no spring holds.
     pub fn equilibrium(&self, name: &dyn Fn(usize) -> String) -> Result<Equilibrium, Error> {
         let Some(one) = ring::one_of_equal_modules(self) else {
             return self.sliding_equilibrium(name);
@@ -44,25 +44,25 @@ impl LumpedModel {
     fn sliding_equilibrium(&self, name: &dyn Fn(usize) -> String) -> Result<Equilibrium, Error> {
         let slopes: Vec<f64> = self.sliding_ratios().collect();
         match self.solve(&slopes, &self.load) {
-            // Friction that can stick follows |N|, which this linear solution has not asked.
+            // Friction that can stick follows |N|, which this linear solution does not include.
             Ok(found) if found.pulled_contact().is_none() || self.may_pull(&slopes) => Ok(found),
             found => Err(self.explain_missing_equilibrium(&slopes, &found, name)),
         }
     }
 
-    /// May contacts pull in the equilibrium, with these signed coefficients of friction?
+    /// `true` if contacts may pull in the equilibrium, with these signed coefficients of friction.
     fn may_pull(&self, slopes: &[f64]) -> bool {
         let has_friction = slopes.iter().any(|slope| *slope != 0.0);
         let drives = self.law.follows_size() && has_friction;
         !(self.law.detachment || drives)
     }
 
-    /// How the contact forces of the equilibrium in uniform sliding change: (dN, dT) of each contact, N, for
-    /// changes of the load, N, and of the signed friction coefficients `slopes` = T/N, where the contacts press
-    /// with `normal_force`, N. It is linear: K dX = dF + Σ (G_N + s µ G_T)ᵀ dN + G_Tᵀ N d(s µ), G_N dX = 0.
+    /// Changes of the contact forces of the equilibrium in uniform sliding: (dN, dT) of each contact, N, for changes of
+    /// the load, N, and of the signed friction coefficients `slopes` = T/N, where the contacts press with
+    /// `normal_force`, N. The map is linear: K dX = dF + Σ (G_N + s µ G_T)ᵀ dN + G_Tᵀ N d(s µ), G_N dX = 0.
     ///
     /// # Errors
-    /// There is no equilibrium.
+    /// Returns an error if there is no equilibrium.
     pub fn equilibrium_change(
         &self,
         mut load: Vec<f64>,
@@ -81,7 +81,8 @@ impl LumpedModel {
         Ok(forces.zip(weakened()).map(|((n, t), own)| [n, t + own]).collect())
     }
 
-    /// All contacts closed and sliding with the signed friction coefficients `slopes` = T/N, under this load, N.
+    /// Solves for the equilibrium with all contacts closed and sliding, with the signed friction coefficients `slopes`
+    /// = T/N, under this load, N.
     fn solve(&self, slopes: &[f64], load: &[f64]) -> Result<Equilibrium, Singular> {
         let dofs = self.dofs();
         let size = dofs + self.contacts.len();
@@ -107,9 +108,9 @@ impl LumpedModel {
         Ok(Equilibrium { displacement, normal_force, friction_force })
     }
 
-    /// Why there is no equilibrium at these µ. Looks for the largest part of them that has one: where
-    /// the equilibrium is lost, a normal force that falls to zero is a contact that opens, one that
-    /// grows without bound is jamming.
+    /// Explains why there is no equilibrium at these µ. Looks for the largest part of them that has one: where the
+    /// equilibrium is lost, a normal force that falls to zero is a contact that opens, one that grows without bound is
+    /// jamming.
     fn explain_missing_equilibrium(
         &self,
         slopes: &[f64],

@@ -1,4 +1,4 @@
-//! A model that is linear in each of its contact states: what eigenvalues are taken of.
+//! The linear model of each contact state, whose eigenvalues are sought.
 
 use super::{Equilibrium, LumpedModel};
 use crate::Error;
@@ -25,7 +25,7 @@ pub struct LinearModel<'a> {
     friction: Linearisation<'a>,
 }
 
-/// How friction is made linear.
+/// The way in which friction is made linear.
 #[derive(Clone, Copy, Debug)]
 enum Linearisation<'a> {
     /// About an equilibrium in which the contacts press with these normal forces, N.
@@ -41,8 +41,8 @@ enum Linearisation<'a> {
 pub struct SlidingFriction {
     /// µ.
     pub coefficient: f64,
-    /// N dµ/d|v_r|, N s/m: what friction adds to damping along the tangent; below zero where µ falls with the slip
-    /// velocity.
+    /// N dµ/d|v_r|, N s/m: the contribution of friction to damping along the tangent; below zero where µ falls with the
+    /// slip velocity.
     pub damping: f64,
 }
 
@@ -57,7 +57,7 @@ impl LumpedModel {
     /// The model without an equilibrium, which its linear equations need only where µ depends on the slip velocity.
     ///
     /// # Errors
-    /// µ depends on the slip velocity.
+    /// Returns an error if µ depends on the slip velocity.
     pub fn linear(&self) -> Result<LinearModel<'_>, Error> {
         if self.law.friction.info().is_constant() {
             Ok(LinearModel { model: self, friction: Linearisation::Constant })
@@ -77,7 +77,7 @@ impl LumpedModel {
 }
 
 impl<'a> LinearModel<'a> {
-    /// The model that is linearised.
+    /// The underlying lumped model.
     #[must_use]
     pub fn model(self) -> &'a LumpedModel {
         self.model
@@ -106,7 +106,8 @@ impl<'a> LinearModel<'a> {
         SlidingFriction { coefficient, damping }
     }
 
-    /// Other matrices with the friction of this model's contacts, of which the other model has all or the first ones.
+    /// The linear model of another structure with the friction of this model's contacts; it has all of them or the
+    /// first ones.
     #[must_use]
     pub fn of_part<'b>(self, part: &'b LumpedModel) -> LinearModel<'b>
     where

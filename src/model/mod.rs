@@ -1,4 +1,4 @@
-//! The lumped model: mass, stiffness, damping, load, contact directions. No time here.
+//! The lumped model, independent of time: mass, stiffness, damping, load, contact directions.
 //!
 //! M ẍ + C ẋ + K x = F + Σ (G_Nᵀ N + G_Tᵀ T) over the contacts (paper, eq. 1), C = α M + β K + D.
 
@@ -19,19 +19,19 @@ use crate::contact::{ContactLaw, Friction};
 /// A structure of masses and springs with frictional contacts, linear but for its contacts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LumpedModel {
-    /// M, symmetric positive definite, kg; n × n.
+    /// Mass matrix M, symmetric positive definite, kg; n × n.
     pub mass: SparseMatrix,
-    /// K, symmetric, N/m; n × n.
+    /// Stiffness matrix K, symmetric, N/m; n × n.
     pub stiffness: SparseMatrix,
-    /// α and β of C = α M + β K + D.
+    /// Rayleigh coefficients α and β of C = α M + β K + D.
     pub damping: Damping,
-    /// D, of single dampers, symmetric, N s/m; n × n, without entries where there are none.
+    /// Matrix D of discrete dampers, symmetric, N s/m; n × n, without entries where there are none.
     pub dampers: SparseMatrix,
-    /// F, the constant load, N; length n.
+    /// Constant load F, N; length n.
     pub load: Vec<f64>,
     /// The contacts.
     pub contacts: Vec<Contact>,
-    /// The law that they obey.
+    /// The law of contact.
     pub law: ContactLaw,
 }
 
@@ -52,9 +52,9 @@ pub struct Contact {
     pub normal: Direction,
     /// G_T: the tangential displacement is G_T x.
     pub tangent: Direction,
-    /// The numbers of its friction.
+    /// Parameters of the contact's friction.
     pub friction: Friction,
-    /// v, the velocity of the sliding surface along the tangent, m/s.
+    /// Velocity v of the sliding surface along the tangent, m/s.
     pub surface_velocity: f64,
 }
 
@@ -115,8 +115,8 @@ impl LumpedModel {
         self
     }
 
-    /// `false` where a contact has no friction, because its friction is to have the direction of a surface that stands
-    /// still.
+    /// `false` if friction has a fixed direction and the contact's surface stands still: the contact then has no
+    /// friction.
     #[must_use]
     pub fn rubs(&self, contact: &Contact) -> bool {
         !self.law.has_frozen_direction() || contact.surface_velocity != 0.0

@@ -14,23 +14,23 @@ use std::collections::BTreeMap;
 /// normal force, damping included, so C̃ is reduced like K̃.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReducedMatrices {
-    /// M̃.
+    /// Reduced mass matrix M̃.
     pub mass: DMatrix<f64>,
-    /// C̃.
+    /// Reduced damping matrix C̃.
     pub damping: DMatrix<f64>,
-    /// K̃.
+    /// Reduced stiffness matrix K̃.
     pub stiffness: DMatrix<f64>,
-    /// V, n × m: x = V u.
+    /// Basis V of the motions, n × m: x = V u.
     pub motions: DMatrix<f64>,
 }
 
 impl LinearModel<'_> {
-    /// The reduced matrices of a contact state, one entry of `states` a contact. `None` where the
-    /// contacts leave a motion or a force undetermined: redundant ones on one mass whose friction
-    /// differs, such as Sl and R-Sl at the same place.
+    /// The reduced matrices of a contact state, one entry of `states` for each contact. `None` where the contacts leave
+    /// a motion or a force undetermined: redundant ones on one mass whose friction differs, such as Sl and R-Sl at the
+    /// same place.
     ///
     /// # Panics
-    /// Where `states` has not as many entries as the model has contacts.
+    /// Panics if `states` has another length than the model has contacts.
     #[must_use]
     pub fn reduced(self, states: &[ContactState]) -> Option<ReducedMatrices> {
         let model = self.model();
@@ -71,8 +71,8 @@ impl LinearModel<'_> {
         Some(ReducedMatrices { mass, damping, stiffness, motions })
     }
 
-    /// `true` where damping besides α M + β K acts in a contact state, one entry of `states` a contact. The modes of
-    /// the state then have no common eigenvectors. A damper on masses that contacts hold does nothing.
+    /// `true` if damping besides α M + β K acts in a contact state, one entry of `states` for each contact. The modes
+    /// of the state then have no common eigenvectors. A damper on masses that contacts hold does nothing.
     #[must_use]
     pub fn has_single_damping_in(self, states: &[ContactState]) -> bool {
         let slides = |state: &ContactState| state.sliding_direction().is_some();
@@ -162,7 +162,7 @@ fn null_space(rows: Vec<Row>, size: usize) -> DMatrix<f64> {
     basis
 }
 
-/// Takes `factor` times another row from a row.
+/// Subtracts `factor` times another row from a row.
 fn subtract(row: &mut Row, factor: f64, other: &Row) {
     for (&column, value) in other {
         *row.entry(column).or_insert(0.0) -= factor * value;

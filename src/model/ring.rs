@@ -14,7 +14,8 @@ pub const MODULE_DOFS: usize = 4;
 pub(crate) const TANGENT: usize = 2;
 pub(crate) const NORMAL: usize = 3;
 
-/// Has a model as many modules as contacts, at least one, with contact i between the slider and mass m2 of module i?
+/// `true` if a model has as many modules as contacts, at least one, with contact i between the slider and mass m2 of
+/// module i.
 pub(crate) fn has_contacts_in_place(model: &LumpedModel) -> bool {
     let count = model.contacts.len();
     let mut contacts = model.contacts.iter().enumerate();
@@ -26,20 +27,21 @@ pub(crate) fn has_contacts_in_place(model: &LumpedModel) -> bool {
         })
 }
 
-/// Have all contacts one friction and one velocity of their surfaces?
+/// `true` if all contacts have the same friction and the same velocity of their surfaces.
 pub(crate) fn has_equal_contacts(model: &LumpedModel) -> bool {
     let conditions = |contact: &Contact| (contact.friction, contact.surface_velocity);
     model.contacts.windows(2).all(|two| conditions(&two[0]) == conditions(&two[1]))
 }
 
-/// Has a matrix the same entries, to the last bit, where each degree of freedom takes the place of another one?
+/// `true` if a matrix has the same entries, to the last bit, after each degree of freedom takes the place of another
+/// one.
 pub(crate) fn is_invariant(matrix: &SparseMatrix, place: &dyn Fn(usize) -> usize) -> bool {
     matrix.entries().all(|(i, j, value)| matrix.get(place(i), place(j)) == value)
 }
 
-/// One module that moves as all of them do, if the model is a ring of more than one module that
-/// nothing tells apart but their masses: its links to the others, which then do not strain, are
-/// left out. As the order of assembly leaves no trace, equal modules have equal doubles.
+/// One module that moves as all of them do, if the model is a ring of more than one module that are equal but for their
+/// masses: its links to the others, which then do not strain, are left out. As the order of assembly leaves no trace,
+/// equal modules have equal doubles.
 pub(super) fn one_of_equal_modules(model: &LumpedModel) -> Option<LumpedModel> {
     if model.contacts.len() < 2 || !has_contacts_in_place(model) {
         return None;

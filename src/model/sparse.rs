@@ -1,4 +1,4 @@
-//! A sparse matrix by rows, assembled so that the order of assembly leaves no trace.
+//! A sparse matrix by rows, independent of the order of assembly.
 
 /// A sparse matrix by rows.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,7 +58,7 @@ impl SparseMatrix {
         self.offsets.len() - 1
     }
 
-    /// Is nothing stored?
+    /// `true` if no entry is stored.
     #[must_use]
     pub fn is_empty(&self) -> bool {
         self.values.is_empty()
@@ -90,7 +90,7 @@ impl SparseMatrix {
         self.row(row).fold(0.0, |sum, (column, value)| sum + value * vector[column])
     }
 
-    /// The diagonal, if nothing lies off it.
+    /// The diagonal; `None` if an entry is stored off it.
     #[must_use]
     pub fn as_diagonal(&self) -> Option<Vec<f64>> {
         self.entries()

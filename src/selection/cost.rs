@@ -1,4 +1,4 @@
-//! What a run costs, as a count of operations: the same on each machine, so that a choice made by it is too.
+//! Cost of a run as a count of operations, equal on each machine, so that a choice based on it is equal too.
 //!
 //! The weights are nanoseconds on one machine, from the times of `amontons accuracy`; only their ratios matter.
 //! Between the two methods the ratio of the times of whole runs is that of the counts within a factor of 2.5, on
@@ -10,33 +10,34 @@ use crate::scene::{Method, Shape, Signal};
 use crate::stability::highest_frequency;
 use std::f64::consts::TAU;
 
-/// A step of the paper's scheme: on a ring, a degree of freedom.
+/// Weight of a degree of freedom in a step of the paper's scheme on a ring.
 const RING_DOF: f64 = 2.1;
-/// On other structures: the step, an entry of the matrices, a contact, one that shares masses with others.
+/// Weights of a step of the scheme on other structures: the step, an entry of the matrices, a contact, and a contact
+/// that shares masses with others.
 const SPARSE_STEP: f64 = 20.0;
 const SPARSE_ENTRY: f64 = 8.0;
 const SPARSE_CONTACT: f64 = 40.0;
 const SHARING_CONTACT: f64 = 400.0;
-/// A power series: itself; a power of it, an entry of the full matrix of a small structure, or of the sparse
-/// ones of a large one.
+/// Weights of a power series: the series itself, and for each power an entry of the full matrix of a small structure,
+/// or of the sparse ones of a large one.
 const SERIES: f64 = 150.0;
 const FULL_ENTRY: f64 = 0.4;
 const LAW_ENTRY: f64 = 2.0;
 
-/// A series covers at the most this many radians of the fastest oscillation: its highest power is then
-/// 3²⁸/28! ≈ 1e-16 of the first.
+/// Largest angle of the fastest oscillation that a series covers, rad: its highest power is then 3²⁸/28! ≈ 1e-16 of the
+/// first.
 const REACH: f64 = 3.0;
-/// A power below this part of the first ends a series.
+/// A power below this part of the first one ends a series.
 const NEGLIGIBLE: f64 = 1e-16;
 
-/// What the methods cost on a model.
+/// Costs of both methods on a model.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Cost {
-    /// Of a step of the paper's scheme.
+    /// Operations of a step of the paper's scheme.
     scheme_step: f64,
-    /// Of one power of a series.
+    /// Operations of one power of a series.
     power: f64,
-    /// What no oscillation exceeds, rad/s.
+    /// Upper bound of the frequencies of all oscillations, rad/s.
     frequency: f64,
 }
 
@@ -75,7 +76,8 @@ impl Cost {
         Self { scheme_step, power, frequency: highest_frequency(model).unwrap_or(0.0) }
     }
 
-    /// The cost where these signals drive the motion: a series covers no more of a sine than of the fastest mode.
+    /// The cost when these signals drive the motion: a series covers no larger angle of a sine than of the fastest
+    /// mode.
     #[must_use]
     pub fn driven(self, signals: &[Signal]) -> Self {
         let followed = signals.iter().filter(|signal| !signal.drives_friction());
@@ -86,7 +88,7 @@ impl Cost {
         Self { frequency, ..self }
     }
 
-    /// The operations of a run over `span` (s) with so many changes of contact state.
+    /// The operations of a run over `span` (s) with `events` changes of contact state.
     #[must_use]
     pub fn run(&self, method: Method, step: f64, span: f64, events: f64) -> f64 {
         let steps = span / step;
@@ -101,7 +103,7 @@ impl Cost {
     }
 }
 
-/// How many powers a series over this angle (rad) of the fastest oscillation has.
+/// Number of powers of a series over this angle (rad) of the fastest oscillation.
 fn powers(angle: f64) -> f64 {
     let (mut power, mut term) = (1.0, angle);
     while term > NEGLIGIBLE {
@@ -147,7 +149,7 @@ mod tests {
             let of = |method| cost.run(method, 1e-6, 1.0, 0.0);
             of(Method::EventDriven) / of(Method::ForwardIncrement)
         };
-        // As measured: a step of set1 as long as 20 of the scheme, one of the disc brake no longer than one.
+        // Measured values: a step of set1 as long as 20 of the scheme, one of the disc brake no longer than one.
         assert!(
             ratio("set1") > 10.0 && ratio("disc_brake") < 1.5,
             "{} {}",

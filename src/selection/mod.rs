@@ -1,15 +1,16 @@
-//! The rule by which a tolerance chooses method and step, without runs of the scene.
+//! The rule by which a tolerance determines method and step, without runs of the scene.
 //!
-//! What it expects of a step h over a span T, with the frequency ω that no mode without friction exceeds:
+//! The relative error that the rule expects of a step h over a span T, where no mode without friction exceeds the
+//! frequency ω:
 //!
 //! | method | relative error |
 //! | --- | --- |
 //! | forward increment | h ω (A + B ω T): an event is a step late, and frequencies are off by a part of h ω, which the phase gathers |
 //! | event-driven | R (1 + ω T): rounding |
 //!
-//! and with either what it makes of signals (`signals.rs`). Of the steps that keep the tolerance that with the
-//! fewest operations ([`Cost`]) is taken. The numbers come from measured tables (DESIGN.md). It knows nothing of
-//! motions that forget their start, for which no rule can.
+//! Both methods also have the error of signals (`signals.rs`). Of the steps that keep the tolerance, the one with the
+//! fewest operations ([`Cost`]) is taken. The numbers come from measured tables (DESIGN.md). The rule does not include
+//! motions that forget their start, for which no such rule exists.
 
 mod cost;
 mod signals;
@@ -24,46 +25,46 @@ use crate::stability::{StepGuard, highest_frequency};
 use std::f64::consts::TAU;
 use std::fmt;
 
-/// A: what the errors of single events come to.
+/// A: error of single events, in parts of h ω.
 const EVENT: f64 = 2.5;
-/// B: what a step of the scheme makes of a frequency.
+/// B: relative error of frequencies, in parts of h ω.
 const DRIFT: f64 = 0.01;
-/// R: what rounding leaves after one radian.
+/// R: rounding after one radian.
 const ROUNDING: f64 = 5e-14;
-/// Steps of the scheme above this part of 1/ω are not of first order yet.
+/// Largest step of the scheme in parts of 1/ω; longer steps do not yet show the first order.
 const LONGEST: f64 = 0.2;
-/// Contacts change their state about so often in a period.
+/// Estimated number of changes of state of a contact in a period.
 const EVENTS_A_PERIOD: f64 = 2.0;
-/// Steps are the scene's output interval over 1, 2, 5, 10, … up to so much.
+/// Largest divisor of the series 1, 2, 5, 10, … by which steps divide the scene's output interval.
 const MOST_PARTS: f64 = 1e8;
-/// As equal parts of an interval steps are known to far fewer significant digits; beyond these is what rounding has left.
+/// Significant digits of steps. An equal part of an interval has far fewer; further digits are rounding.
 const STEP_DIGITS: usize = 12;
-/// A run may have so many steps, which take some minutes.
+/// Largest number of steps of a run, which takes some minutes.
 const MOST_STEPS: f64 = 1e9;
 
-/// The method and step that were chosen by a tolerance.
+/// The method and step chosen for a tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Selected {
-    /// The relative error that was asked for.
+    /// The requested relative error.
     pub tolerance: f64,
     /// The method.
     pub method: Method,
-    /// Its step, s.
+    /// The step of the method, s.
     pub step: f64,
-    /// The relative error that the rule expects; above the tolerance where nothing keeps that.
+    /// The relative error that the rule expects; above the tolerance where no candidate keeps it.
     pub error: f64,
     /// The operations of a run, as [`Cost`] counts them.
     pub operations: f64,
 }
 
 impl Selected {
-    /// Is the tolerance kept, as far as the rule knows?
+    /// `true` if the rule expects the tolerance to be kept.
     #[must_use]
     pub fn is_kept(&self) -> bool {
         self.error <= self.tolerance
     }
 
-    /// Words on a tolerance that is not kept, with the error that is.
+    /// A message about a tolerance that is not kept, with the error that is expected.
     #[must_use]
     pub fn shortfall(&self) -> Option<String> {
         let Self { tolerance, error, .. } = self;
@@ -86,15 +87,15 @@ impl fmt::Display for Selected {
     }
 }
 
-/// Chooses method and step for a scene's experiment by a tolerance, with the values as they are given. The
-/// same on each machine.
+/// Chooses method and step for a scene's experiment by a tolerance, with the values as given. The choice is the same on
+/// each machine.
 #[must_use]
 pub fn select(scene: &Scene, tolerance: f64) -> Selected {
     let model = LumpedModel::from(scene);
     let rule = SelectionRule::new(scene, &model);
     let candidate = |(method, step)| rule.candidate(tolerance, method, step);
     let mut left: Vec<Selected> = rule.steps().map(candidate).collect();
-    // Of equal ones the first: the event-driven one with the longest step.
+    // Among equal candidates the first is taken: the event-driven one with the longest step.
     while let Some(best) = cheapest_kept(&left).or_else(|| most_accurate(&left)) {
         let is_scheme = best.method == Method::ForwardIncrement;
         if !is_scheme || is_below_critical(&model, best.step) {
@@ -102,7 +103,7 @@ pub fn select(scene: &Scene, tolerance: f64) -> Selected {
         }
         left.retain(|one| one.method != best.method || one.step < best.step);
     }
-    // What neither method takes is refused where its integrator is made.
+    // A model that neither method takes is refused where its integrator is made.
     rule.candidate(tolerance, Method::EventDriven, scene.experiment.output_interval)
 }
 
@@ -118,26 +119,26 @@ fn most_accurate(all: &[Selected]) -> Option<Selected> {
     all.iter().min_by(order).copied()
 }
 
-/// Is a step of the scheme below the critical one?
+/// `true` if a step of the scheme is below the critical one.
 fn is_below_critical(model: &LumpedModel, step: f64) -> bool {
     StepGuard::new(model, step).check(model).is_ok()
 }
 
-/// What the rule knows of a scene.
+/// The scene, and the properties of it that the rule uses.
 struct SelectionRule<'a> {
     scene: &'a Scene,
     cost: Cost,
-    /// ω, rad/s; `None` where none is known.
+    /// Highest frequency ω, rad/s; `None` where none is known.
     frequency: Option<f64>,
     takes_event_driven: bool,
-    /// About how often contacts change their state.
+    /// Estimated number of changes of contact state in a run.
     events: f64,
 }
 
 impl<'a> SelectionRule<'a> {
     #[allow(clippy::cast_precision_loss)]
     fn new(scene: &'a Scene, model: &LumpedModel) -> Self {
-        // What has no springs moves within the span all the same.
+        // A structure without springs moves within the span all the same.
         let slowest = TAU / scene.experiment.stop_time;
         let frequency = highest_frequency(model).map(|frequency| frequency.max(slowest));
         let periods = scene.experiment.stop_time * frequency.unwrap_or(0.0) / TAU;
@@ -170,7 +171,7 @@ impl<'a> SelectionRule<'a> {
         Selected { tolerance, method, step, error: self.error(method, step), operations }
     }
 
-    /// The relative error that is to be expected.
+    /// The expected relative error.
     fn error(&self, method: Method, step: f64) -> f64 {
         let frequency = self.frequency.unwrap_or(0.0);
         let passed = frequency * self.scene.experiment.stop_time;

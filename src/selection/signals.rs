@@ -1,16 +1,17 @@
-//! What integrators make of values over time.
+//! Errors that integrators cause in signals over time.
 
 use crate::numerics::range;
 use crate::scene::{Between, Method, Scene, Shape, Signal, Table};
 use std::f64::consts::TAU;
 
-/// What a time may be off from the beginning of a step, in parts of it.
+/// Tolerance for a time at the beginning of a step, in parts of the step.
 const ON_THE_GRID: f64 = 1e-6;
-/// Exact motion does not follow more radians of a sine in one step.
+/// Largest angle of a sine in one step of event-driven motion, rad.
 const MOST_RADIANS: f64 = 1e5;
 
-/// The relative error that a signal causes. Exact motion follows forces and velocities as they are, and stops at
-/// their edges; it holds friction over a step. The paper's scheme holds all, and an edge within a step comes late.
+/// The relative error that a signal causes. Event-driven motion follows forces and velocities as they are, and stops at
+/// their edges; it holds friction over a step. The paper's scheme holds all signals over a step, and an edge within a
+/// step comes late.
 pub(super) fn error(
     signal: &Signal,
     scene: &Scene,
@@ -32,7 +33,7 @@ pub(super) fn error(
         if time <= 0.0 || time >= stop || is_met { 0.0 } else { step }
     };
     let jump = |time: f64| frequency * late(time);
-    // How much of a change a step holds back.
+    // The part of a change that a step holds back.
     let straight = |start: f64, end: f64| step / (end - start);
     match &signal.shape {
         Shape::Constant(_) => 0.0,
@@ -54,7 +55,7 @@ pub(super) fn error(
     }
 }
 
-/// The straight pieces of a table, from when to when (s), with the part of its range that each goes through.
+/// The straight pieces of a table, each with its start and end (s) and the part of the table's range that it covers.
 fn range_parts(table: &Table) -> impl Iterator<Item = (f64, f64, f64)> + '_ {
     let [least, most] = range(table.points.iter().map(|point| point[1]));
     let range = most - least;

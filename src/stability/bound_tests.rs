@@ -96,7 +96,7 @@ fn sizes(model: LinearModel<'_>) -> Option<Sizes> {
     sizes.largest_square().is_finite().then_some(sizes)
 }
 
-/// The largest |s| of a contact state, after asking that every s is where the bound says.
+/// Returns the largest |s| of a contact state, after checking that every s is inside the bound.
 fn enclosed(model: LinearModel<'_>, states: &[ContactState], sizes: Sizes) -> f64 {
     let ellipse = sizes.ellipse.expect("there are no dampers");
     squares(model, states, by_schur).unwrap().into_iter().fold(0.0, |most, s| {

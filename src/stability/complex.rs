@@ -1,9 +1,9 @@
-//! Of complex numbers what would else come from the platform's own mathematical library, whose last bits differ
-//! from one to another: an FMU's outputs do not.
+//! Functions of complex numbers without the platform's own mathematical library, whose last bits differ between
+//! platforms: an FMU's outputs must not.
 
 use nalgebra::Complex;
 
-/// |z|.
+/// Modulus |z|.
 pub(super) fn modulus(z: Complex<f64>) -> f64 {
     libm::hypot(z.re, z.im)
 }
@@ -14,7 +14,7 @@ pub(super) fn from_polar(modulus: f64, angle: f64) -> Complex<f64> {
     Complex::new(modulus * cos, modulus * sin)
 }
 
-/// The root with Re ≥ 0; on the cut, below zero, that with the sign of Im z.
+/// Square root with Re ≥ 0; on the cut, below zero, the root with the sign of Im z.
 pub(super) fn root(z: Complex<f64>) -> Complex<f64> {
     let larger = (0.5 * z.re.abs() + 0.5 * modulus(z)).sqrt();
     if larger == 0.0 {
@@ -25,7 +25,7 @@ pub(super) fn root(z: Complex<f64>) -> Complex<f64> {
     Complex::new(re, im.copysign(z.im))
 }
 
-/// ln z, with −π ≤ Im ≤ π.
+/// Logarithm ln z, with −π ≤ Im ≤ π.
 pub(super) fn logarithm(z: Complex<f64>) -> Complex<f64> {
     Complex::new(libm::log(modulus(z)), libm::atan2(z.im, z.re))
 }

@@ -1,19 +1,18 @@
 //! The critical step of the forward increment scheme with lagged damping.
 //!
-//! An eigenvalue s of M̃⁻¹ K̃ gives the mode λ² + c λ + s = 0 with c = α + β s, of which the scheme
-//! makes z² − (2 − h² s − h c) z + (1 − h c) = 0. A real mode, s = ω² and c = 2 ζ ω, leaves the unit
-//! circle through −1 at h_c = (2/ω)(√(1 + ζ²) − ζ). A complex s belongs to two modes that friction
-//! has made coalesce: one may grow, because the physics does, and it must not be asked to stay inside
-//! the circle; but the scheme may make them grow where they do not. Their limit is the step up to
-//! which ln |z| / h ≤ max(0, Re λ) + |λ|/1000: squeal that the step invents stays below a thousandth
-//! of the frequency.
+//! An eigenvalue s of M̃⁻¹ K̃ gives the mode λ² + c λ + s = 0 with c = α + β s, which the scheme maps to z² − (2 − h² s
+//! − h c) z + (1 − h c) = 0. A real mode, s = ω² and c = 2 ζ ω, leaves the unit circle through −1 at h_c = (2/ω)(√(1 +
+//! ζ²) − ζ). A complex s belongs to two modes that friction has made coalesce. One of them may grow physically, and
+//! must not be required to stay inside the circle; but the scheme may also let modes grow that decay physically. Their
+//! limit is the step up to which ln |z| / h ≤ max(0, Re λ) + |λ|/1000: spurious squeal stays below a thousandth of the
+//! frequency.
 //!
-//! With single dampers there are no such σ: `damped_step` looks at the state as a whole. Where the
-//! states are too many or too large, [`FrequencyBound`] stands in: with all s in an ellipse, or |k| and
-//! |c − α − β k| of all modes bounded, the step is taken at which every one of them is admissible. Without friction that
-//! is h² k + 2 h c ≤ 4 and a guarantee; with friction too, where c and k follow from each other; with
-//! both friction and single dampers a mode of the scheme is compared to that of the physics with the
-//! same k and c, whose shape may differ.
+//! With discrete dampers there are no such σ: `damped_step` examines the state as a whole. Where the states are too
+//! many or too large, [`FrequencyBound`] replaces them: with all s in an ellipse, or |k| and |c − α − β k| of all modes
+//! bounded, the step is taken at which every one of them is admissible. Without friction that condition is h² k + 2 h c
+//! ≤ 4 and a guarantee; it is also a guarantee with friction where c and k follow from each other. With both friction
+//! and discrete dampers a mode of the scheme is compared to that of the physics with the same k and c, whose shape may
+//! differ.
 
 use super::complex::{from_polar, modulus, root};
 use super::eigenvalues::{Solver, by_schur, eigenvalues};
@@ -24,34 +23,34 @@ use crate::contact::{ContactState, Joined, all_states};
 use crate::model::{Damping, LinearModel, LumpedModel};
 use nalgebra::Complex;
 
-/// Up to this many contacts all contact states are looked at; beyond, a bound stands in.
+/// Largest number of contacts for which all contact states are examined; for more, a bound replaces them.
 const MAX_ENUMERATED_CONTACTS: usize = 6;
-/// And up to this much work: n³ for each state, more of it with single dampers.
+/// Largest amount of work for which all contact states are examined: n³ for each state, more with discrete dampers.
 const MAX_WORK: f64 = 3e7;
 const MAX_DAMPED_WORK: f64 = 3e5;
-/// How much faster than the physics a complex mode may grow, in parts of |λ|.
+/// Spurious growth rate of a complex mode that is accepted, in parts of |λ|.
 pub(super) const INVENTED_GROWTH: f64 = 1e-3;
 
-/// The largest step, s, at which the scheme makes no mode of any contact state grow that does not.
+/// The largest step, s, at which the scheme lets no mode of any contact state grow that does not grow physically.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CriticalStep {
     /// h_c, s.
     pub step: f64,
-    /// Where it comes from.
+    /// Origin of the limit.
     pub origin: Origin,
 }
 
-/// Where a critical step comes from.
+/// The origin of a critical step.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Origin {
     /// A mode of this contact state.
     State {
         /// The state.
         states: Vec<ContactState>,
-        /// Has the mode coalesced with another (or is it real)?
+        /// `true` if the mode has coalesced with another, `false` if it is real.
         coalesced: bool,
     },
-    /// A norm that no eigenvalue of any contact state exceeds: the true limit is not smaller.
+    /// A norm that no eigenvalue of any contact state exceeds: the true limit is not smaller than the step.
     Bound,
 }
 
@@ -74,8 +73,8 @@ impl std::fmt::Display for CriticalStep {
 /// The critical step of a model, over all its contact states, with the greatest µ that each contact can have in slip.
 ///
 /// # Errors
-/// A state whose eigenvalues are not found; many contacts that share masses and have so much friction that no bound
-/// is known.
+/// Returns an error if the eigenvalues of a state are not found, or if many contacts share masses and have so much
+/// friction that no bound is known.
 pub fn critical_step(model: &LumpedModel) -> Result<CriticalStep, Error> {
     let friction = model.with_greatest_friction();
     if can_be_enumerated(model) {
@@ -92,7 +91,7 @@ pub fn critical_step(model: &LumpedModel) -> Result<CriticalStep, Error> {
     Ok(CriticalStep { step, origin: Origin::Bound })
 }
 
-/// A step, s, that is not above the critical one; `None` where none is known.
+/// A step, s, that is known not to exceed the critical one; `None` where none is known.
 pub(super) fn bound(model: LinearModel<'_>) -> Option<f64> {
     let sizes = FrequencyBound::new(model)?.at(model);
     let (most, damping) = (sizes.largest_square(), model.model().damping);
@@ -103,7 +102,7 @@ pub(super) fn bound(model: LinearModel<'_>) -> Option<f64> {
     })
 }
 
-/// The critical step from each contact state.
+/// The critical step as the least limit of all contact states.
 pub(super) fn over_all_states(model: LinearModel<'_>) -> Result<CriticalStep, Error> {
     let mut critical = CriticalStep { step: f64::INFINITY, origin: Origin::Bound };
     for states in states_of(model.model()) {
@@ -125,8 +124,8 @@ fn states_of(model: &LumpedModel) -> impl Iterator<Item = Vec<ContactState>> {
     all.filter(|states| states.iter().all(|state| model.law.allows(*state)))
 }
 
-/// Is a step (s) known to be at most the critical one of a model? Each state is asked for this step alone, and only the
-/// states that `concerns` picks: the others are known to admit it.
+/// `true` if a step (s) is known to be at most the critical one of a model. Each state is examined for this step alone,
+/// and only the states that `concerns` picks: the others are known to admit it.
 pub(super) fn is_reached(
     step: f64,
     model: LinearModel<'_>,
@@ -146,7 +145,7 @@ pub(super) fn is_reached(
     })
 }
 
-/// Is a step at most the largest one of each mode of a state?
+/// `true` if a step is at most the largest one of each mode of a state.
 fn state_reaches(
     step: f64,
     model: LinearModel<'_>,
@@ -156,13 +155,13 @@ fn state_reaches(
         let reduced = model.reduced(states);
         return reduced.map_or(Ok(true), |reduced| damped_step::reaches(step, &reduced));
     }
-    // The other one of a pair has the same limit.
+    // The other eigenvalue of a pair has the same limit.
     let squares = squares(model, states, eigenvalues)?;
     let mut squares = squares.into_iter().filter(|square| square.im >= 0.0);
     Ok(squares.all(|square| mode_reaches(step, model.model().damping, square)))
 }
 
-/// Are the model's states few and small enough to look at all of them?
+/// `true` if the model's states are few and small enough to examine all of them.
 pub(super) fn can_be_enumerated(model: &LumpedModel) -> bool {
     let contacts = model.contacts.len();
     #[allow(clippy::cast_precision_loss)]
@@ -171,12 +170,12 @@ pub(super) fn can_be_enumerated(model: &LumpedModel) -> bool {
     contacts <= MAX_ENUMERATED_CONTACTS && work() <= most
 }
 
-/// `true` where some contact has friction.
+/// `true` if some contact has friction.
 pub(super) fn has_friction(model: LinearModel<'_>) -> bool {
     model.friction().any(|friction| friction.coefficient != 0.0)
 }
 
-/// The largest steps of a state's modes, and whether those have coalesced.
+/// The largest steps of a state's modes, each with `true` if the mode has coalesced.
 pub(super) fn limits(
     model: LinearModel<'_>,
     states: &[ContactState],
@@ -235,12 +234,12 @@ fn mode_limit(damping: Damping, square: Complex<f64>) -> f64 {
     step_search::largest(end, |step| is_admissible(step, rate, square))
 }
 
-/// Is a step at most the largest one of a mode?
+/// `true` if a step is at most the largest one of a mode.
 fn mode_reaches(step: f64, damping: Damping, square: Complex<f64>) -> bool {
     if square.im == 0.0 {
         return step <= mode_limit(damping, square);
     }
-    // Of modes that are about to coalesce rounding decides whether they are real: both limits are asked for.
+    // Rounding decides whether modes that are about to coalesce are real: both limits are required.
     let is_nearly_real = square.im.abs() <= 1e-6 * square.re.abs();
     if is_nearly_real && step > mode_limit(damping, Complex::new(square.re, 0.0)) {
         return false;
@@ -250,12 +249,13 @@ fn mode_reaches(step: f64, damping: Damping, square: Complex<f64>) -> bool {
     step_search::reaches(step, end, |step| is_admissible(step, rate, square))
 }
 
-/// No larger step of a complex mode is admissible, s.
+/// Upper bound of the admissible steps of a complex mode, s.
 fn end_of_complex(square: Complex<f64>) -> f64 {
     2.0 / modulus(square).sqrt()
 }
 
-/// Does the scheme make a mode λ² + c λ + s = 0 with c = `rate` grow as the physics does, or not at all?
+/// `true` if the scheme lets a mode λ² + c λ + s = 0 with c = `rate` grow no faster than the physics, but for
+/// [`INVENTED_GROWTH`].
 fn is_admissible(step: f64, rate: Complex<f64>, square: Complex<f64>) -> bool {
     let physical = roots(rate, square);
     let numerical =
@@ -272,7 +272,7 @@ fn roots(b: Complex<f64>, c: Complex<f64>) -> [Complex<f64>; 2] {
     [(-b + root) * 0.5, (-b - root) * 0.5]
 }
 
-/// Is the step admissible for every mode, real or complex, of up to these sizes? Without friction all
+/// `true` if the step is admissible for every mode, real or complex, of up to these sizes. Without friction all modes
 /// are real.
 pub(super) fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction: bool) -> bool {
     const ANGLES: u32 = 32;
@@ -283,7 +283,7 @@ pub(super) fn all_admissible(step: f64, damping: Damping, sizes: Sizes, friction
     let on_circle = |size: f64, angle: u32| {
         from_polar(size, std::f64::consts::PI * f64::from(angle) / f64::from(ANGLES))
     };
-    // Single dampers add to c anything up to their size, in any direction.
+    // Discrete dampers add to c any number up to their size, in any direction.
     let added = [1.0, 0.25, 0.0625].into_iter().flat_map(|part| {
         (0..2 * ANGLES).step_by(4).map(move |angle| on_circle(part * sizes.dampers, angle))
     });

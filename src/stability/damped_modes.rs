@@ -17,26 +17,27 @@ pub(super) fn all_eigenvalues(reduced: &ReducedMatrices) -> Result<Vec<Complex<f
     Ok(values.into_iter().map(|value| value * problem.unit).collect())
 }
 
-/// Eigenvalues below this part of the largest have lost digits to it.
+/// Eigenvalues below this part of the largest have lost digits to rounding.
 const SMALL: f64 = 1e-4;
-/// A double zero comes out of rounding as two values of up to this size, the root of rounding.
+/// Rounding splits a double zero into two values of up to this size, the square root of the rounding.
 const SPLIT: f64 = 1e-7;
-/// A step of Newton's that is longer than this part of the distance to the next eigenvalue may lead to that one.
+/// A Newton step that is longer than this part of the distance to the next eigenvalue may lead to that one.
 const NEAR: f64 = 0.3;
 /// Values that differ by less than this part of themselves, or by rounding, are those of equal parts of a structure.
 const TWINS: f64 = 1e-6;
 const ROUNDING: f64 = 1e-14;
-/// No more than the smallest ones are refined, each of which takes some times as long as a factorisation.
+/// Largest number of refined eigenvalues, the smallest ones; each refinement takes several times as long as a
+/// factorisation.
 const MOST_REFINED: usize = 16;
-/// A real part below this part of the largest eigenvalue is what rounding makes of zero in a mode that oscillates and that no
-/// damper sees: it neither grows nor decays.
+/// A real part below this part of the largest eigenvalue is the rounding of zero in a mode that oscillates without
+/// damping: it neither grows nor decays.
 const NO_GROWTH: f64 = 1e-13;
 
-/// λ² + λ C + K, both multiplied by M̃⁻¹, in a unit of time that makes them of one size.
+/// The quadratic problem λ² + λ C + K, both multiplied by M̃⁻¹, in a unit of time that gives them the same magnitude.
 pub struct QuadraticProblem {
     damping: DMatrix<f64>,
     stiffness: DMatrix<f64>,
-    /// The size of the eigenvalues, 1/s: they are those of the companion matrix times this.
+    /// Unit of the eigenvalues, 1/s: they are those of the companion matrix times this.
     pub unit: f64,
 }
 
@@ -44,7 +45,7 @@ impl QuadraticProblem {
     /// The problem of a contact state.
     ///
     /// # Errors
-    /// The mass matrix cannot be inverted, or an entry leaves the range of numbers.
+    /// Returns an error if the mass matrix cannot be inverted, or if an entry leaves the range of numbers.
     pub fn of(reduced: &ReducedMatrices) -> Result<Self, Error> {
         let ReducedMatrices { mass, damping, stiffness, .. } = reduced;
         let (stiffness, damping) = (per_mass(mass, stiffness)?, per_mass(mass, damping)?);
@@ -52,7 +53,7 @@ impl QuadraticProblem {
         Ok(Self { damping: damping / unit, stiffness: stiffness / unit / unit, unit })
     }
 
-    /// [[0, 1], [−K, −C]].
+    /// Companion matrix [[0, 1], [−K, −C]].
     #[must_use]
     pub fn companion(&self) -> DMatrix<f64> {
         let size = self.stiffness.nrows();
@@ -64,8 +65,8 @@ impl QuadraticProblem {
         DMatrix::from_fn(2 * size, 2 * size, entry)
     }
 
-    /// Gives small eigenvalues of the companion matrix the digits that large ones have taken from them, and takes for zero what
-    /// rounding makes of it.
+    /// Restores the digits of small eigenvalues of the companion matrix that large ones have taken from them, and sets
+    /// to zero those that are rounding of zero.
     pub fn refine(&self, values: &mut [Complex<f64>]) {
         let by_size =
             |one: &usize, other: &usize| modulus(values[*one]).total_cmp(&modulus(values[*other]));
@@ -80,7 +81,7 @@ impl QuadraticProblem {
         let (mut refined, mut pairs) = (0, Vec::new());
         for &at in &order[zeros..] {
             let value = found[at];
-            // Of a pair the one below is the other's conjugate.
+            // The lower one of a pair is the conjugate of the other.
             let is_other = |other: &Complex<f64>| value.im < 0.0 && *other == value.conj();
             if let Some(other) = found.iter().position(is_other) {
                 pairs.push([at, other]);
@@ -89,7 +90,7 @@ impl QuadraticProblem {
             let is_small = modulus(value) <= SMALL && refined < MOST_REFINED;
             refined += usize::from(is_small);
             let again = if is_small { self.again(value, &found, at) } else { None };
-            // What is neither known to be zero nor found again is not known any better.
+            // A value that is neither known to be zero nor found again is kept.
             let is_lost = again.is_none() && modulus(value) <= SPLIT;
             let better = if is_lost { Complex::ZERO } else { again.unwrap_or(value) };
             let is_real = better.im == 0.0 && again.is_some();
@@ -102,7 +103,7 @@ impl QuadraticProblem {
         }
     }
 
-    /// The value at a place among those that were found, with all its digits; `None` where they cannot be had.
+    /// The refined value at a place among those that were found; `None` where the refinement fails.
     fn again(
         &self,
         value: Complex<f64>,
@@ -117,7 +118,7 @@ impl QuadraticProblem {
         self.refined(value, far.copied().fold(f64::INFINITY, f64::min), count)
     }
 
-    /// How many eigenvalues are zero: of each motion that no spring holds one, and another one if no damper does.
+    /// Number of zero eigenvalues: one for each motion that no spring holds, and another one if no damper does.
     fn zeros(&self) -> usize {
         let complex = |matrix: &DMatrix<f64>| matrix.map(Complex::from);
         let stiffness = complex(&self.stiffness);
@@ -132,8 +133,8 @@ impl QuadraticProblem {
         2 * free - damped.values().into_iter().filter(|value| *value > floor).count()
     }
 
-    /// A root of det(λ² + λ C + K) that comes `count` times, by Newton's steps from one near it, the next one being so far away;
-    /// `None` where they lead elsewhere.
+    /// Refines a root of det(λ² + λ C + K) of multiplicity `count` by Newton's method from a start near it; `gap` is
+    /// the distance to the next one. `None` where the iteration leads elsewhere.
     #[allow(clippy::cast_precision_loss)]
     fn refined(&self, start: Complex<f64>, gap: f64, count: usize) -> Option<Complex<f64>> {
         const STEPS: usize = 4;
@@ -149,7 +150,7 @@ impl QuadraticProblem {
                 diagonal + self.damping[(row, column)]
             };
             let problem = DMatrix::from_fn(size, size, at).lu();
-            // Of a matrix that is singular to the last digit the value is the root.
+            // If the matrix is singular to the last digit, the value is the root.
             let Some(solved) = problem.solve(&DMatrix::from_fn(size, size, slope)) else { break };
             let step = -solved.trace().inv() * count as f64;
             if !step.is_finite() {

@@ -1,4 +1,4 @@
-//! The critical step of one contact state with single dampers, C̃ ≠ α M̃ + β K̃.
+//! The critical step of one contact state with discrete dampers, C̃ ≠ α M̃ + β K̃.
 //!
 //! A mode z, u of the scheme solves ((z − 1)² M̃ + h (z − 1) C̃ + h² z K̃) u = 0. With z = 1 + h s that is
 //! (s² M̃ + s (C̃ + h K̃) + K̃) u = 0: the physics with its damping C̃ raised to C̃ + h K̃, stepped by
@@ -20,7 +20,7 @@ use crate::Error;
 use crate::model::ReducedMatrices;
 use nalgebra::{Complex, DMatrix};
 
-/// The largest step (s) of a state, and whether a mode sets it that does not leave through −1.
+/// Returns the largest step (s) of a state, and `true` if the mode that sets it does not leave through −1.
 pub(super) fn limit(reduced: &ReducedMatrices) -> Result<(f64, bool), Error> {
     let Limits { through_minus_one, friction } = Limits::of(reduced, by_schur)?;
     let step = friction.map_or(through_minus_one, |friction| {
@@ -29,7 +29,7 @@ pub(super) fn limit(reduced: &ReducedMatrices) -> Result<(f64, bool), Error> {
     Ok((step, step < through_minus_one))
 }
 
-/// Is a step (s) at most the largest one of a state, but for rounding?
+/// `true` if a step (s) is at most the largest one of a state, but for rounding.
 pub(super) fn reaches(step: f64, reduced: &ReducedMatrices) -> Result<bool, Error> {
     let Limits { through_minus_one, friction } = Limits::of(reduced, eigenvalues::eigenvalues)?;
     Ok(friction.map_or(step <= through_minus_one, |friction| {
@@ -41,19 +41,19 @@ pub(super) fn reaches(step: f64, reduced: &ReducedMatrices) -> Result<bool, Erro
 struct Limits {
     /// The step at which a mode leaves the unit circle through −1, s.
     through_minus_one: f64,
-    /// Only where friction makes the matrices unsymmetric.
+    /// Limits of modes that may grow; `None` where friction leaves the matrices symmetric.
     friction: Option<WithFriction>,
 }
 
-/// A state in which modes may grow.
+/// A contact state with friction, in which modes may grow.
 struct WithFriction {
     /// M̃⁻¹ K̃, 1/s².
     stiffness: DMatrix<f64>,
     /// M̃⁻¹ C̃, 1/s.
     damping: DMatrix<f64>,
-    /// The eigenvalues λ of the physics, 1/s.
+    /// Eigenvalues λ of the physics, 1/s.
     physical: Vec<Complex<f64>>,
-    /// No larger step is admissible, s.
+    /// Upper bound of the admissible steps, s.
     end: f64,
     solver: Solver,
 }
@@ -82,7 +82,7 @@ impl Limits {
 }
 
 impl WithFriction {
-    /// Does no mode of the scheme grow faster than the physics at this step (s)?
+    /// `true` if no mode of the scheme grows faster than the physics at this step (s).
     fn admits(&self, step: f64) -> bool {
         // z = 1 + h s.
         let raised = &self.damping + &self.stiffness * step;
@@ -92,7 +92,7 @@ impl WithFriction {
     }
 }
 
-/// Does the scheme's mode z grow no faster than the physics?
+/// `true` if the scheme's mode z grows no faster than the physics.
 fn is_admissible(z: Complex<f64>, h: f64, physical: &[Complex<f64>]) -> bool {
     // Inside the circle nothing grows; divergence is the physics' own.
     if modulus(z) <= 1.0 || (z.re > 0.0 && z.im.abs() <= 1e-9 * modulus(z)) {

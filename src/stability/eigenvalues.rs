@@ -1,8 +1,8 @@
 //! Eigenvalues of a real matrix.
 //!
-//! Libraries are made for large matrices and take their time on those of some dozens of rows, of which
-//! there are many here: one for each contact state. So the textbook's way is written down for them:
-//! Householder reflections bring the matrix to Hessenberg form; Francis's implicit double-shift QR
+//! Libraries are made for large matrices and are slow on those of some dozens of rows, of which there are many here:
+//! one for each contact state. So the standard algorithms are written here: Householder reflections bring the matrix to
+//! Hessenberg form; Francis's implicit double-shift QR
 //! iteration splits that into blocks of one row or two (Golub and Van Loan, Matrix Computations, 4th
 //! ed., algorithms 7.4.2 and 7.5.1; exceptional shifts as in LAPACK's `dlahqr`). Both are orthogonal,
 //! so the eigenvalues are those of a matrix that differs from the given one by rounding.
@@ -11,14 +11,14 @@ use nalgebra::{Complex, DMatrix, Schur};
 use std::array::from_fn;
 use std::ops::Range;
 
-/// After so many sweeps without success the shift is another one: ordinary ones may circle.
+/// Number of iterations without success after which the shift is exceptional; ordinary shifts may cycle.
 const PATIENCE: u32 = 10;
-/// Sweeps for one eigenvalue before the iteration has failed; three are usual, and a hundred or two
-/// are met beside defective pairs that are nearly equal.
+/// Largest number of iterations for one eigenvalue; three are usual, and a hundred or two occur beside defective pairs
+/// that are nearly equal.
 const MAX_SWEEPS: u32 = 600;
 
-/// The eigenvalues of a square matrix, in the matrix's unit; both of a pair, one after the other. They are the same
-/// doubles on each machine. `None` where an entry is not finite, or the iteration does not converge.
+/// Returns the eigenvalues of a square matrix, in the matrix's unit; those of a pair follow each other. They are the
+/// same doubles on each machine. `None` where an entry is not finite, or the iteration does not converge.
 #[must_use]
 pub fn eigenvalues(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     let size = matrix.nrows();
@@ -49,11 +49,11 @@ pub fn eigenvalues(mut matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(found)
 }
 
-/// The eigenvalues by nalgebra's Schur decomposition, which takes twice as long. The printed critical step is made of these: where
-/// contact states have equal limits, rounding picks the state that is named.
+/// Returns the eigenvalues by nalgebra's Schur decomposition, which takes twice as long. The printed critical step is
+/// based on them: where contact states have equal limits, rounding picks the state that is named.
 pub(super) fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
-    // The iteration has no exceptional shifts: once in some ten thousand matrices it goes in circles.
-    // The transpose, which has the same eigenvalues, and a looser criterion lead out.
+    // The iteration has no exceptional shifts: for about one in ten thousand matrices it cycles. The transpose, which
+    // has the same eigenvalues, and a looser criterion end the cycle.
     let both = [matrix.transpose(), matrix];
     let precisions = [1.0, 64.0, 4096.0].map(|looser| looser * f64::EPSILON).into_iter();
     let mut attempts =
@@ -64,7 +64,7 @@ pub(super) fn by_schur(matrix: DMatrix<f64>) -> Option<Vec<Complex<f64>>> {
     Some(schur.complex_eigenvalues().iter().copied().collect())
 }
 
-/// A way to find all eigenvalues.
+/// A function that finds all eigenvalues.
 pub(super) type Solver = fn(DMatrix<f64>) -> Option<Vec<Complex<f64>>>;
 
 /// A square matrix, column after column.
@@ -147,7 +147,7 @@ impl Columns<'_> {
         let (first, mut vector) = self.first_column(start, end, shift);
         if let Some((factor, _)) = reflector(&mut vector) {
             if first > start {
-                // What this puts below the entry is negligible: so the row was chosen.
+                // The entry below becomes negligible, by the choice of the row.
                 let before = self.at(first, first - 1) * (1.0 - factor * vector[0] * vector[0]);
                 self.set(first, first - 1, before);
             }
@@ -218,8 +218,8 @@ impl Columns<'_> {
     }
 }
 
-/// Makes x the vector v for which (I − factor v vᵀ) x has only a first entry, and gives the factor and
-/// that entry; `None` where x has only that already.
+/// Turns x into the vector v for which (I − factor v vᵀ) x has only a first entry; returns the factor and that entry.
+/// `None` where x has only a first entry already.
 fn reflector(x: &mut [f64]) -> Option<(f64, f64)> {
     let rest = x[1..].iter().fold(0.0_f64, |largest, value| largest.max(value.abs()));
     if rest < f64::MIN_POSITIVE {

@@ -1,5 +1,5 @@
-//! Bounds of what M̃⁻¹ K̃ and M̃⁻¹ D̃ can be in any contact state, for models whose states are too many
-//! or too large to look at one by one.
+//! Bounds of M̃⁻¹ K̃ and M̃⁻¹ D̃ over all contact states, for models whose states are too many or too large to examine
+//! one by one.
 
 use super::complex::from_polar;
 #[cfg(test)]
@@ -8,15 +8,15 @@ use super::oblique_projection::{ContactGroup, groups};
 use crate::model::{LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::Complex;
 
-/// What no mode of any contact state exceeds.
+/// Bounds of the modes of all contact states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Sizes {
-    /// Of the stiffness, 1/s²: |s| for the eigenvalues s of M̃⁻¹ K̃ or, with single dampers, |uᴴ K u|
-    /// for the shapes u of the modes, masses scaled to one.
+    /// Bound of the stiffness, 1/s²: of |s| for the eigenvalues s of M̃⁻¹ K̃ or, with discrete dampers, of |uᴴ K u| for
+    /// the shapes u of the modes, masses scaled to one.
     pub(super) square: f64,
-    /// Of the single dampers, 1/s: |uᴴ D u|.
+    /// Bound of the discrete dampers, 1/s: of |uᴴ D u|.
     pub(super) dampers: f64,
-    /// Where the eigenvalues s lie, without single dampers.
+    /// The ellipse that contains the eigenvalues s, without discrete dampers.
     pub(super) ellipse: Option<Ellipse>,
 }
 
@@ -24,7 +24,7 @@ pub(super) struct Sizes {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Ellipse {
     foci: [f64; 2],
-    /// The longer axis against the distance of the foci.
+    /// Ratio of the longer axis to the distance of the foci.
     stretch: f64,
 }
 
@@ -36,7 +36,7 @@ impl Ellipse {
         middle.abs() + self.stretch * half
     }
 
-    /// Does it enclose this number, but for rounding?
+    /// `true` if the ellipse encloses this number, but for rounding.
     #[cfg(test)]
     pub(super) fn encloses(self, s: Complex<f64>) -> bool {
         let [from, to] = self.foci;
@@ -44,7 +44,7 @@ impl Ellipse {
         sum <= self.stretch * (to - from) + 1e-6 * to
     }
 
-    /// A point of the ellipse of this size in parts about the same middle, at this angle of its parameter, rad.
+    /// A point of the concentric ellipse scaled by `part`, at this angle of its parameter, rad.
     pub(super) fn point(self, part: f64, angle: f64) -> Complex<f64> {
         let [from, to] = self.foci;
         let half = 0.5 * (to - from) * part;
@@ -54,7 +54,7 @@ impl Ellipse {
     }
 }
 
-/// Bounds over all contact states, cheap to ask again as µ changes.
+/// Bounds over all contact states, cheap to evaluate again as µ changes.
 ///
 /// *Contacts that share no mass, along degrees of freedom, and no single dampers*: in every contact
 /// state the entries of M̃⁻¹ K̃ are in size at most those of the non-negative matrix B: the rows of
@@ -72,15 +72,15 @@ impl Ellipse {
 /// and the longer axis ‖P‖ (κ₁ − κ₀), and friction alone takes it off the real axis.
 #[derive(Clone, Debug)]
 pub(super) struct FrequencyBound {
-    /// (B d)ᵢ / dᵢ: the part without µ, the factor of µ, and whose µ.
+    /// Terms of (B d)ᵢ / dᵢ: the part without µ, the factor of µ, and the contact whose µ applies.
     rows: Vec<(f64, f64, usize)>,
     /// ‖D‖, 1/s.
     dampers: f64,
-    /// κ₀ and κ₁, 1/s²; `None` with single dampers.
+    /// κ₀ and κ₁, 1/s²; `None` with discrete dampers.
     foci: Option<[f64; 2]>,
-    /// Have `rows` µ in them? Else ‖P‖ stretches them.
+    /// `true` if `rows` include µ. Otherwise ‖P‖ scales them.
     has_friction: bool,
-    /// Contacts that share masses.
+    /// The groups of contacts that share masses.
     groups: Vec<ContactGroup>,
 }
 
@@ -107,17 +107,17 @@ impl FrequencyBound {
         Some(Self { rows, dampers: 0.0, foci, has_friction: false, groups })
     }
 
-    /// The bound of the single dampers against that of the stiffness, s: the same at every µ.
+    /// Ratio of the bound of the discrete dampers to that of the stiffness, s: the same at every µ.
     pub(super) fn dampers_against_stiffness(&self) -> f64 {
         if self.dampers == 0.0 {
             return 0.0;
         }
-        // With single dampers µ is in the groups alone, which stretch both.
+        // With discrete dampers µ is in the groups alone, which scale both.
         self.dampers / largest(&self.rows)
     }
 
     /// The bounds with the model's present µ; `model` is the one they were made for, but for its friction. Infinite
-    /// where nothing is known.
+    /// where no bound is known.
     pub(super) fn at(&self, model: LinearModel<'_>) -> Sizes {
         let mu = |contact: usize| model.friction_of(contact).coefficient;
         let square = self.rows.iter().fold(0.0, |largest, &(own, drag, contact)| {
@@ -142,13 +142,13 @@ impl Sizes {
     }
 }
 
-/// The largest (B d)ᵢ / dᵢ, of rows without µ.
+/// The largest (B d)ᵢ / dᵢ, without the terms of µ.
 fn largest(rows: &[(f64, f64, usize)]) -> f64 {
     rows.iter().fold(0.0, |largest, row| f64::max(largest, row.0))
 }
 
-/// A number that no eigenvalue of M⁻¹ K is below, of which none is above `most`, 1/s²: those of `most` − M⁻¹ K, which has no
-/// negative one, are bounded as above.
+/// A lower bound of the eigenvalues of M⁻¹ K, of which none is above `most`, 1/s²: the eigenvalues of `most` − M⁻¹ K,
+/// none of which is negative, are bounded as above.
 fn least(stiffness: &SparseMatrix, mass: &[f64], most: f64) -> f64 {
     let entries = stiffness.entries().map(|(i, j, k)| (i, j, -k));
     let diagonal = mass.iter().enumerate().map(|(i, m)| (i, i, most * m));
@@ -156,8 +156,8 @@ fn least(stiffness: &SparseMatrix, mass: &[f64], most: f64) -> f64 {
     most - largest(&collatz_wielandt(&below, mass, &vec![None; mass.len()], &[]))
 }
 
-/// A frequency that no mode without friction exceeds, rad/s, in any contact state: contacts that hold only
-/// take freedom away. `None` for a full mass matrix. In a fixed order of plain operations, so that it is the
+/// An upper bound of the frequencies of modes without friction, rad/s, in any contact state: constraints of contacts
+/// only lower them. `None` for a full mass matrix. The operations are plain and in a fixed order, so the result is the
 /// same double on each machine.
 pub(super) fn frictionless(model: &LumpedModel) -> Option<f64> {
     let mass = model.mass.as_diagonal()?;
@@ -165,8 +165,8 @@ pub(super) fn frictionless(model: &LumpedModel) -> Option<f64> {
     Some(largest(&rows).sqrt())
 }
 
-/// The normal degree of freedom and the contact of each degree of freedom that is a tangent, if all
-/// contacts lie along degrees of freedom of their own.
+/// The normal degree of freedom and the contact of each degree of freedom that is a tangent; `None` unless all contacts
+/// lie along degrees of freedom of their own.
 fn uncoupled(model: &LumpedModel) -> Option<Vec<Option<(usize, usize)>>> {
     let mut dragged_by = vec![None; model.dofs()];
     let mut used = vec![false; model.dofs()];

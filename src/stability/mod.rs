@@ -1,18 +1,18 @@
 //! Stability of the contact states: complex eigenvalues, and the largest step of the scheme.
 //!
-//! | file | what it finds |
+//! | file | contents |
 //! | --- | --- |
 //! | `complex` | modulus, root and logarithm of a complex number, the same on each machine |
 //! | `critical_step` | the largest step of the explicit scheme |
-//! | `damped_step` | the same for a state with single dampers |
+//! | `damped_step` | the largest step for a state with discrete dampers |
 //! | `step_search` | the largest step that fulfils a condition |
 //! | `step_guard` | refuses steps above the critical one during a run |
 //! | `frequency_bound` | bounds over all contact states |
-//! | `oblique_projection` | how far friction leans motions in any contact state |
+//! | `oblique_projection` | the angle by which friction inclines the projection of motions in any contact state |
 //! | `eigenvalues` | the eigenvalues of a matrix |
 //! | `reduced_problem` | the eigenvalue problem of one contact state |
-//! | `damped_modes` | the full problem where there are single dampers |
-//! | `symmetry` | which states of a ring are alike; waves in place of the whole ring |
+//! | `damped_modes` | the full eigenvalue problem with discrete dampers |
+//! | `symmetry` | equivalent states of a ring; waves in place of the whole ring |
 //! | `spectrum` | the eigenvalues of one contact state, without shapes |
 
 #[cfg(test)]
@@ -30,8 +30,8 @@ pub use step_guard::StepGuard;
 
 use crate::model::LumpedModel;
 
-/// A frequency that no mode without friction exceeds, rad/s, in any contact state; `None` for a full mass
-/// matrix. The same double on each machine.
+/// An upper bound of the frequencies of modes without friction, rad/s, in any contact state; `None` for a full mass
+/// matrix. The result is the same double on each machine.
 #[must_use]
 pub fn highest_frequency(model: &LumpedModel) -> Option<f64> {
     frequency_bound::frictionless(model)

@@ -1,14 +1,14 @@
-//! How far friction leans the projection P of accelerations onto the motions that a contact state allows.
+//! Inclination by friction of the projection P of accelerations onto the motions that a contact state allows.
 //!
-//! With masses scaled to one, closed contacts hold the directions G: normals, and the tangents of those that stick. Their
-//! forces act along F: of a contact that slides n ± µ t. P = 1 − F (Gᵀ F)⁻¹ Gᵀ; ‖P‖ = √(1 + tan² θ), where θ is the largest
-//! angle between span F and span G. Contacts that share no mass, directly or through others, lean P each by
-//! itself, so ‖P‖ is the largest over groups of them.
+//! With masses scaled to one, closed contacts hold the directions G: normals, and the tangents of those that stick.
+//! Their forces act along F, which is n ± µ t for a contact that slides. P = 1 − F (Gᵀ F)⁻¹ Gᵀ; ‖P‖ = √(1 + tan² θ),
+//! where θ is the largest angle between span F and span G. Contacts that share no mass, directly or through others,
+//! incline P independently, so ‖P‖ is the largest over groups of them.
 //!
 //! | group | tan θ over all its states |
 //! | --- | --- |
 //! | a contact alone | the closed form of [`alone`] |
-//! | up to four contacts | each of the 4ⁿ states is looked at |
+//! | up to four contacts | the largest of the 4ⁿ states |
 //! | directions of rank two | a contact alone: two that hold together leave no motion, or act as one |
 //! | any other | [`Coupling`] |
 
@@ -17,10 +17,10 @@ use crate::model::{Contact, Direction};
 use crate::numerics::bisect;
 use nalgebra::{DMatrix, DVector};
 
-/// Up to this many contacts that share masses are looked at in all their states.
+/// Largest number of contacts that share masses and are examined in all their states.
 const MAX_ENUMERATED: usize = 4;
 
-/// Contacts that share masses.
+/// A group of contacts that share masses.
 #[derive(Clone, Debug)]
 pub(super) struct ContactGroup {
     contacts: Vec<usize>,
@@ -29,7 +29,7 @@ pub(super) struct ContactGroup {
     states: States,
 }
 
-/// How the states of a group are looked at.
+/// The way in which the states of a group are examined.
 #[derive(Clone, Copy, Debug)]
 enum States {
     Each,
@@ -37,7 +37,7 @@ enum States {
     Together(Coupling),
 }
 
-/// What bounds tan θ in all states of any number of contacts.
+/// Bound of tan θ over all states of any number of contacts.
 ///
 /// Split the coordinates into private ones, q, and shared ones, so that the private parts of the contacts are
 /// orthogonal to each other. Write a force of a state as r + z: r = Σ f n of the contacts that slide, and what
@@ -66,11 +66,11 @@ impl Coupling {
     fn stretch(self, mu: f64) -> f64 {
         let (own, lean, shared) = (mu * mu * self.own, mu * self.lean, mu * mu * self.shared);
         let (room, root) = (1.0 - lean, shared.sqrt());
-        // Rounding must not make a bound of what has none.
+        // Rounding must not produce a bound where none exists.
         if shared >= 4.0 * room * (1.0 - 1e-9) {
             return f64::INFINITY;
         }
-        // Where the fraction is stationary: its derivative has this sign, and one root between zero and √Λ.
+        // Sign of the derivative of the fraction, which has one root between zero and √Λ.
         let rises = |xi: f64| {
             own * xi * xi * xi + (2.0 * (own + shared) - own * room) * xi < (own + shared) * root
         };
@@ -80,13 +80,13 @@ impl Coupling {
     }
 }
 
-/// The contacts in groups that share no degree of freedom. A group whose states nothing bounds has an infinite ‖P‖
+/// The contacts in groups that share no degree of freedom. A group without a bound for its states has an infinite ‖P‖
 /// wherever there is friction.
 pub(super) fn groups(contacts: &[Contact], mass: &[f64]) -> Vec<ContactGroup> {
     let dofs_of = |contact: &Contact| -> Vec<usize> {
         contact.normal.0.iter().chain(&contact.tangent.0).map(|part| part.0).collect()
     };
-    // Every contact begins alone; whoever meets on a degree of freedom merges.
+    // Every contact begins alone; contacts that meet on a degree of freedom merge.
     let mut group_of: Vec<usize> = (0..contacts.len()).collect();
     let mut members: Vec<Vec<usize>> = (0..contacts.len()).map(|contact| vec![contact]).collect();
     let mut first_on = vec![None; mass.len()];
@@ -141,8 +141,8 @@ impl States {
     }
 }
 
-/// With the degrees of freedom that only one contact touches as private coordinates; `None` where a normal has
-/// none of them.
+/// The coupling with the degrees of freedom that only one contact touches as private coordinates; `None` where a normal
+/// has no such component.
 fn private(directions: &[[DVector<f64>; 2]]) -> Option<Coupling> {
     let mut users = vec![0_usize; directions[0][0].len()];
     for [normal, tangent] in directions {
@@ -165,8 +165,8 @@ fn private(directions: &[[DVector<f64>; 2]]) -> Option<Coupling> {
     Some(Coupling { own: ratio, lean, shared: largest_eigenvalue(&shared) })
 }
 
-/// With what is orthogonal to all tangents as private coordinates. There the Gram matrix of the normals need only be at
-/// least diagonal: |Σ f n_q|² ≥ Σ e f². No part of a tangent is private.
+/// The coupling with the complement of all tangents as private coordinates. There the Gram matrix of the normals need
+/// only be bounded below by a diagonal: |Σ f n_q|² ≥ Σ e f². No part of a tangent is private.
 fn beside_tangents(directions: &[[DVector<f64>; 2]]) -> Coupling {
     let tangents: Vec<DVector<f64>> = directions.iter().map(|[_, t]| t.clone()).collect();
     let beside = null_space(&tangents, tangents[0].len());
@@ -188,7 +188,7 @@ fn beside_tangents(directions: &[[DVector<f64>; 2]]) -> Coupling {
     Coupling { own: 0.0, lean: 0.0, shared: largest_eigenvalue(&scaled.collect::<Vec<_>>()) }
 }
 
-/// Of the Gram matrix of these vectors, which is that of Σ v vᵀ.
+/// The largest eigenvalue of the Gram matrix of these vectors, which is that of Σ v vᵀ.
 fn largest_eigenvalue(vectors: &[DVector<f64>]) -> f64 {
     let used: Vec<usize> =
         (0..vectors[0].len()).filter(|&i| vectors.iter().any(|v| v[i] != 0.0)).collect();
@@ -203,7 +203,8 @@ fn largest_eigenvalue(vectors: &[DVector<f64>]) -> f64 {
 }
 
 impl ContactGroup {
-    /// The largest ‖P‖ over the group's contact states, with the friction of each contact; infinite where none is known.
+    /// The largest ‖P‖ over the group's contact states, with the friction of each contact; infinite where no bound is
+    /// known.
     pub(super) fn stretch(&self, mu: &dyn Fn(usize) -> f64) -> f64 {
         let most = |of: &dyn Fn(usize) -> f64| (0..self.contacts.len()).map(of).fold(0.0, f64::max);
         let mu = |i: usize| mu(self.contacts[i]);

@@ -33,16 +33,16 @@ pub fn stiffness_eigenvalues(
     Ok(found.into_iter().map(|sigma| cleaned(sigma, floor)).collect())
 }
 
-/// What rounding leaves of an eigenvalue zero, 1/s².
+/// Magnitude of the rounding of a zero eigenvalue, 1/s².
 #[must_use]
 pub fn rounding(operator: &DMatrix<f64>) -> f64 {
     let size = u32::try_from(operator.nrows()).unwrap_or(u32::MAX);
     f64::from(size) * f64::EPSILON * operator.amax()
 }
 
-/// A double real eigenvalue comes out of rounding as a pair that is complex by a little, and that of
-/// a motion which strains no spring as one that is not quite zero. Where two real ones do merge, this
-/// moves the place by the square of that little.
+/// Removes rounding from an eigenvalue σ. Rounding turns a double real eigenvalue into a pair with a small imaginary
+/// part, and the zero of a motion that strains no spring into a small number. Where two real eigenvalues do merge, this
+/// moves the place by the square of that small part.
 #[must_use]
 pub fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
     if modulus(sigma) <= floor {
@@ -55,10 +55,10 @@ pub fn cleaned(sigma: Complex<f64>, floor: f64) -> Complex<f64> {
 /// The most degrees of freedom that are analysed as one dense matrix: some seconds of work.
 const MAX_DENSE: usize = 1200;
 
-/// Refuses a model whose eigenvalues would take more than some seconds.
+/// Checks that the eigenvalues of a model take no more than some seconds.
 ///
 /// # Errors
-/// It has more than 1200 degrees of freedom.
+/// Returns an error if the model has more than 1200 degrees of freedom.
 pub fn check_size(model: &LumpedModel) -> Result<(), Error> {
     if model.dofs() <= MAX_DENSE {
         return Ok(());
@@ -70,12 +70,12 @@ pub fn check_size(model: &LumpedModel) -> Result<(), Error> {
     )))
 }
 
-/// A matrix with the eigenvalues of M̃⁻¹ K̃, and what each component of its eigenvectors w is to be
-/// multiplied by to give those of M̃⁻¹ K̃. Where M̃ is diagonal it is M̃^-½ K̃ M̃^-½, which keeps the
-/// digits of low modes where masses differ by orders of magnitude.
+/// A matrix with the eigenvalues of M̃⁻¹ K̃, and the factors that turn the components of its eigenvectors w into those
+/// of M̃⁻¹ K̃. Where M̃ is diagonal it is M̃^-½ K̃ M̃^-½, which keeps the digits of low modes where masses differ by
+/// orders of magnitude.
 ///
 /// # Errors
-/// M̃ is singular, or an entry leaves the range of numbers.
+/// Returns an error if M̃ is singular, or if an entry leaves the range of numbers.
 pub fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), Error> {
     let ReducedMatrices { mass, stiffness, .. } = reduced;
     let size = mass.nrows();
@@ -94,7 +94,7 @@ pub fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), E
 /// M̃⁻¹ A.
 ///
 /// # Errors
-/// M̃ is singular, or an entry leaves the range of numbers.
+/// Returns an error if M̃ is singular, or if an entry leaves the range of numbers.
 pub fn per_mass(mass: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
     let quotient = mass.clone().lu().solve(matrix).ok_or_else(|| {
         Error::analysis("the masses that this contact state leaves free cannot be accelerated")
@@ -112,7 +112,7 @@ fn finite(matrix: &DMatrix<f64>) -> Result<(), Error> {
     ))
 }
 
-/// `Real`, or which of a conjugate pair an eigenvalue of a real problem is.
+/// The kind of an eigenvalue of a real problem: real, or one of a conjugate pair.
 pub enum EigenvalueKind {
     /// The one of a conjugate pair with Im λ > 0.
     Oscillating,
@@ -126,7 +126,7 @@ impl EigenvalueKind {
     /// The kind of an eigenvalue λ.
     #[must_use]
     pub fn of(eigenvalue: Complex<f64>) -> Self {
-        // Below this part of |λ| an imaginary part is what rounding leaves of zero.
+        // Below this part of |λ| an imaginary part is the rounding of zero.
         if eigenvalue.im.abs() <= 1e-9 * modulus(eigenvalue) {
             Self::Real
         } else if eigenvalue.im > 0.0 {

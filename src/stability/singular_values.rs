@@ -1,9 +1,9 @@
 //! Singular values and vectors of small complex matrices, by one-sided Jacobi rotations.
 //!
-//! Columns are turned in pairs until all are at right angles: A V = W. The norms of W's columns are the singular
-//! values, and V's columns the vectors on the right (Hestenes 1958, J. SIAM 6, 51). That takes some times as long as
-//! the way through a bidiagonal matrix, and is simple enough to be right: nalgebra 0.35 gives, for about one
-//! singular complex matrix of a hundred, vectors on the left that are none.
+//! Columns are rotated in pairs until all are orthogonal: A V = W. The norms of W's columns are the singular values,
+//! and V's columns the right singular vectors (Hestenes 1958, J. SIAM 6, 51). The method takes several times as long as
+//! the reduction to a bidiagonal matrix, but is simple and reliable: nalgebra 0.35 returns wrong left vectors for about
+//! one singular complex matrix in a hundred.
 
 use super::complex::modulus;
 use nalgebra::DVector;
@@ -11,23 +11,23 @@ use nalgebra::{Complex, DMatrix};
 
 type Matrix = DMatrix<Complex<f64>>;
 
-/// Sweeps over all pairs; five to ten are enough.
+/// Largest number of sweeps over all pairs; five to ten are enough.
 const SWEEPS: usize = 60;
 
 /// The singular values and right vectors of a complex matrix A, from A V = W.
 pub struct SingularValues {
-    /// W, columns at right angles.
+    /// W, with orthogonal columns.
     turned: Matrix,
     /// V, unitary.
     turn: Matrix,
 }
 
 impl SingularValues {
-    /// `None` for what is not finite.
+    /// Computes the singular values; `None` if an entry is not finite.
     pub fn of(matrix: Matrix) -> Option<Self> {
         let mut turn = Matrix::identity(matrix.ncols(), matrix.ncols());
         let mut turned = matrix;
-        // Below this a column is rounding, which has no direction to be at right angles with.
+        // A column below this norm is rounding, and its direction has no meaning.
         let rounding = turned.norm() * f64::EPSILON;
         if !rounding.is_finite() {
             return None;
@@ -55,12 +55,12 @@ impl SingularValues {
         self.turned.column_iter().map(|column| column.norm()).collect()
     }
 
-    /// The largest; zero of a matrix without columns.
+    /// The largest singular value; zero of a matrix without columns.
     pub fn most(&self) -> f64 {
         self.values().into_iter().fold(0.0, f64::max)
     }
 
-    /// The vectors on the right of the smallest values, as columns.
+    /// The right singular vectors of the `count` smallest values, as columns.
     pub fn least_vectors(&self, count: usize) -> Matrix {
         let values = self.values();
         let mut order: Vec<usize> = (0..values.len()).collect();
@@ -68,7 +68,7 @@ impl SingularValues {
         self.turn.select_columns(&order[..count])
     }
 
-    /// The shortest x with the least |A x − b|; values up to `nothing` are taken for zero.
+    /// The shortest x with the least |A x − b|; singular values up to `nothing` count as zero.
     pub fn least_squares(&self, b: &DVector<Complex<f64>>, nothing: f64) -> DVector<Complex<f64>> {
         let parts = self.turned.ad_mul(b);
         let values = self.values();
@@ -84,12 +84,12 @@ impl SingularValues {
 struct Rotation {
     cosine: f64,
     sine: f64,
-    /// ē: q is turned by this first, so that pᴴ q is real.
+    /// ē, the phase by which q is multiplied first, so that pᴴ q is real.
     phase: Complex<f64>,
 }
 
 impl Rotation {
-    /// What puts two columns at right angles, where they are not.
+    /// The rotation that makes two columns orthogonal; `None` where they are.
     fn of(matrix: &Matrix, first: usize, second: usize, rounding: f64) -> Option<Self> {
         let (p, q) = (matrix.column(first), matrix.column(second));
         let product = p.dotc(&q);

@@ -55,15 +55,15 @@ impl Spectrum {
         found
     }
 
-    /// The largest growth rate, 1/s; −∞ where nothing can move.
+    /// The largest growth rate, 1/s; −∞ where no motion is possible.
     #[must_use]
     pub fn growth_rate(&self) -> f64 {
         let oscillating = self.oscillating.iter().map(|eigenvalue| eigenvalue.re);
         oscillating.chain(self.real.iter().copied()).fold(f64::NEG_INFINITY, f64::max)
     }
 
-    /// The eigenvalue with the largest growth rate, of a pair that with Im λ > 0; of equals the first that
-    /// oscillates, by frequency. `None` where nothing can move.
+    /// The eigenvalue with the largest growth rate, of a pair the one with Im λ > 0; among equals the first that
+    /// oscillates, by frequency. `None` where no motion is possible.
     #[must_use]
     pub fn fastest_growing(&self) -> Option<Complex<f64>> {
         let real = self.real.iter().map(|&value| Complex::new(value, 0.0));
@@ -71,7 +71,7 @@ impl Spectrum {
         all.reduce(|fastest, other| if other.re > fastest.re { other } else { fastest })
     }
 
-    /// Does anything grow?
+    /// `true` if any eigenvalue has a positive growth rate.
     #[must_use]
     pub fn unstable(&self) -> bool {
         self.growth_rate() > 0.0

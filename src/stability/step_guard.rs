@@ -9,35 +9,35 @@ use crate::Error;
 use crate::contact::ContactState;
 use crate::model::{Damping, LinearModel, LumpedModel, SlidingFriction};
 
-/// Refuses steps above the critical one, again and again as µ and the damping change. A question that was
-/// answered last time costs nothing. A bound is asked first. It costs one pass over the degrees of freedom where
-/// contacts share no masses, and allocates nothing there. After it has failed it is left out for some questions,
-/// and the states are asked at once. Of these only the ones are asked in which a contact slides whose friction has
-/// changed since all states last admitted the step. Each is asked whether it admits this step; its limit is found
-/// only for the message of a refusal.
+/// Check of a step against the critical one, repeated as µ and the damping change. A check with unchanged friction and
+/// damping costs nothing. A bound is evaluated first. It costs one pass over the degrees of freedom where contacts
+/// share no masses, and allocates nothing there. After it has failed it is left out for some checks, and the states are
+/// examined at once. Of these only those are examined in which a contact slides whose friction has changed since all
+/// states last admitted the step. Each is examined for this step alone; its limit is found only for the message of a
+/// refusal.
 #[derive(Clone, Debug)]
 pub struct StepGuard {
     step: f64,
     bound: Option<FrequencyBound>,
-    /// The damping that `admissible` belongs to.
+    /// The damping for which `admissible` was computed.
     damping: Damping,
-    /// The largest bound of the eigenvalues at which the step is admissible with friction, 1/s². That of
-    /// single dampers grows in proportion with it.
+    /// The largest bound of the eigenvalues at which the step is admissible with friction, 1/s². That of discrete
+    /// dampers grows in proportion with it.
     admissible: f64,
     /// The friction of each contact when all states were last found to admit the step, with `damping`.
     admitted: Option<Vec<SlidingFriction>>,
-    /// The friction of each contact with which the step was last admitted, with `damping`, if it has been since that changed.
+    /// The friction of each contact with which the step was last admitted; valid while `is_known`.
     last: Vec<SlidingFriction>,
     is_known: bool,
-    /// How often the states have been asked without the bound since it failed, and how often they are to be.
+    /// Number of checks without the bound since it failed, and the number after which the bound is evaluated again.
     left_out: u32,
     to_leave_out: u32,
 }
 
-/// After it has failed, the bound is left out for at most this many questions in a row.
+/// Largest number of successive checks that leave out the bound after it has failed.
 const MOST_LEFT_OUT: u32 = 63;
 
-/// By this part of itself rounding may move a limit. A step that is nearer to it is compared with the printed limit.
+/// Rounding may move a limit by this part of itself. A step that is nearer to it is compared with the printed limit.
 const ROUNDING: f64 = 1e-5;
 
 impl StepGuard {
@@ -73,8 +73,8 @@ impl StepGuard {
                 true,
             )
         };
-        // Single dampers make the question some dozens of times longer: from above most answers are a
-        // quick no, and each yes speaks for all smaller sizes.
+        // Discrete dampers make the check some dozens of times longer: a search from above rejects most sizes quickly,
+        // and the first admissible size covers all smaller ones.
         self.admissible = match dampers {
             0.0 => largest(end, admits),
             _ => {
@@ -90,7 +90,7 @@ impl StepGuard {
     /// `model` is the one that the guard was made for, but for its damping and its friction.
     ///
     /// # Errors
-    /// The step, the limit, and the state that sets it.
+    /// Returns an error with the step, the limit, and the state that sets it.
     pub fn check(&mut self, model: &LumpedModel) -> Result<(), Error> {
         let linear = model.with_greatest_friction();
         if self.damping != model.damping {
@@ -99,7 +99,7 @@ impl StepGuard {
         if self.is_known && linear.friction().eq(self.last.iter().copied()) {
             return Ok(());
         }
-        // Where states are not asked one by one, their bound is the only answer.
+        // Where states are not examined one by one, their bound is the only answer.
         let is_first = self.bound_is_due() || !can_be_enumerated(model);
         if (is_first && self.bound_suffices(linear))
             || self.states_admit(linear)
@@ -126,22 +126,22 @@ impl StepGuard {
         }))
     }
 
-    /// Takes note that the step is admitted with this friction.
+    /// Stores that the step is admitted with this friction.
     fn note(&mut self, model: LinearModel<'_>) {
         self.last.clear();
         self.last.extend(model.friction());
         self.is_known = true;
     }
 
-    /// Is the bound asked before the states this time? Where contacts share masses it takes as long as some states. So each
-    /// failure makes it rarer.
+    /// `true` if the bound is evaluated before the states this time; counts the checks without it. Where contacts share
+    /// masses it takes as long as some states. So each failure makes it rarer.
     fn bound_is_due(&mut self) -> bool {
         let is_due = self.left_out == self.to_leave_out;
         self.left_out = if is_due { 0 } else { self.left_out + 1 };
         is_due
     }
 
-    /// Is the bound enough to admit the step?
+    /// `true` if the bound is enough to admit the step.
     fn bound_suffices(&mut self, model: LinearModel<'_>) -> bool {
         let suffices = self.bound.as_ref().is_some_and(|bound| {
             let sizes = bound.at(model);
@@ -155,7 +155,7 @@ impl StepGuard {
         suffices
     }
 
-    /// Do all states admit the step? Takes note of it.
+    /// `true` if all states admit the step; their friction is then stored.
     fn states_admit(&mut self, model: LinearModel<'_>) -> bool {
         let before = self.admitted.as_deref();
         let is_new =

@@ -1,8 +1,8 @@
-//! The largest step that fulfils a condition together with all smaller ones, and whether it is above a given step.
+//! The largest step that fulfils a condition together with all smaller ones, and its comparison with a given step.
 
-/// Steps at which a condition is asked first, in equal distances.
+/// Number of equally spaced steps at which a condition is evaluated first.
 const GRID: u32 = 256;
-/// The largest step is found to this part of itself.
+/// Relative precision of the largest step.
 const PRECISION: f64 = 1e-6;
 
 /// The largest step below `end` up to which all steps fulfil a condition: on a grid, then refined.
@@ -10,14 +10,14 @@ pub(super) fn largest(end: f64, holds: impl Fn(f64) -> bool) -> f64 {
     narrowed(end, holds, |_, _| false)
 }
 
-/// Is a step above zero at most the one that [`largest`] finds? No step of the grid beyond the first one above it
-/// is asked for.
+/// `true` if a step above zero is at most the one that [`largest`] finds. The condition is evaluated at no step of the
+/// grid beyond the first one above it.
 pub(super) fn reaches(step: f64, end: f64, holds: impl Fn(f64) -> bool) -> bool {
     step <= end && narrowed(end, holds, |good, bad| good >= step || bad <= step) >= step
 }
 
-/// The largest step that is known to fulfil the condition. The search ends early when `is_enough` says so of this step
-/// and the smallest one that is known not to fulfil it.
+/// The largest step that is known to fulfil the condition. The search ends early when `is_enough` returns `true` for
+/// this step and the smallest one that is known not to fulfil it.
 fn narrowed(end: f64, holds: impl Fn(f64) -> bool, is_enough: impl Fn(f64, f64) -> bool) -> f64 {
     if !end.is_finite() {
         return end;

@@ -1,4 +1,4 @@
-//! What the symmetry of a ring of equal modules saves.
+//! The symmetry of a ring of equal modules, which reduces its eigenvalue problems.
 
 use super::reduced_problem::stiffness_eigenvalues;
 use crate::Error;
@@ -8,10 +8,10 @@ use crate::model::{LinearModel, LumpedModel, SparseMatrix};
 use nalgebra::Complex;
 use std::f64::consts::TAU;
 
-/// How contact states of a ring can be turned into each other.
+/// Transformations of contact states of a ring that keep the eigenvalues.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Symmetry {
-    /// Modules differ: every state stands for itself.
+    /// Modules differ: no two states are equivalent.
     None,
     /// All modules are equal: a state has the eigenvalues of its rotations and reflections.
     Ring,
@@ -42,7 +42,7 @@ impl Symmetry {
         if keeps(&turned) && keeps(&reflected) { Self::Ring } else { Self::None }
     }
 
-    /// The one state that stands for all that symmetry makes equal to this one.
+    /// The representative of all states that symmetry makes equivalent to this one.
     #[must_use]
     pub fn representative(self, states: &[ContactState]) -> Vec<ContactState> {
         let mut best = states.to_vec();
@@ -67,7 +67,7 @@ impl Symmetry {
 /// A part of the modes of a contact state that does not couple with the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SymmetrySector {
-    /// All of them.
+    /// All modes.
     Whole,
     /// The travelling waves exp(±2πi k j / n), j counting modules, of a ring of n equal modules in
     /// equal states: they make the matrices block-diagonal, and reflection makes the blocks
@@ -96,7 +96,7 @@ impl SymmetrySector {
         }
     }
 
-    /// How often its modes are there: waves that run either way are two.
+    /// Multiplicity of the modes: waves travel in both directions and count twice.
     #[must_use]
     pub fn copies(self) -> usize {
         match self {
@@ -105,7 +105,7 @@ impl SymmetrySector {
         }
     }
 
-    /// The eigenvalues σ of M̃⁻¹ K̃ of this part, 1/s², once.
+    /// The eigenvalues σ of M̃⁻¹ K̃ of this part, 1/s², each once.
     ///
     /// # Errors
     /// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.

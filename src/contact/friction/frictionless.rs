@@ -11,7 +11,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     sticks: false,
 };
 
-/// Nothing holds a contact but its normal. Slip has no direction then: a closed contact is said to slide.
+/// A law without friction. The slip then has no direction: the state of a closed contact is sliding.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frictionless;
 

@@ -1,11 +1,11 @@
-//! Friction whose direction is frozen: T = s µ N with the sign s of the surface's velocity, whichever way
-//! the mass moves.
+//! Friction with a fixed direction: T = s µ N with the sign s of the surface's velocity, independent of the direction
+//! in which the mass moves.
 
 use super::{Friction, FrictionLaw};
 use crate::contact::ContactState;
 
-/// A law without sticking: what the linearised analysis of uniform sliding assumes. Friction follows N with
-/// its sign, so a contact that is held in both directions has linear motion.
+/// A law without sticking, as the linearised analysis of uniform sliding assumes. Friction follows N with its sign, so
+/// a contact that is held in both directions has linear motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Frozen<L> {
     law: L,

@@ -1,7 +1,7 @@
-//! Laws of friction: what friction may be on a closed contact.
+//! Laws of friction on a closed contact.
 //!
-//! Each law is a file of its own, and a line of `register!`. A law may use the numbers of [`Friction`]; one
-//! that needs another number adds it there, to `[friction]` of a scene and to the catalogue of variables.
+//! Each law has a file of its own and a line of `register!`. A law may use the numbers of [`Friction`]; a number that a
+//! new law needs is added there, to `[friction]` of a scene and to the catalogue of variables.
 
 mod frozen;
 mod range;
@@ -11,18 +11,18 @@ pub use range::FrictionRange;
 
 use super::ContactState;
 
-/// The numbers that a contact's friction is made of. Laws that do not know one of them have no use for it.
+/// The parameters of a contact's friction. A law ignores the parameters that it does not use.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
-    /// µ_k ≥ 0, of a contact that slips.
+    /// Kinetic coefficient µ_k ≥ 0, for a contact that slips.
     pub kinetic: f64,
-    /// µ_s ≥ µ_k, of one that does not.
+    /// Static coefficient µ_s ≥ µ_k, for a contact that sticks.
     pub static_: f64,
-    /// v_s > 0, m/s: the slip velocity over which µ falls from µ_s towards µ_k.
+    /// Stribeck velocity v_s > 0, m/s: the slip velocity over which µ falls from µ_s towards µ_k.
     pub stribeck_velocity: f64,
 }
 
-/// One coefficient for all that a contact does.
+/// Takes one coefficient for both the static and the kinetic one.
 impl From<f64> for Friction {
     fn from(coefficient: f64) -> Self {
         Self::with_static(coefficient, coefficient)
@@ -30,56 +30,56 @@ impl From<f64> for Friction {
 }
 
 impl Friction {
-    /// µ_k and µ_s.
+    /// Friction with these coefficients µ_k and µ_s.
     #[must_use]
     pub fn with_static(kinetic: f64, static_: f64) -> Self {
         Self { kinetic, static_, stribeck_velocity: f64::INFINITY }
     }
 }
 
-/// What there is to know about a law before it is used.
+/// Description of a law: its name, its keys and its properties.
 #[derive(Clone, Copy, Debug)]
 pub struct LawInfo {
-    /// Its name in a scene.
+    /// Name of the law in a scene.
     pub name: &'static str,
-    /// The keys of `[friction]` that it needs.
+    /// The keys of `[friction]` that the law needs.
     pub keys: &'static [&'static str],
-    /// Its equation, for people.
+    /// Equation of the law, as text for readers.
     pub equation: &'static str,
-    /// How µ depends on the slip velocity, where it does. Where it does not, the law is that of µ and µ_s of
-    /// [`Friction`], which exact motion and the analyses take from there.
+    /// The dependence of µ on the slip velocity; `None` if µ does not depend on it. The law is then that of µ and µ_s
+    /// of [`Friction`], which event-driven motion and the analyses take from there.
     pub velocity_dependence: Option<VelocityDependence>,
-    /// Can a contact stick?
+    /// `true` if a contact can stick under the law.
     pub sticks: bool,
 }
 
 impl LawInfo {
-    /// Is the coefficient the same at all slip velocities? Then a contact state has linear motion.
+    /// `true` if the coefficient is the same at all slip velocities. A contact state then has linear motion.
     #[must_use]
     pub const fn is_constant(&self) -> bool {
         self.velocity_dependence.is_none()
     }
 }
 
-/// µ as a function of the slip velocity v_r (m/s), for whoever linearises it or asks what may happen.
+/// µ as a function of the slip velocity v_r (m/s), for analyses that linearise it or need its bounds.
 #[derive(Clone, Copy, Debug)]
 pub struct VelocityDependence {
-    /// µ(v_r).
+    /// Coefficient µ(v_r).
     pub friction: fn(Friction, f64) -> f64,
-    /// dµ/d|v_r|, s/m.
+    /// Slope dµ/d|v_r|, s/m.
     pub slope: fn(Friction, f64) -> f64,
-    /// ∂µ/∂µ_k and ∂µ/∂µ_s.
+    /// Derivatives ∂µ/∂µ_k and ∂µ/∂µ_s.
     pub by_coefficients: fn(Friction, f64) -> [f64; 2],
-    /// The greatest µ in slip.
+    /// The greatest µ of a contact that slips.
     pub greatest: fn(Friction) -> f64,
 }
 
-/// A law that says what friction is on a closed contact.
+/// A law that gives the friction on a closed contact.
 pub trait FrictionLaw: Copy {
-    /// Can friction hold a contact? Where not, nothing is asked of [`holds`](Self::holds).
+    /// `true` if friction can hold a contact. Otherwise [`holds`](Self::holds) is not evaluated.
     const STICKS: bool = true;
 
-    /// Has friction a direction, which a slip may be against?
+    /// `true` if friction has a direction, which a slip may oppose.
     const HAS_DIRECTION: bool = true;
 
     /// This law with its direction held fixed.
@@ -95,13 +95,13 @@ pub trait FrictionLaw: Copy {
         self
     }
 
-    /// Can friction be `holding` (N) on a contact that was in state `before` and presses with `normal` (N)?
+    /// `true` if friction can be `holding` (N) on a contact that was in state `before` and presses with `normal` (N).
     #[inline(always)]
     fn holds(self, holding: f64, normal: f64, _before: ContactState) -> bool {
         holding.abs() <= self.limit(normal)
     }
 
-    /// The size of T on a contact that slips and presses with `normal`, N.
+    /// Magnitude of T on a contact that slips and presses with `normal` (N), N.
     #[must_use]
     fn limit(self, normal: f64) -> f64;
 
@@ -117,7 +117,7 @@ pub trait FrictionLaw: Copy {
         }
     }
 
-    /// How far T may go on a contact that was in state `before`, over N.
+    /// The range of T/N on a contact that was in state `before`.
     #[inline(always)]
     #[must_use]
     fn range(self, _before: ContactState) -> FrictionRange {
@@ -125,12 +125,12 @@ pub trait FrictionLaw: Copy {
     }
 }
 
-/// Something that is done under a law that is known when it is compiled.
+/// A computation that is compiled for each law of friction.
 pub trait UnderLaw {
-    /// What comes of it.
+    /// Result of the computation.
     type Output;
 
-    /// Does it.
+    /// Runs the computation under the law `L`.
     fn under<L: FrictionLaw>(self) -> Self::Output;
 }
 
@@ -139,17 +139,17 @@ macro_rules! register {
         $(mod $file;)+
         $(pub use $file::$law;)+
 
-        /// The laws of friction that there are.
+        /// The available laws of friction.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         pub enum Law {
             $($(#[$doc])+ $law,)+
         }
 
         impl Law {
-            /// All of them.
+            /// All laws.
             pub const ALL: &'static [Self] = &[$(Self::$law),+];
 
-            /// What there is to know about it.
+            /// Description of the law.
             #[must_use]
             pub const fn info(self) -> LawInfo {
                 match self {
@@ -157,7 +157,7 @@ macro_rules! register {
                 }
             }
 
-            /// Does something under this law, or under the same with its direction frozen.
+            /// Runs a computation under this law, or under its form with a fixed direction if `sticking` is `false`.
             #[inline(always)]
             pub fn apply<W: UnderLaw>(self, sticking: bool, work: W) -> W::Output {
                 match (self, sticking) {
@@ -203,7 +203,7 @@ impl Law {
         self.info().velocity_dependence.map_or(friction.kinetic, |law| (law.greatest)(friction))
     }
 
-    /// The law of this name in a scene.
+    /// The law with this name in a scene; `None` if there is none.
     #[must_use]
     pub fn named(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|law| law.info().name == name)

@@ -14,7 +14,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     sticks: true,
 };
 
-/// Two coefficients.
+/// Static and kinetic friction with two coefficients.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StaticKinetic {
     kinetic: f64,
@@ -81,7 +81,7 @@ mod tests {
             [(3.0, (3.0, Stick)), (3.1, (3.0, Slide)), (-3.1, (-3.0, ReverseSlide))]
         {
             assert_eq!(friction(Coulomb(0.5), holding, 6.0, Slide), expected);
-            // One law, whichever way it is written.
+            // Coulomb's law is the same in both forms.
             let alike = StaticKinetic::new(0.5.into(), 1.0);
             assert_eq!(friction(alike, holding, 6.0, Slide), expected);
         }

@@ -1,7 +1,7 @@
 //! Friction that falls with the slip velocity (Stribeck): µ(v_r) = µ_k + (µ_s − µ_k) exp(−|v_r|/v_s);
 //! |T| ≤ µ_s N where the contact sticks, T = ±µ(v_r) N where it slips.
 //!
-//! Over a step µ is that of the slip velocity at its beginning, as damping is: of the scheme's first order.
+//! Over a step, µ is that of the slip velocity at its beginning, as for damping: an approximation of first order.
 
 use super::{Friction, FrictionLaw, Frozen, LawInfo, VelocityDependence};
 use crate::contact::ContactState;
@@ -25,7 +25,7 @@ pub(super) const INFO: LawInfo = LawInfo {
     sticks: true,
 };
 
-/// µ(v_r), and what it is now.
+/// The Stribeck law µ(v_r), with its value in the present step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Stribeck {
     friction: Friction,

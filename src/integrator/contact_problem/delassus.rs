@@ -11,7 +11,7 @@ type ContactBlock = [f64; 4];
 pub(in crate::integrator) struct Delassus {
     /// Each contact's own block.
     own: Vec<ContactBlock>,
-    /// Where the blocks of each contact with others begin in `others`.
+    /// Start of the blocks of each contact with others in `others`.
     offsets: Vec<usize>,
     /// The other contacts, ascending, with their blocks.
     others: Vec<(usize, ContactBlock)>,
@@ -20,7 +20,7 @@ pub(in crate::integrator) struct Delassus {
 }
 
 impl Delassus {
-    /// W of contacts whose `responses` are M⁻¹ Gᵀ, one pair (normal, tangent) a contact.
+    /// W of contacts whose `responses` are M⁻¹ Gᵀ, one pair (normal, tangent) for each contact.
     pub(in crate::integrator) fn new(
         contacts: &[Contact],
         responses: &[[Direction; 2]],
@@ -82,7 +82,7 @@ impl Delassus {
         &self.groups
     }
 
-    /// The group that a contact is in.
+    /// The group of a contact.
     pub(in crate::integrator) fn group_of(&self, contact: usize) -> &[usize] {
         self.groups.iter().find(|group| group.contains(&contact)).map_or(&[], Vec::as_slice)
     }
@@ -102,14 +102,14 @@ impl Delassus {
         self.own[contact]
     }
 
-    /// A contact's own block, as the law of a single contact takes it.
+    /// A contact's own block, as the problem of a single contact.
     pub(in crate::integrator) fn local(&self, contact: usize) -> LocalProblem {
         let [nn, nt, _, tt] = self.own(contact);
         LocalProblem { nn, nt, tt }
     }
 
-    /// What these forces (N) of all contacts add to the acceleration of one along its normal (0) or its tangent (1), m/s², and
-    /// the sum of the sizes of the terms.
+    /// The acceleration that these forces (N) of all contacts add along the normal (0) or the tangent (1) of one, m/s²,
+    /// and the sum of the magnitudes of the terms.
     pub(in crate::integrator) fn along(
         &self,
         contact: usize,
@@ -125,7 +125,7 @@ impl Delassus {
         })
     }
 
-    /// Powers of two, √kg, for a contact's normal and tangent: forces in these units have accelerations of the size 1.
+    /// Powers of two, √kg, for a contact's normal and tangent: forces in these units cause accelerations of order one.
     pub(super) fn scales(&self, contact: usize) -> [f64; 2] {
         let own = self.own(contact);
         [own[0], own[3]].map(root_scale)
@@ -145,7 +145,7 @@ impl Delassus {
         &self.others[self.offsets[contact]..self.offsets[contact + 1]]
     }
 
-    /// From the full matrix, by rows.
+    /// W from the full matrix, by rows.
     #[cfg(test)]
     pub(super) fn from_rows(contacts: usize, rows: &[f64]) -> Self {
         let at = |row: usize, column: usize| rows[row * 2 * contacts + column];

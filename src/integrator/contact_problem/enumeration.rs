@@ -1,90 +1,90 @@
-//! All states of contacts, one after the other: a search that finds a solution of the law, or proves that there is none.
+//! Enumeration of contact states: a search that finds a solution of the law, or proves that none exists.
 //!
 //! Where a state's equations determine its forces, those obey the law or do not. Where they do not (contacts that hold one
 //! mass twice), the first phase of the simplex method tells whether any forces do. So where no state has forces, the law has no
 //! solution.
 //!
-//! The states of contacts are chosen one contact after the other. Of those whose state is still open the law asks at least that
-//! nothing pulls, that friction stays within its limits, and that no contact is pressed into its surface. Where no forces do even
-//! that, none of the states that follow has any, and they are left out (branch and bound).
+//! The states of contacts are chosen one contact after the other. For contacts without a chosen state the law asks at
+//! least that nothing pulls, that friction stays within its limits, and that no contact is pressed into its surface. If
+//! no forces meet even these conditions, all states that follow are left out (branch and bound).
 
 use super::{ContactProblem, Freedom, Strictness};
 use crate::contact::ContactState;
 
-/// The search goes on to its end if there are no more states than this: those of eight contacts that may do anything.
+/// The search is always completed if there are no more states than this: those of eight contacts under the full law.
 const FEW_STATES: usize = 4_usize.pow(8);
-/// Among more states the search ends after this amount of work. The work for a choice grows with the third power of the number of
-/// contacts, and counts as that.
+/// Limit of the work among more states. The work of a choice is counted as the third power of the number of contacts.
 const MOST_WORK: usize = 200_000_000;
 /// A state is taken to have forces if the artificial unknowns sum up to no more than this part of the right-hand sides.
 const FEASIBLE: f64 = 1e-11;
-/// No forces are proven to exist if the artificial unknowns sum up to no less than this part.
+/// States are proven to have no forces if the artificial unknowns sum up to no less than this part of the right-hand
+/// sides.
 const INFEASIBLE: f64 = 1e-8;
-/// A reduced cost or an entry that is nothing, where rows are of the size 1.
+/// A reduced cost or an entry below this value counts as zero, where rows are of order one.
 const NOTHING: f64 = 1e-12;
-/// A pivot of Bland's rule for each column and row, at the most.
+/// Largest number of pivots of Bland's rule for each column and row.
 const MOST_PIVOTS: usize = 64;
 
-/// An unknown that is not negative.
+/// A non-negative unknown.
 #[derive(Clone, Copy, Debug)]
 enum Unknown {
     /// |N| of a contact, which pulls where `sign` is −1, with T = `slope` |N|.
     Normal { contact: usize, sign: f64, slope: f64 },
     /// T − (−b |N|) of a contact that sticks.
     Tangential { contact: usize },
-    /// The amount by which the left side of a row exceeds its right side.
+    /// Slack of a row: the amount by which its left side exceeds its right side.
     Rest { row: usize },
 }
 
 /// An equation of the program.
 #[derive(Clone, Copy, Debug)]
 enum Equation {
-    /// a_N, or a_N less its rest.
+    /// a_N, or a_N less its slack.
     Normal { contact: usize },
-    /// ±a_T and its rest.
+    /// ±a_T and its slack.
     Tangential { contact: usize, direction: f64 },
-    /// (f + b) |N| − (T + b |N|) less its rest.
+    /// (f + b) |N| − (T + b |N|) less its slack.
     Cone { contact: usize, width: f64 },
 }
 
 /// The result of the first phase of the simplex method.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum FirstPhase {
-    /// A solution.
+    /// A solution was found.
     Solved,
-    /// There is none: the artificial unknowns sum up to at least this part of the right-hand sides.
+    /// No solution exists: the artificial unknowns sum up to at least this part of the right-hand sides.
     Impossible(f64),
-    /// The pivots have ended before either was known.
+    /// The pivots ended without a result.
     Open,
 }
 
 /// The result of a search through all states.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Search {
-    /// A state whose forces obey the law.
+    /// A state was found whose forces obey the law.
     Found,
-    /// No state has such forces.
+    /// No state has forces that obey the law.
     Nothing,
-    /// The search was given up, or it is none for these contacts.
+    /// The search was given up, or it does not apply to these contacts.
     Unfinished,
 }
 
-/// A linear program: that of contact states, or of what the law asks at least.
+/// A linear program of contact states, or of the necessary conditions of the law.
 pub(super) struct LinearProgram {
     unknowns: Vec<Unknown>,
     rows: Vec<Equation>,
-    /// By rows, with the right-hand side at the end.
+    /// The table by rows, with the right-hand side at the end.
     table: Vec<f64>,
     costs: Vec<f64>,
-    /// The unknown of each row; from the number of unknowns on, an artificial one.
+    /// The unknown of each row; numbers from that of the unknowns on are artificial ones.
     basis: Vec<usize>,
     pivot_row: Vec<f64>,
-    /// The states that the search begins with, one a contact of the group, the likely ones.
+    /// The likely states with which the search begins, one for each contact of the group.
     first: Vec<ContactState>,
 }
 
 impl LinearProgram {
-    /// Takes the memory that groups of up to `contacts` contacts need.
+    /// Allocates memory for groups of up to `contacts` contacts.
     pub(super) fn with_room(contacts: usize) -> Self {
         let contacts = if contacts > 1 { contacts } else { 0 };
         let (rows, unknowns) = (3 * contacts, 5 * contacts);
@@ -99,7 +99,7 @@ impl LinearProgram {
         }
     }
 
-    /// Writes what the law asks at least of a contact, in whatever state it is.
+    /// Writes the necessary conditions of the law of a contact, in whatever state it is.
     fn ask_least(&mut self, contact: usize, freedom: &Freedom) {
         let Self { unknowns, rows, .. } = self;
         let (slope, width) = match freedom {
@@ -123,7 +123,7 @@ impl LinearProgram {
         }
     }
 
-    /// The first phase of the simplex method with Bland's rule.
+    /// Runs the first phase of the simplex method with Bland's rule.
     fn run(&mut self) -> FirstPhase {
         let Self { unknowns, table, costs, basis, pivot_row, .. } = self;
         let (count, width) = (unknowns.len(), unknowns.len() + 1);
@@ -176,7 +176,7 @@ impl LinearProgram {
     }
 }
 
-/// Takes so much of the pivot's row away that the entering column is zero.
+/// Subtracts the multiple of the pivot's row that makes the entering column zero.
 fn subtract(row: &mut [f64], pivot_row: &[f64], entering: usize) {
     let factor = row[entering];
     if factor != 0.0 {
@@ -188,14 +188,15 @@ fn subtract(row: &mut [f64], pivot_row: &[f64], entering: usize) {
 }
 
 impl ContactProblem {
-    /// Is each contact of a group in one of its states? Those that are held along both directions, or guided, are in none.
+    /// `true` if the law of each contact of a group is one of contact states. Contacts that are held along both
+    /// directions, or guided, have none.
     pub(super) fn is_enumerable(&self, group: usize) -> bool {
         let has_none =
             |i: &usize| matches!(self.freedom[*i], Freedom::Fixed | Freedom::Guided { .. });
         !self.delassus.groups()[group].iter().any(has_none)
     }
 
-    /// Looks for a state of a group whose forces obey the law, first near the one at hand.
+    /// Looks for a state of a group whose forces obey the law, first near the present one.
     pub(super) fn enumerate(&mut self, group: usize, strictness: Strictness) -> Search {
         let contacts = self.delassus.groups()[group].len();
         let contact = |of: &Self, place: usize| of.delassus.groups()[group][place];
@@ -207,14 +208,14 @@ impl ContactProblem {
         for place in 0..contacts {
             let contact = contact(self, place);
             let possible = self.possible(contact);
-            // One that is held may press or pull.
+            // A contact that is held may press or pull.
             let signs = if self.is_held(contact) { 2 } else { 1 };
             states = states.saturating_mul(signs * possible.len());
             let is_at_hand = |state: &&ContactState| **state == self.states[contact];
             let first = possible.iter().find(is_at_hand).unwrap_or(&possible[0]);
             self.enumeration.first.push(*first);
         }
-        // So many contacts have a state.
+        // Number of contacts whose state is chosen.
         let mut chosen = 0;
         let mut work = 0;
         loop {
@@ -248,7 +249,7 @@ impl ContactProblem {
         }
     }
 
-    /// Gives a contact the next of all that it may do; `false` where it begins again with the first one.
+    /// Gives a contact its next state or sign; `false` where it begins again with the first one.
     fn take_next(&mut self, contact: usize, first: ContactState) -> bool {
         if self.is_held(contact) {
             self.pulls[contact] = !self.pulls[contact];
@@ -262,7 +263,7 @@ impl ContactProblem {
         self.states[contact] != first
     }
 
-    /// The states that a contact may be in.
+    /// The possible states of a contact.
     pub(super) fn possible(&self, contact: usize) -> &'static [ContactState] {
         use ContactState::{Detached, ReverseSlide, Slide, Stick};
         match self.freedom[contact] {
@@ -276,7 +277,8 @@ impl ContactProblem {
         }
     }
 
-    /// Forces of the states at hand, whose equations do not determine them; do any obey the law?
+    /// Solves for forces in the present states, whose equations do not determine them; `true` if forces were found that
+    /// obey the law.
     pub(super) fn program(&mut self, group: usize, strictness: Strictness) -> bool {
         self.write_program(group, usize::MAX);
         if self.enumeration.run() != FirstPhase::Solved {
@@ -302,14 +304,15 @@ impl ContactProblem {
         self.are_lawful(group, strictness)
     }
 
-    /// Is there proof that a group has no forces under its law where the first contacts are in the states at hand, whatever those of
-    /// the others are?
+    /// `true` if it is proven that a group has no forces under its law where the first `chosen` contacts are in their
+    /// present states, whatever the states of the others are.
     fn is_impossible(&mut self, group: usize, chosen: usize) -> bool {
         self.write_program(group, chosen);
         matches!(self.enumeration.run(), FirstPhase::Impossible(by) if by >= INFEASIBLE)
     }
 
-    /// Writes what the states at hand of the first contacts ask of the forces, and what the law asks at least of the others.
+    /// Writes the conditions of the present states of the first `chosen` contacts, and the necessary conditions of the
+    /// law of the others.
     fn write_program(&mut self, group: usize, chosen: usize) {
         let Self { enumeration, delassus, freedom, states, pulls, .. } = self;
         enumeration.unknowns.clear();
@@ -358,7 +361,7 @@ impl ContactProblem {
         self.write_table();
     }
 
-    /// Writes the table of the unknowns and rows at hand.
+    /// Writes the table of the present unknowns and rows.
     fn write_table(&mut self) {
         let Self { enumeration, delassus, free, .. } = self;
         let LinearProgram { unknowns, rows, table, .. } = enumeration;

@@ -9,7 +9,7 @@ const DEPENDENT: f64 = 1e-12;
 /// out, and their unknowns are zero.
 ///
 /// Rows and columns are first multiplied by powers of two, so that light masses beside heavy ones do not decide which
-/// pivot is nothing. Those cost no digit.
+/// pivot counts as zero. Powers of two cause no rounding.
 pub(super) struct Factors {
     size: usize,
     rank: usize,
@@ -18,14 +18,14 @@ pub(super) struct Factors {
     rows: Vec<usize>,
     columns: Vec<usize>,
     scales: Vec<f64>,
-    /// The sign of the product of the pivots, with that of the order of rows and columns.
+    /// The sign of the product of the pivots, times that of the permutations of rows and columns.
     orientation: f64,
-    /// Room for a solution.
+    /// Memory for a solution.
     values: Vec<f64>,
 }
 
 impl Factors {
-    /// Takes the memory that matrices of up to `most` rows need.
+    /// Allocates memory for matrices of up to `most` rows.
     pub(super) fn with_room(most: usize) -> Self {
         Self {
             size: 0,
@@ -39,8 +39,8 @@ impl Factors {
         }
     }
 
-    /// Factors the matrix with these entries (by row and column); `diagonal` gives the size of what a row and its
-    /// column stand for, not negative.
+    /// Factors the matrix with these entries (by row and column); `diagonal` gives the non-negative scale of a row and
+    /// its column.
     pub(super) fn set(
         &mut self,
         size: usize,
@@ -114,7 +114,7 @@ impl Factors {
         if self.is_regular() { self.orientation } else { 0.0 }
     }
 
-    /// Has no row been left out?
+    /// `true` if no row has been left out.
     pub(super) fn is_regular(&self) -> bool {
         self.rank == self.size
     }
@@ -123,7 +123,7 @@ impl Factors {
     #[inline]
     pub(super) fn solve(&mut self, right: &mut [f64]) {
         if self.size == 1 && self.rank == 1 {
-            // Scaled back by the same power of two: the one pivot alone counts.
+            // Scaled back by the same power of two: only the pivot matters.
             right[0] *= self.entries[0] * self.scales[0] * self.scales[0];
             return;
         }
@@ -148,7 +148,7 @@ impl Factors {
     }
 }
 
-/// A power of two near 1/√value, from the bits of its exponent: the same on every machine. 1 for zero.
+/// Returns a power of two near 1/√value, from the bits of its exponent, equal on every machine; 1 for zero.
 pub(super) fn root_scale(value: f64) -> f64 {
     const BIAS: u64 = 1023;
     let exponent = (value.to_bits() >> 52) & 0x7ff;

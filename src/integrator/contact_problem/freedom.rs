@@ -1,53 +1,53 @@
-//! What a contact may do, by the law that the scene calls for.
+//! Constraints of a contact under the law of the scene.
 
 use crate::contact::{ContactLaw, ContactState, Friction, FrictionLaw, FrictionRange, UnderLaw};
 
-/// What a contact may do in the problem at hand.
+/// The constraint of a contact in the present problem.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::integrator) enum Freedom {
-    /// Anything that its law allows, with friction in this range where it holds.
+    /// The full law of the contact, with friction in this range where it holds.
     Law(FrictionRange),
-    /// Open for sure: it carries nothing.
+    /// An open contact, which carries no force.
     Open,
-    /// Slipping for sure, with µ_k in this direction (±1).
+    /// A slipping contact, with µ_k in this direction (±1).
     Slipping {
-        /// Of the friction force on the mass.
+        /// Direction of the friction force on the mass.
         direction: f64,
         /// µ_k.
         friction: f64,
     },
     /// Held in both directions along its normal; friction, in this range where it holds, follows |N|.
     Held(FrictionRange),
-    /// Held in both directions along its normal, and slipping for sure, with µ_k in this direction (±1).
+    /// Held in both directions along its normal, and slipping, with µ_k in this direction (±1).
     HeldSlipping {
-        /// Of the friction force on the mass.
+        /// Direction of the friction force on the mass.
         direction: f64,
         /// µ_k.
         friction: f64,
     },
-    /// Held along normal and tangent, whatever that takes.
+    /// Held along normal and tangent by forces without a limit.
     Fixed,
     /// Held in both directions along its normal, with T = `slope` N.
     Guided {
         /// ±µ.
         slope: f64,
-        /// The state that it is said to be in.
+        /// The state that the contact is given.
         state: ContactState,
     },
 }
 
 impl Freedom {
-    /// `true` of a contact that is held in both directions of its normal, so that it presses or pulls.
+    /// `true` if the contact is held in both directions of its normal, so that it presses or pulls.
     pub fn is_held(&self) -> bool {
         matches!(self, Self::Held(_) | Self::HeldSlipping { .. })
     }
 
-    /// The sign of the normal force: −1 of a contact that is held and pulls.
+    /// The sign of the normal force: −1 for a contact that is held and pulls.
     pub fn sign(&self, pulls: bool) -> f64 {
         if pulls && self.is_held() { -1.0 } else { 1.0 }
     }
 
-    /// The state of a contact that is closed and carries nothing.
+    /// The state of the contact when it is closed and carries no force.
     pub(in crate::integrator) fn closed_state(&self) -> ContactState {
         match *self {
             Self::Slipping { direction, .. } | Self::HeldSlipping { direction, .. } => {
@@ -58,7 +58,7 @@ impl Freedom {
         }
     }
 
-    /// Gives friction that may be static in this direction (±1) its kinetic limit; is that another one?
+    /// Replaces a static limit of friction in this direction (±1) by the kinetic one; `true` if that changes the limit.
     pub(super) fn let_go(&mut self, direction: f64) -> bool {
         match self {
             Self::Law(range) | Self::Held(range) if range.limit(direction) > range.kinetic => {
@@ -69,7 +69,7 @@ impl Freedom {
         }
     }
 
-    /// This freedom with lower limits of the friction that holds: each is lower by `part` of itself.
+    /// This freedom with lower limits of the friction that holds the contact: each is reduced by `part` of itself.
     pub(in crate::integrator) fn below_limits(self, part: f64) -> Self {
         let below = |range: FrictionRange| FrictionRange {
             backward: (1.0 - part) * range.backward,
@@ -83,7 +83,7 @@ impl Freedom {
         }
     }
 
-    /// This freedom once the contact slips for sure, with friction in this direction (±1).
+    /// This freedom once the contact slips, with friction in this direction (±1).
     pub(in crate::integrator) fn slipping(self, direction: f64) -> Self {
         match self {
             Self::Law(range) => Self::Slipping { direction, friction: range.kinetic },
@@ -97,11 +97,11 @@ impl Freedom {
     }
 }
 
-/// The freedom of a contact with these numbers, with a slip velocity (m/s), on a surface that moves with a
-/// velocity (m/s), that was in this state.
+/// Returns the freedom of a contact from its friction, its slip velocity (m/s), the velocity of its surface (m/s), and
+/// its state before.
 pub(in crate::integrator) type FreedomOf = fn(Friction, f64, f64, ContactState) -> Freedom;
 
-/// The freedom that contacts have under this law.
+/// The freedom of contacts under this law.
 pub(in crate::integrator) fn freedom_of(law: ContactLaw) -> FreedomOf {
     law.friction.apply(law.sticking, Choice { detachment: law.detachment })
 }

@@ -7,11 +7,11 @@ use crate::contact::{ContactState, FrictionRange, LocalProblem};
 /// The equations that hold for a contact in a given state.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(in crate::integrator) enum Demand {
-    /// Nothing: it is open, and carries nothing.
+    /// No equation: the contact is open and carries no force.
     Nothing,
     /// a_N = 0, by N with T = `slope` N.
     Normal {
-        /// ±µ of one that slides.
+        /// ±µ of a contact that slides.
         slope: f64,
     },
     /// a_N = a_T = 0, by N and T.
@@ -19,7 +19,7 @@ pub(in crate::integrator) enum Demand {
 }
 
 impl Demand {
-    /// Of a contact with this block of W, in this state, with T/N in `range`.
+    /// The demand on a contact with this block of W, in this state, with T/N in `range`.
     pub(in crate::integrator) fn of(
         state: ContactState,
         range: &FrictionRange,
@@ -28,7 +28,7 @@ impl Demand {
         match (state, state.sliding_direction()) {
             (ContactState::Detached, _) => Self::Nothing,
             (_, Some(direction)) => Self::Normal { slope: direction * range.limit(direction) },
-            // Where the mass has one direction to go, what holds one row holds both.
+            // Where the mass has one direction of motion, the force that holds one row holds both.
             _ if own.is_singular() => Self::Normal { slope: own.stuck_slope(range) },
             _ => Self::Both,
         }
@@ -39,15 +39,15 @@ impl Demand {
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct UnknownMultiplier {
     contact: usize,
-    /// 0: the normal force, with the friction force that follows it; 1: a friction force of its own.
+    /// 0 for the normal force, with the friction force that follows it; 1 for an independent friction force.
     row: usize,
-    /// T/N of a contact without a friction force of its own.
+    /// T/N of a contact without an independent friction force.
     slope: f64,
 }
 
 /// λ of given contact states as a linear function of the accelerations without contact forces.
 pub(in crate::integrator) struct GivenStates {
-    /// The demand on each contact that the equations of its group were last made from.
+    /// The demand on each contact for which the equations of its group were last made.
     demands: Vec<Demand>,
     groups: Vec<EquationGroup>,
 }
@@ -58,7 +58,7 @@ struct EquationGroup {
     is_set: bool,
     unknowns: Vec<UnknownMultiplier>,
     factors: Factors,
-    /// Room for the right-hand side.
+    /// Memory for the right-hand side.
     right: Vec<f64>,
 }
 
@@ -80,13 +80,13 @@ impl GivenStates {
         }
     }
 
-    /// The number of groups.
+    /// Number of groups.
     pub(in crate::integrator) fn groups(&self) -> usize {
         self.groups.len()
     }
 
-    /// Takes over what each contact of a group is to meet. Where two contacts hold one mass, and one of them would
-    /// do, one carries nothing: the motion is the same whichever of them does.
+    /// Sets the demand on each contact of a group. Where two contacts hold one mass and one of them would suffice, one
+    /// carries nothing: the motion is the same for either choice.
     pub(in crate::integrator) fn set(
         &mut self,
         delassus: &Delassus,
@@ -133,7 +133,7 @@ impl GivenStates {
         );
     }
 
-    /// Takes over the demands on all contacts, as [`set`](Self::set) does for one group.
+    /// Sets the demands on all contacts, as [`set`](Self::set) does for one group.
     pub(in crate::integrator) fn set_all(
         &mut self,
         delassus: &Delassus,
@@ -142,7 +142,7 @@ impl GivenStates {
         (0..self.groups()).for_each(|group| self.set(delassus, group, &demand));
     }
 
-    /// Are there as many independent equations as unknowns in a group?
+    /// `true` if a group has as many independent equations as unknowns.
     pub(in crate::integrator) fn is_regular(&self, group: usize) -> bool {
         self.groups[group].factors.is_regular()
     }
@@ -152,7 +152,7 @@ impl GivenStates {
         self.groups[group].factors.orientation()
     }
 
-    /// T/N of a contact without a friction force of its own; zero for any other.
+    /// T/N of a contact without an independent friction force; zero for any other.
     pub(in crate::integrator) fn slope(&self, contact: usize) -> f64 {
         match self.demands[contact] {
             Demand::Normal { slope } => slope,

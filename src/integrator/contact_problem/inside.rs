@@ -1,32 +1,33 @@
-//! Forces well inside the limits of the law, of contacts that hold their masses more than once.
+//! Forces well inside the limits of the law, for contacts that hold more directions than their masses have.
 //!
-//! The motion of such contacts leaves it open how they share their load. Of all lawful shares, those that solve the contact
-//! problem lie at a limit: some contact carries nothing, or is about to slip. A moment later they would break the law. A share
-//! inside the limits stays lawful while the load changes.
+//! The motion of such contacts does not determine how they share their load. Of all lawful shares, those that solve the
+//! contact problem lie at a limit: some contact carries nothing, or is about to slip. A moment later they would break
+//! the law. A share inside the limits stays lawful while the load changes.
 
 use super::states::Strictness;
 use super::{ContactProblem, Freedom, MISSES};
 use crate::contact::ContactState;
 
-/// How far inside the limits forces are looked for at the most, as a part of the largest force that the load asks for.
+/// Largest margin to the limits that is tried, relative to the largest force that the load requires.
 const MOST: f64 = 0.5;
-/// Forces that are inside the limits by less than this part are at the limit but for rounding.
+/// Forces whose margin is below this part are at the limit but for rounding.
 const LEAST: f64 = MOST / 134_217_728.0;
-/// Each trial asks for this part of the one before.
+/// Ratio of the margins of successive trials.
 const FALLS: f64 = 0.125;
-/// The most contacts of a group whose forces are looked for: a program takes the cube of their number.
+/// Largest number of contacts of a group that is solved: a program takes the cube of that number.
 const MOST_CONTACTS: usize = 32;
 
 impl ContactProblem {
-    /// Looks for forces of a group in these states, under these freedoms, that are well inside the limits of the law, to a factor of
-    /// eight; are there any? Where there are none, the forces stay as they were; states and freedoms are those given.
+    /// Looks for forces of a group in these states, under these freedoms, that are as far inside the limits of the law
+    /// as possible, to a factor of eight; `true` if some were found. Otherwise the forces stay as they were; states and
+    /// freedoms are those given.
     pub(in crate::integrator) fn solve_inside(
         &mut self,
         group: usize,
         states: &[ContactState],
         freedom: impl Fn(usize) -> Freedom,
     ) -> bool {
-        // There is no other share of one contact, and no room for its program.
+        // One contact has no other share, and a larger group would need too large a program.
         if !(2..=MOST_CONTACTS).contains(&self.delassus.groups()[group].len()) {
             return false;
         }
@@ -60,8 +61,8 @@ impl ContactProblem {
         is_found
     }
 
-    /// Presses each closed contact of a group with so much (N), and looks for lawful forces that do the rest; the sum of both is
-    /// inside the limits of the law. Are there such forces?
+    /// Presses each closed contact of a group with `least` (N), and looks for lawful forces that carry the remaining
+    /// load; the sum of both is inside the limits of the law. Returns `true` if there are such forces.
     fn press(&mut self, group: usize, least: f64) -> bool {
         for &contact in &self.delassus.groups()[group] {
             self.corrections[contact] = match (self.states[contact], &self.freedom[contact]) {

@@ -1,4 +1,4 @@
-//! Lemke's pivots on the contact problem as a linear complementarity problem.
+//! Lemke's algorithm for the contact problem as a linear complementarity problem.
 //!
 //! With T = T⁺ − T⁻ and γ the size of the sliding acceleration, Coulomb friction in the plane is (Stewart and Trinkle,
 //! Int. J. Numer. Methods Eng. 39, 1996, with two limits of friction f and b)
@@ -15,14 +15,14 @@
 use super::{ContactProblem, Freedom, Strictness};
 use crate::contact::ContactState;
 
-/// A ratio within this part of the least is as small.
+/// Ratios within this part of the least are tied.
 const TIE: f64 = 1e-12;
 /// An entry below this part of the largest in its column is rounding.
 const NOTHING: f64 = 1e-13;
 /// The limits of friction are first those of the law, then wider by this part of the largest force: at the limits of the
 /// law many rows are tied, between which rounding may choose a way that ends in a ray.
 const WIDER: [f64; 2] = [0.0, 1e-10];
-/// Pivots for each variable, at the most: in practice one or two.
+/// Largest number of pivots for each variable; one or two are usual.
 const MOST_PIVOTS: usize = 50;
 
 /// An unknown z of a contact, and the condition w that it complements.
@@ -41,26 +41,26 @@ enum LemkeVariable {
 /// The variable of a row or a column of the tableau.
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Name {
-    /// The condition of this place.
+    /// The condition w of this place.
     W(usize),
-    /// The unknown of this place.
+    /// The unknown z of this place.
     Z(usize),
     /// The artificial unknown that lets all conditions hold at the start.
     Cover,
 }
 
-/// The tableau: each row says what its basic variable is, as a constant and factors of the others.
+/// The tableau: each row expresses its basic variable as a constant plus multiples of the others.
 pub(super) struct Lemke {
     parts: Vec<(usize, LemkeVariable)>,
     rows: Vec<Name>,
     columns: Vec<Name>,
-    /// By rows; the constant comes first.
+    /// The entries by rows; the constant comes first.
     entries: Vec<f64>,
     pivot_row: Vec<f64>,
 }
 
 impl Lemke {
-    /// Takes the memory that groups of up to `contacts` contacts need.
+    /// Allocates memory for groups of up to `contacts` contacts.
     pub(super) fn with_room(contacts: usize) -> Self {
         let places = if contacts > 1 { 4 * contacts } else { 0 };
         Self {
@@ -72,12 +72,12 @@ impl Lemke {
         }
     }
 
-    /// The number of unknowns.
+    /// Number of unknowns.
     fn size(&self) -> usize {
         self.parts.len()
     }
 
-    /// Pivots until the artificial unknown is gone; `false` where a ray comes first.
+    /// Pivots until the artificial unknown has left the basis; `false` where a ray comes first.
     fn run(&mut self) -> bool {
         let width = self.size() + 2;
         let constant = |entries: &[f64], row: usize| entries[row * width];
@@ -106,8 +106,8 @@ impl Lemke {
         false
     }
 
-    /// The row whose variable falls to zero first when the variable of this column grows; of equal ones the
-    /// artificial unknown, else the lexicographic least.
+    /// The row whose variable falls to zero first when the variable of this column grows; among ties the artificial
+    /// unknown, else the lexicographic least.
     fn leaving_row(&self, column: usize) -> Option<usize> {
         let width = self.size() + 2;
         let entry = |row: usize, column: usize| self.entries[row * width + column];
@@ -124,7 +124,7 @@ impl Lemke {
         tied().reduce(|a, b| if self.is_before(b, a, column) { b } else { a })
     }
 
-    /// Does row `a` come before row `b` in the order of the perturbation εᵏ of each constant?
+    /// `true` if row `a` precedes row `b` in the order of the perturbation εᵏ of each constant.
     fn is_before(&self, a: usize, b: usize, column: usize) -> bool {
         let width = self.size() + 2;
         let factor = |row: usize, place: usize| {
@@ -140,7 +140,7 @@ impl Lemke {
         differs.into_iter().find(|(a, b)| a != b).is_some_and(|(a, b)| a < b)
     }
 
-    /// Exchanges the variables of a row and a column (with the constant's, 0); the one that leaves the rows.
+    /// Exchanges the variables of a row and a column (0 is the constant's); returns the one that leaves the rows.
     fn pivot(&mut self, row: usize, column: usize) -> Name {
         let width = self.size() + 2;
         let Self { entries, pivot_row, .. } = self;
@@ -167,7 +167,7 @@ impl Lemke {
         self.columns[column - 1]
     }
 
-    /// The value of an unknown; `None` where it is none of the basic variables, and so zero.
+    /// The value of an unknown; `None` where it is not basic, and so zero.
     fn value(&self, contact: usize, part: LemkeVariable) -> Option<f64> {
         let width = self.size() + 2;
         let place = self.parts.iter().position(|known| *known == (contact, part))?;
@@ -177,7 +177,7 @@ impl Lemke {
 }
 
 impl ContactProblem {
-    /// Looks for the forces of a group by pivots; were some found that obey the law?
+    /// Solves for the forces of a group by pivots; `true` if forces were found that obey the law.
     pub(super) fn pivot(&mut self, group: usize, strictness: Strictness) -> bool {
         WIDER.into_iter().any(|wider| {
             if !self.tabulate(group, wider) || !self.lemke.run() {
@@ -191,8 +191,9 @@ impl ContactProblem {
         })
     }
 
-    /// Writes the tableau of a group, in units in which the own blocks of W are near to 1, with limits of friction that are
-    /// wider by a part of the largest free acceleration; `false` where a contact's law is none of complementarity.
+    /// Writes the tableau of a group, in units in which the own blocks of W are near to 1, with limits of friction that
+    /// are wider by a part of the largest free acceleration; `false` where a contact's law is not a complementarity
+    /// condition.
     fn tabulate(&mut self, group: usize, wider: f64) -> bool {
         let Self { lemke, delassus, freedom, free, .. } = self;
         let largest = delassus.groups()[group].iter().fold(0.0, |largest, &contact| {
@@ -245,7 +246,7 @@ impl ContactProblem {
             }
             _ => 0.0,
         };
-        // What a unit of an unknown is of (N, T); the same weighs accelerations.
+        // The force (N, T) of a unit of an unknown; the same factors weigh accelerations.
         let unit = |(contact, part): (usize, LemkeVariable)| -> [f64; 2] {
             let [normal, tangential] = scales(contact);
             match (part, &freedom[contact]) {
@@ -298,7 +299,7 @@ impl ContactProblem {
         true
     }
 
-    /// The state that the last pivots leave a contact in.
+    /// The state of a contact after the last pivots.
     fn pivoted_state(&self, contact: usize) -> ContactState {
         let Freedom::Law(range) = &self.freedom[contact] else {
             let presses = self.lemke.value(contact, LemkeVariable::Normal).is_some();
@@ -314,7 +315,7 @@ impl ContactProblem {
             (true, true, _) => ContactState::Slide,
             (true, _, true) => ContactState::ReverseSlide,
             _ if range.forward > 0.0 && range.backward > 0.0 => ContactState::Stick,
-            // Without friction in a direction it does not matter which of the two is said of one that is still.
+            // Without friction in a direction either state is right for a contact at rest.
             _ if range.backward > 0.0 => ContactState::Slide,
             _ => ContactState::ReverseSlide,
         }

@@ -1,17 +1,18 @@
 //! The contact problem a = W λ + free, under the law of every contact: for the forces of a step, the impulses of an
 //! impact, and the accelerations of an instant.
 //!
-//! A contact that shares no mass with others is solved in closed form. Of a group that shares masses these are
-//! tried in turn, until one gives what obeys the law:
+//! A contact that shares no mass with others is solved in closed form. For a group that shares masses these methods are
+//! tried in turn, until one gives forces that obey the law:
 //!
 //! 1. the states that the contacts are in, as linear equations: where the law has several solutions, the motion stays in
 //!    its own;
 //! 2. Gauss–Seidel over the contacts (paper, eqs. 19–24), from zero, while it converges fast;
-//! 3. the states that it has come to, as linear equations;
-//! 4. Lemke's pivots on the linear complementarity problem ([`lemke`]);
-//! 5. all states ([`enumeration`]): where none has forces, there are none. With more states than those of eight contacts the search
-//!    may take too long, and is given up;
-//! 6. Gauss–Seidel, for as long as one may wait.
+//! 3. the states that Gauss–Seidel has reached, as linear equations;
+//! 4. Lemke's pivots on the linear complementarity problem ([`lemke`]); for contacts held in both directions, repairs
+//!    of the states in 3;
+//! 5. all states ([`enumeration`]): where none has forces, there are none. With more states than those of eight
+//!    contacts the search may take too long, and is given up;
+//! 6. Gauss–Seidel, with a large number of iterations.
 //!
 //! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact that
 //! jams in a sweep may be free under other forces of its neighbours. Where the only forces are nothing but rounding, since the
@@ -39,14 +40,14 @@ use lemke::Lemke;
 use others::Others;
 use states::{Acceleration, Strictness};
 
-/// Convergence check (24): the largest change of a multiplier in a sweep against the largest one.
+/// Convergence check (24): the largest change of a multiplier in an iteration relative to the largest one.
 const TOLERANCE: f64 = 1e-13;
-/// Sweeps that converge fast.
+/// Number of iterations after which Gauss–Seidel counts as slow.
 const FEW_SWEEPS: u64 = 200;
-/// More sweeps than anyone waits for.
+/// Largest number of iterations.
 const MAX_SWEEPS: u64 = 10_000;
-/// The law may be missed by these parts of the terms that rounding comes from, where forces are computed directly: the
-/// first where W lets them, the second where it is nearly singular.
+/// Relative tolerances of the law where forces are computed directly, in parts of the terms that cause rounding: the
+/// first is tried first, the second where W is nearly singular.
 const MISSES: [f64; 2] = [1e-13, 1e-11];
 
 /// The contact problem of a structure.
@@ -60,15 +61,15 @@ pub(super) struct ContactProblem {
     pub(super) freedom: Vec<Freedom>,
     /// The solution λ.
     pub(super) forces: Vec<[f64; 2]>,
-    /// The states that belong to it.
+    /// The states that belong to the solution.
     pub(super) states: Vec<ContactState>,
-    /// Of contacts that are held in both directions, whether their equations are those of one that pulls: friction
-    /// follows |N|. A solution begins with the signs that are given here, and leaves its own.
+    /// `true` for each contact held in both directions whose equations are those of one that pulls: friction follows
+    /// |N|. A solution begins with the given signs and replaces them.
     pub(super) pulls: Vec<bool>,
-    /// `true` once forces that obey the law were refused in this solution, since they are nothing but rounding.
+    /// `true` once forces that obey the law were rejected in this solution, since they are rounding only.
     has_blurred: bool,
     given: GivenStates,
-    /// Room for accelerations, for what corrects forces, for the forces of the sweeps, and for accelerations without contact
+    /// Memory for accelerations, corrections of forces, the forces of the iterations, and accelerations without contact
     /// forces.
     accelerations: Vec<Acceleration>,
     corrections: Vec<[f64; 2]>,
@@ -79,13 +80,13 @@ pub(super) struct ContactProblem {
     others: Others,
 }
 
-/// How Gauss–Seidel ended.
+/// Result of Gauss–Seidel.
 enum Swept {
-    /// After this sweep.
+    /// Converged after this number of iterations.
     Converged(u64),
-    /// Not within the sweeps that it was given.
+    /// Not converged within the given number of iterations.
     NotYet,
-    /// A contact could not be solved by itself, or left the range of numbers.
+    /// A contact could not be solved by itself, or its force left the range of numbers.
     Failed(StepFailure),
 }
 
@@ -112,8 +113,8 @@ impl ContactProblem {
         }
     }
 
-    /// Which contacts cannot all stick at a time whatever their surfaces do: of these, or of the masses that they share, the
-    /// contacts hold more directions than there are.
+    /// `true` for each contact of a group that cannot all stick for arbitrary surface motions: the contacts hold more
+    /// directions than their masses have.
     pub(super) fn overheld(&mut self) -> Vec<bool> {
         let Self { given, delassus, .. } = self;
         let mut is_overheld = vec![false; delassus.contacts()];
@@ -124,16 +125,16 @@ impl ContactProblem {
         is_overheld
     }
 
-    /// Solves for λ, of contacts that are in these states; returns the number of sweeps. The result depends on nothing
-    /// but the present, to which the signs of contacts that are held in both directions belong (`pulls`). Redundant
+    /// Solves for λ, starting from these contact states; returns the number of iterations. The result depends only on
+    /// the present problem, which includes the signs of contacts that are held in both directions (`pulls`). Redundant
     /// contacts (two that stick on one mass) have many solutions; the motion is the same for all.
     ///
     /// The load of a contact depends on the contacts that slip beside it, so static friction comes first: all are
-    /// solved with their ranges as the limit, then those that slip even so with µ_k against it, and all again.
-    /// They may then hold, or slip the other way: what they let go of loads others, which push them back.
+    /// solved with their ranges as the limit, then those that slip even so with µ_k against it, and all again. They may
+    /// then stick, or slip the other way: the load that they release acts on others, which push them back.
     ///
     /// # Errors
-    /// Contacts that have no forces under their law, or for which none were found.
+    /// Returns an error if contacts have no forces under their law, or if none were found.
     #[inline]
     pub(super) fn solve(&mut self, present: &[ContactState]) -> Result<u64, StepFailure> {
         let mut sweeps = 1;
@@ -159,7 +160,7 @@ impl ContactProblem {
                         return Ok(());
                     }
                 }
-                // Static friction that jams a contact does not hold it.
+                // Static friction that jams a contact is replaced by kinetic friction.
                 Err(failure) if !self.let_go_whatever_it_does(contact) => return Err(failure),
                 Err(_) => {}
             }
@@ -196,20 +197,21 @@ impl ContactProblem {
         }
     }
 
-    /// Gives a contact that slips at a static limit its kinetic friction in that direction; did it? A contact
-    /// has two limits, so this ends.
+    /// Replaces the static limit of a contact that slips by its kinetic friction in that direction; `true` if that
+    /// changes the limit. A contact has two limits, so this ends.
     fn let_go(&mut self, contact: usize) -> bool {
         let direction = self.states[contact].sliding_direction();
         direction.is_some_and(|direction| self.freedom[contact].let_go(direction))
     }
 
-    /// Gives a contact its kinetic friction in both directions, whatever it does; `true` if that changes a limit.
+    /// Replaces the static limits of a contact by its kinetic friction in both directions; `true` if that changes a
+    /// limit.
     fn let_go_whatever_it_does(&mut self, contact: usize) -> bool {
         let freedom = &mut self.freedom[contact];
         freedom.let_go(1.0) | freedom.let_go(-1.0)
     }
 
-    /// One solution of a group, with the limits as they are, from the states at hand.
+    /// Solves a group once, with the present limits, from the present states.
     fn relax(&mut self, group: usize) -> Result<u64, StepFailure> {
         if self.solve_states(group, Strictness::Inside) {
             return Ok(1);
@@ -274,7 +276,7 @@ impl ContactProblem {
         }
     }
 
-    /// Gauss–Seidel over a group, from zero, for up to `most` sweeps. What has converged is polished.
+    /// Runs Gauss–Seidel over a group, from zero, for up to `most` iterations. A converged solution is polished.
     fn sweep(&mut self, group: usize, most: u64) -> Swept {
         self.clear(group);
         for sweep in 1..=most {
@@ -290,7 +292,7 @@ impl ContactProblem {
         Swept::NotYet
     }
 
-    /// One sweep; the largest change of a multiplier, N, and the largest multiplier.
+    /// Runs one iteration; returns the largest change of a multiplier, N, and the largest multiplier, N.
     fn sweep_once(&mut self, group: usize, sweep: u64) -> Result<[f64; 2], StepFailure> {
         let (mut change, mut largest) = (0.0_f64, f64::MIN_POSITIVE);
         for place in 0..self.delassus.groups()[group].len() {
@@ -306,7 +308,8 @@ impl ContactProblem {
         Ok([change, largest])
     }
 
-    /// Which contact has not settled: one more sweep looks, so that those that converge need not.
+    /// Finds the contact that has not converged by one more iteration, so that solutions that converge need not track
+    /// it.
     #[cold]
     fn unsettled(&mut self, group: usize) -> StepFailure {
         let (mut unsettled, mut change, mut largest) = (0, 0.0_f64, f64::MIN_POSITIVE);
@@ -332,7 +335,8 @@ impl ContactProblem {
         }
     }
 
-    /// Eqs. (19)–(21) for one contact in this sweep: its force, those of the others held, and its state.
+    /// Solves eqs. (19)–(21) for one contact in this iteration, with the forces of the others held; returns its force
+    /// and its state.
     #[inline]
     fn solve_one(
         &self,
@@ -367,7 +371,7 @@ impl ContactProblem {
         Ok((force, state))
     }
 
-    /// Why a force is no finite number: what acts on the contact is none, or the sweeps diverge.
+    /// The reason why a force is not finite: the acceleration of the contact is not, or the iterations diverge.
     #[cold]
     fn out_of_range(&self, contact: usize, sweeps: u64) -> StepFailure {
         if !self.free[contact].iter().all(|free| free.is_finite()) {
@@ -378,7 +382,8 @@ impl ContactProblem {
     }
 }
 
-/// The failure to report where sweeps end without forces. Contacts that jam in a sweep do not prove that there are no forces.
+/// The failure to report where iterations end without forces. A contact that jams in an iteration does not prove that
+/// there are no forces.
 fn unproven(failure: StepFailure) -> StepFailure {
     match failure {
         StepFailure::Wedged { contact } => StepFailure::NoneFound { contact },

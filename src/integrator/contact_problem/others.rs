@@ -1,25 +1,26 @@
-//! Whether the law of contact has another solution than the one that was taken.
+//! Search for another solution of the law of contact than the one that was taken.
 //!
-//! With little friction it has one. With more, or where a mass cannot move in all directions, the states of contacts may
-//! overlap: several of them obey the law, each with a motion of its own. Then the matrix of some state (eqs. 19–21 for all
-//! contacts of a group) has another sign of its determinant than without friction. A matrix of another sign is looked
-//! for first, since that needs no knowledge of the motion; where there is one, all states are tried.
+//! With little friction the solution is unique. With more, or where a mass cannot move in all directions, the states of
+//! contacts may overlap: several of them obey the law, each with a motion of its own. Then the matrix of some state
+//! (eqs. 19–21 for all contacts of a group) has another sign of its determinant than without friction. A matrix of
+//! another sign is looked for first, since that does not depend on the motion; where there is one, all states are
+//! tried.
 
 use super::given_states::Demand;
 use super::states::Strictness;
 use super::{ContactProblem, Freedom, MISSES};
 use crate::contact::ContactState;
 
-/// The most contacts of a group whose states are all tried whenever one of them changes its own: 4⁴ states.
+/// Largest number of contacts of a group whose states are all tried whenever one of them changes its own: 4⁴ states.
 const MOST_CONTACTS: usize = 4;
-/// Motions are two where an acceleration differs by more than this part of the terms that it is the sum of.
+/// Two motions differ if an acceleration differs by more than this part of the terms that it is the sum of.
 const OTHER: f64 = 1e-8;
 
-/// What is known of the groups, and room for a solution.
+/// The groups whose states may overlap, and memory for a solution.
 pub(super) struct Others {
-    /// T/N up to which states have been looked at, one a contact.
+    /// T/N up to which states have been examined, one for each contact.
     limits: Vec<f64>,
-    /// `true` of a group of which some state may overlap with another.
+    /// `true` for each group of which some state may overlap with another.
     may_overlap: Vec<bool>,
     forces: Vec<[f64; 2]>,
     states: Vec<ContactState>,
@@ -39,17 +40,18 @@ impl Others {
 }
 
 impl ContactProblem {
-    /// After [`solve`](Self::solve): has the law of contact another solution, with another motion? Groups of more than four
-    /// contacts are not looked at. The solution stays as it is.
+    /// Returns, after [`solve`](Self::solve), `true` if the law of contact has another solution with another motion.
+    /// Groups of more than four contacts, or with a contact held in both directions, are not examined. The solution
+    /// stays as it is.
     pub(in crate::integrator) fn has_another_solution(&mut self) -> bool {
         (0..self.given.groups()).any(|group| self.may_overlap(group) && self.overlaps(group))
     }
 
-    /// May states of a group overlap with the friction that it has, or has had?
+    /// `true` if states of a group may overlap with its present or earlier friction.
     #[inline]
     fn may_overlap(&mut self, group: usize) -> bool {
         match self.delassus.groups()[group][..] {
-            // Friction does not change the normal force of a contact by itself whose directions are not coupled.
+            // Friction does not change the normal force of a single contact whose directions are not coupled.
             [contact] if self.delassus.own(contact)[1] == 0.0 => false,
             _ => self.may_contacts_overlap(group),
         }
@@ -77,8 +79,8 @@ impl ContactProblem {
         self.others.may_overlap[group]
     }
 
-    /// Has the matrix of any state the other sign? Determinants are linear in the friction of each contact, so those at
-    /// its limits tell for all below.
+    /// `true` if the matrix of any state has the other sign. Determinants are linear in the friction of each contact,
+    /// so their values at its limits decide for all lower ones.
     fn has_turned_state(&mut self, group: usize) -> bool {
         let Self { given, delassus, others, .. } = self;
         let contacts = &delassus.groups()[group];
@@ -98,7 +100,7 @@ impl ContactProblem {
         })
     }
 
-    /// Does another state of a group obey the law, with another motion?
+    /// `true` if another state of a group obeys the law with another motion.
     fn overlaps(&mut self, group: usize) -> bool {
         self.accelerate(group);
         for &contact in &self.delassus.groups()[group] {
@@ -124,7 +126,7 @@ impl ContactProblem {
         found
     }
 
-    /// Is the motion at hand another one than that which was kept?
+    /// `true` if the present motion differs from the one that was kept.
     fn moves_otherwise(&self, group: usize) -> bool {
         self.delassus.groups()[group].iter().any(|&contact| {
             let (now, kept) = (&self.accelerations[contact], &self.others.accelerations[contact]);
@@ -133,12 +135,12 @@ impl ContactProblem {
     }
 }
 
-/// How many states so many contacts have together.
+/// Number of joint states of this number of contacts.
 fn states(contacts: usize) -> usize {
     1 << (2 * contacts)
 }
 
-/// The state of the contact at a place in its group, in one of all states.
+/// The state of the contact at a place in its group, in the joint state with this code.
 fn state(code: usize, place: usize) -> ContactState {
     ContactState::ALL[(code >> (2 * place)) & 3]
 }

@@ -1,31 +1,31 @@
-//! Forces of contact states that are given, and whether they obey the law.
+//! Forces of given contact states, and the check that they obey the law.
 
 use super::{ContactProblem, Demand, Freedom, MISSES};
 use crate::contact::{ContactState, FrictionRange, LocalProblem};
 
-/// Solutions of linear equations are corrected by what they miss so often.
+/// Number of corrections of a solution of linear equations by its residual.
 const CORRECTIONS: usize = 2;
 
-/// States that break the law are mended so often: mostly once or twice.
+/// Largest number of repairs of states that break the law; one or two are usual.
 const MENDS: usize = 20;
 
-/// Forces that are found directly are refused where the part of their terms by which they may miss the law, W λ times
-/// [`MISSES`], is more than this part of the largest acceleration without contact forces in their group. Terms may so be 10⁹ times
-/// as large as that, or 10⁷ times where W is nearly singular. The equations of contacts that wedge each other may be singular
-/// but for rounding, and have forces of any size then.
+/// Limit of rounding in forces that are found directly: they are refused if W λ times [`MISSES`], the error that the
+/// law allows, is more than this part of the largest acceleration without contact forces in their group. Terms may so
+/// be 10⁹ times as large as that, or 10⁷ times where W is nearly singular. The equations of contacts that wedge each
+/// other may be singular but for rounding, and then have forces of any size.
 const BLURRED: f64 = 1e-4;
 
-/// How well forces have to obey the law.
+/// Strictness of the check that forces obey the law.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Strictness {
-    /// No condition is at its limit, so that no other state does as well.
+    /// No condition is at its limit, so that no other state is lawful too.
     Inside,
-    /// Up to this part of the terms that rounding is made of.
+    /// Conditions hold up to this part of the terms that cause rounding.
     UpTo(f64),
 }
 
 impl Strictness {
-    /// The part of their terms by which equations may be missed.
+    /// The tolerance of equations, as a part of their terms.
     fn missed(self) -> f64 {
         match self {
             Self::Inside => MISSES[0],
@@ -38,19 +38,19 @@ impl Strictness {
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Acceleration {
     pub(super) value: [f64; 2],
-    /// The sum of the sizes of its terms, of which rounding is a part.
+    /// Sum of the magnitudes of its terms, which scales rounding.
     pub(super) terms: [f64; 2],
 }
 
 impl ContactProblem {
-    /// Solves a group in the states at hand, as far as its freedom lets it be in them; do the forces obey the law?
+    /// Solves a group in the present states, as far as its freedom allows them; `true` if the forces obey the law.
     pub(super) fn solve_states(&mut self, group: usize, strictness: Strictness) -> bool {
         self.clear(group);
         self.take_states(group);
         self.correct(group, strictness)
     }
 
-    /// Takes away what a solution by sweeps still misses, where the result obeys the law as well.
+    /// Removes the residual of a solution by Gauss–Seidel, if the result obeys the law as well.
     pub(super) fn polish(&mut self, group: usize) {
         for &contact in &self.delassus.groups()[group] {
             self.swept[contact] = self.forces[contact];
@@ -64,7 +64,7 @@ impl ContactProblem {
         }
     }
 
-    /// Is some contact of a group held in both directions along its normal, with friction that follows |N|?
+    /// `true` if some contact of a group is held in both directions along its normal, with friction that follows |N|.
     pub(super) fn has_held(&self, group: usize) -> bool {
         self.delassus.groups()[group].iter().any(|&contact| self.is_held(contact))
     }
@@ -73,14 +73,14 @@ impl ContactProblem {
         self.freedom[contact].is_held()
     }
 
-    /// Takes over which contacts pull under the forces at hand.
+    /// Sets the signs of contacts that pull from the present forces.
     pub(super) fn take_signs(&mut self, group: usize) {
         for &contact in &self.delassus.groups()[group] {
             self.pulls[contact] = self.is_held(contact) && self.forces[contact][0] < 0.0;
         }
     }
 
-    /// Sets the equations to the states at hand.
+    /// Sets up the equations of the present states.
     fn take_states(&mut self, group: usize) {
         for &contact in &self.delassus.groups()[group] {
             let state = self.states[contact];
@@ -118,7 +118,7 @@ impl ContactProblem {
         });
     }
 
-    /// Adds to the forces of a group what its equations still miss, until they obey the law; do they?
+    /// Adds corrections to the forces of a group until its equations hold; `true` if the forces obey the law.
     fn correct(&mut self, group: usize, strictness: Strictness) -> bool {
         self.accelerate(group);
         (0..=CORRECTIONS).any(|_| {
@@ -132,7 +132,7 @@ impl ContactProblem {
                 match self.states[contact] {
                     ContactState::Detached => *force = [0.0; 2],
                     ContactState::Stick => {}
-                    // To the last digit, whatever the sweeps have left.
+                    // Exact to the last digit, whatever Gauss–Seidel has left.
                     _ => force[1] = self.given.slope(contact) * force[0],
                 }
             }
@@ -140,8 +140,8 @@ impl ContactProblem {
         })
     }
 
-    /// Gives contacts that break the law in the states at hand the state that they tend to, and solves again, a few times; do
-    /// the forces obey the law then?
+    /// Gives contacts that break the law in the present states the state that they tend to, and solves again, a few
+    /// times; `true` if the forces then obey the law.
     pub(super) fn mend_states(&mut self, group: usize, strictness: Strictness) -> bool {
         (0..MENDS).any(|_| {
             for place in 0..self.delassus.groups()[group].len() {
@@ -152,7 +152,7 @@ impl ContactProblem {
         })
     }
 
-    /// Gives a contact the state that it tends to, if it breaks the law in the one at hand.
+    /// Gives a contact that breaks the law in its present state the state that it tends to.
     fn mend_state(&mut self, contact: usize) {
         let [a_normal, a_tangential] = self.accelerations[contact].value;
         let [mut normal, tangential] = self.forces[contact];
@@ -177,7 +177,7 @@ impl ContactProblem {
         };
     }
 
-    /// Do forces that were found otherwise obey the law in the states at hand?
+    /// `true` if forces that were found by another method obey the law in the present states.
     pub(super) fn are_lawful(&mut self, group: usize, strictness: Strictness) -> bool {
         self.accelerate(group);
         if self.is_lawful(group, strictness) {
@@ -188,7 +188,7 @@ impl ContactProblem {
         false
     }
 
-    /// `true` if the forces of a group are no larger than rounding allows; see [`BLURRED`].
+    /// `true` if the forces of a group are small enough for rounding to be negligible; see [`BLURRED`].
     fn are_clear(&self, group: usize, strictness: Strictness) -> bool {
         let missed = strictness.missed();
         let contacts = &self.delassus.groups()[group];
@@ -197,7 +197,7 @@ impl ContactProblem {
         contacts.iter().all(|&i| missed * largest(self.accelerations[i].terms) <= BLURRED * asked)
     }
 
-    /// Does a contact that is open not close under the forces at hand?
+    /// `true` if the gap of an open contact accelerates away from its surface under the present forces.
     pub(in crate::integrator) fn stays_open(&mut self, contact: usize) -> bool {
         let group = self.delassus.groups().iter().position(|group| group.contains(&contact));
         group.is_some_and(|group| {
@@ -206,7 +206,7 @@ impl ContactProblem {
         })
     }
 
-    /// The accelerations of a group under its forces.
+    /// Computes the accelerations of a group under its forces.
     pub(super) fn accelerate(&mut self, group: usize) {
         for &contact in &self.delassus.groups()[group] {
             let mut value = self.free[contact];
@@ -223,11 +223,11 @@ impl ContactProblem {
         }
     }
 
-    /// Do the forces of a group obey the law in its states?
+    /// `true` if the forces of a group obey the law in its states.
     fn is_lawful(&self, group: usize, strictness: Strictness) -> bool {
         let missed = strictness.missed();
         let room = if strictness == Strictness::Inside { 0.0 } else { missed };
-        // Where no condition may be at its limit, nothing is not above zero.
+        // Where no condition may be at its limit, a value of zero is not above zero.
         let is_above = |value: f64, rounding: f64| match strictness {
             Strictness::Inside => value > 0.0,
             Strictness::UpTo(_) => value >= -rounding,
@@ -236,7 +236,7 @@ impl ContactProblem {
             let Acceleration { value, terms } = self.accelerations[contact];
             let [normal, tangential] = self.forces[contact];
             let is_held = |row: usize| value[row].abs() <= missed * terms[row];
-            // What rounding in the acceleration makes of the normal force.
+            // The rounding of the acceleration in terms of the normal force.
             let nothing = room * terms[0] / self.delassus.own(contact)[0];
             let sign = self.freedom[contact].sign(self.pulls[contact]);
             let presses = || is_held(0) && is_above(sign * normal, nothing);
@@ -266,7 +266,7 @@ impl ContactProblem {
     }
 }
 
-/// The demand on a contact that is held in both directions, and pulls or presses.
+/// The demand on a contact that is held in both directions and pulls or presses.
 fn held(state: ContactState, range: &FrictionRange, own: LocalProblem, pulls: bool) -> Demand {
     if !pulls {
         return Demand::of(state, range, own);

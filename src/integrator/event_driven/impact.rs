@@ -10,7 +10,7 @@ use crate::integrator::dynamics::Dynamics;
 use crate::numerics::max_norm;
 
 impl<W: Witness> EventDriven<W> {
-    /// Puts the slips that stop to zero: what rounding leaves of one would have a direction.
+    /// Sets the slip velocities that stop to zero: a remainder of rounding would have a direction.
     pub(super) fn stop(&mut self, motion: &mut Motion) {
         let stops = |event: &Option<Event>| *event == Some(Event::Stop);
         if self.is_inclined && self.events.iter().any(stops) {
@@ -31,9 +31,9 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Touch-downs: the normal velocities of all closed contacts that would close become zero, and
-    /// friction acts up to µ times the normal impulse. One that has opened at the same instant is still
-    /// there: else two that throw each other off would go on to do so. `speed` (m/s) is the fastest velocity before.
+    /// Solves the impact of touch-downs: the normal velocities of all closed contacts that would close become zero, and
+    /// friction acts up to µ times the normal impulse. A contact that has opened at the same instant takes part:
+    /// otherwise two contacts could throw each other off without an end. `speed` (m/s) is the fastest velocity before.
     ///
     /// A contact that touches without a force takes part in the impact, and counts as a landing. Where the solver finds no
     /// impulses with such contacts, it solves without them; they then have an impact of their own.
@@ -73,7 +73,7 @@ impl<W: Witness> EventDriven<W> {
                 motion.statistics.touch_downs += u64::from(was_open);
                 self.landings[i] += 1;
             } else {
-                // What only touches and takes nothing has no part in the impact.
+                // A contact that only touches and takes no impulse has no part in the impact.
                 self.closed[i] = self.kept[i];
             }
         }
@@ -88,7 +88,7 @@ impl<W: Witness> EventDriven<W> {
         Ok(())
     }
 
-    /// Adds to the closed contacts those that share masses with one that lands, and whose gaps are nothing but rounding.
+    /// Adds to the closed contacts those that share masses with one that lands, and whose gaps are rounding only.
     fn close_what_touches(&mut self, motion: &Motion, speed: f64) {
         let Dynamics { contacts, problem, .. } = &self.dynamics;
         for group in problem.delassus.groups() {
@@ -106,8 +106,8 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Solves for the impulses of the closed contacts; the number of sweeps. There are none where contacts approach by rounding
-    /// only: beside a surface that moves, a solver finds impulses of any size for it.
+    /// Solves for the impulses of the closed contacts; returns the number of iterations. There are no impulses where
+    /// contacts approach by rounding only: beside a surface that moves, a solver finds impulses of any size for it.
     fn solve_impact(
         &mut self,
         motion: &Motion,
@@ -134,8 +134,8 @@ impl<W: Witness> EventDriven<W> {
         problem.solve(&motion.contacts)
     }
 
-    /// Takes away what rounding has left of the gaps of contacts in an impact, and the normal velocities of
-    /// those that it does not throw off: a hop of theirs would be rounding, or one of many ([`least_hop`]).
+    /// Removes the gaps that rounding has left at contacts in an impact, and the normal velocities of those that it
+    /// does not throw off: a hop of theirs would be rounding, or one of many ([`least_hop`]).
     pub(super) fn stand(&mut self, motion: &mut Motion, speed: f64) {
         let mut ended = 0;
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
@@ -143,7 +143,7 @@ impl<W: Witness> EventDriven<W> {
             let opening = contact.normal.dot(&motion.velocity);
             let is_kept = is_closed && opening <= least_hop(self.landings[i]) * speed;
             ended += u64::from(is_kept && opening > THROWN * speed);
-            // Those that the impact has stopped have no slip either, not even that of rounding.
+            // Contacts that the impact has stopped have no slip either, not even that of rounding.
             self.kept[i] = match self.dynamics.problem.states[i] {
                 ContactState::Stick if is_kept => ContactState::Stick,
                 _ => frictionless(is_kept),
@@ -154,7 +154,7 @@ impl<W: Witness> EventDriven<W> {
             self.witness.sees_hops_end(motion, 1.0);
         }
         if self.is_inclined {
-            // All at once: what is taken from one is given to its neighbours.
+            // All contacts at once: a correction of one contact changes its neighbours.
             let (law, dynamics) = (&mut self.series.law, &self.dynamics);
             law.set(dynamics, &self.closed, &self.frictionless);
             law.mend_gaps(dynamics, &mut motion.displacement);
@@ -180,7 +180,7 @@ impl<W: Witness> EventDriven<W> {
     }
 }
 
-/// A contact that nothing holds but its normal, or that is open.
+/// State of a contact that is held along its normal only, or open.
 pub(super) fn frictionless(is_closed: bool) -> ContactState {
     if is_closed { ContactState::Slide } else { ContactState::Detached }
 }

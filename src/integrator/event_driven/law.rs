@@ -1,4 +1,4 @@
-//! The equation of motion of given contact states: accelerations and multipliers in one row.
+//! Equation of motion in given contact states, with accelerations and multipliers in one row.
 
 use crate::contact::{ContactState, Friction, FrictionRange};
 use crate::integrator::contact_problem::{Demand, GivenStates};
@@ -6,39 +6,39 @@ use crate::integrator::dynamics::Dynamics;
 use crate::integrator::{Kept, Push, Response};
 use crate::model::{Contact, Direction};
 
-/// Forces hold each other if their sum is this part of their sizes.
+/// Forces balance each other if their sum is at most this part of their magnitudes.
 const SHARED: f64 = 1e-9;
 
-/// What acts on the masses, or one power of it in time.
+/// The actions on the masses, or one power of them in time.
 #[derive(Clone, Copy)]
 pub(super) struct Acting<'a> {
-    /// x + β ẋ, m; one value a degree of freedom, as the next two.
+    /// x + β ẋ, m; one value for each degree of freedom, as `velocity` and `outer`.
     pub(super) stretch: &'a [f64],
-    /// ẋ, m/s: what single dampers and α see.
+    /// Velocity ẋ, m/s, on which discrete dampers and α act.
     pub(super) velocity: &'a [f64],
     /// Outer forces, N.
     pub(super) outer: &'a [f64],
-    /// The accelerations of the sliders, m/s²; one value a contact.
+    /// Accelerations of the sliders, m/s²; one value for each contact.
     pub(super) slider: &'a [f64],
 }
 
-/// The accelerations and multipliers of given contact states, on sparse matrices.
+/// Linear map from the actions on the masses to accelerations and multipliers in given contact states, on sparse
+/// matrices.
 ///
-/// Both stand in one row. What a contact holds has no acceleration of its own, so the place of a degree
-/// of freedom that is held carries the multiplier that holds it; multipliers that find no such place
-/// (of inclined contacts, and of a second one on the same degree of freedom) stand behind. So the row
-/// has the same places in all contact states.
+/// Accelerations and multipliers form one row. A degree of freedom that a contact holds has no free acceleration, so
+/// its place carries the multiplier that holds it; multipliers without such a place (of inclined contacts, and of a
+/// second contact on the same degree of freedom) follow behind. So the row has the same places in all contact states.
 pub(super) struct StateLaw {
     held: GivenStates,
-    /// What `held` is set to.
+    /// The contact states for which `held` is set up.
     states: Vec<ContactState>,
     friction: Vec<Friction>,
-    /// (N, T) of each contact, N, of forces that hold each other: what is added to those of the equations where these leave it
-    /// open how contacts share their load.
+    /// Self-balanced forces (N, T) of each contact, N: the correction to the forces of the equations where these do not
+    /// determine how contacts share their load.
     shared: Vec<[f64; 2]>,
     /// The place of (N, T) of each contact in a row.
     places: Vec<[usize; 2]>,
-    /// Places of a row.
+    /// Number of places of a row.
     width: usize,
     force: Vec<f64>,
     acceleration: Vec<f64>,
@@ -46,7 +46,7 @@ pub(super) struct StateLaw {
     multipliers: Vec<[f64; 2]>,
 }
 
-/// Where N and T of each contact stand in a row, and how many places it has.
+/// Returns the places of N and T of each contact in a row, and the number of places of a row.
 pub(super) fn places(contacts: &[Contact], dofs: usize) -> (Vec<[usize; 2]>, usize) {
     let mut is_taken = vec![false; dofs];
     let mut width = dofs;
@@ -82,12 +82,12 @@ impl StateLaw {
         }
     }
 
-    /// The number of places of a row.
+    /// Number of places of a row.
     pub(super) fn width(&self) -> usize {
         self.width
     }
 
-    /// Where N and T of a contact stand in a row; T of one that sticks alone.
+    /// Places of N and T of a contact in a row; that of T is used only while the contact sticks.
     pub(super) fn places(&self, contact: usize) -> [usize; 2] {
         self.places[contact]
     }
@@ -97,7 +97,7 @@ impl StateLaw {
         self.held.slope(contact)
     }
 
-    /// Takes over contact states and µ of each contact.
+    /// Sets the contact states and µ of each contact.
     pub(super) fn set(
         &mut self,
         dynamics: &Dynamics,
@@ -122,8 +122,8 @@ impl StateLaw {
         }
     }
 
-    /// Contacts of a group share their load as the forces that the contact problem has found, where `dynamics` has the
-    /// accelerations without contact forces, if both move the masses alike.
+    /// Lets the contacts of a group share their load as in the forces of the contact problem, if these move the masses
+    /// as those of the equations do. `dynamics` has the accelerations without contact forces.
     pub(super) fn share(&mut self, dynamics: &Dynamics, slider: &[f64], group: usize) {
         let Dynamics { problem, .. } = dynamics;
         let contacts = &problem.delassus.groups()[group];
@@ -147,19 +147,19 @@ impl StateLaw {
         }
     }
 
-    /// The contacts of a group share their load as the equations have it.
+    /// Lets the contacts of a group share their load as the equations give it.
     pub(super) fn share_no_more(&mut self, dynamics: &Dynamics, group: usize) {
         for &contact in &dynamics.problem.delassus.groups()[group] {
             self.shared[contact] = [0.0; 2];
         }
     }
 
-    /// All contacts share their load as the equations have it.
+    /// Lets all contacts share their load as the equations give it.
     pub(super) fn forget_shared(&mut self) {
         self.shared.fill([0.0; 2]);
     }
 
-    /// Adds to the row of these states what contacts share otherwise than the equations have it.
+    /// Adds to the row of these states the correction of the shared loads.
     pub(super) fn add_shared(&self, states: &[ContactState], row: &mut [f64]) {
         for ((places, shared), state) in self.places.iter().zip(&self.shared).zip(states) {
             if *shared != [0.0; 2] {
@@ -184,7 +184,7 @@ impl StateLaw {
         &self.multipliers
     }
 
-    /// What forces on the masses make of contacts that keep their states.
+    /// Computes the response to forces on the masses of contacts that keep their states.
     pub(super) fn respond(
         &mut self,
         dynamics: &Dynamics,
@@ -194,7 +194,7 @@ impl StateLaw {
     ) {
         let along = |(state, slope): (&ContactState, &f64)| match state.sliding_direction() {
             Some(direction) => Friction::from(direction * slope),
-            // Held, whatever that takes.
+            // Static friction without a limit.
             None => Friction::from(f64::INFINITY),
         };
         let friction: Vec<Friction> = kept.states.iter().zip(kept.slopes).map(along).collect();
@@ -209,8 +209,7 @@ impl StateLaw {
         dynamics.carry(response);
     }
 
-    /// Takes away what rounding has let the gaps (m) of contacts that hold drift. Only inclined contacts
-    /// drift.
+    /// Removes the drift of gaps (m) that rounding causes at closed contacts. Only inclined contacts drift.
     pub(super) fn mend_gaps(&mut self, dynamics: &Dynamics, x: &mut [f64]) {
         let contacts = &dynamics.contacts;
         let gap = |i: usize, part| if part == 0 { contacts[i].normal.dot(x) } else { 0.0 };
@@ -218,8 +217,8 @@ impl StateLaw {
         respond(dynamics, &self.multipliers, x);
     }
 
-    /// Takes away the velocities (m/s) that rounding has given to contacts along directions in which they are held, against
-    /// those of their surfaces, `surface`.
+    /// Removes the velocities (m/s) that rounding has given to contacts along directions in which they are held,
+    /// relative to those of their surfaces, `surface`.
     pub(super) fn mend_velocities(&mut self, dynamics: &Dynamics, surface: &[f64], v: &mut [f64]) {
         let contacts = &dynamics.contacts;
         let drift = |i: usize, part| match part {
@@ -271,7 +270,7 @@ impl StateLaw {
     }
 }
 
-/// Adds M⁻¹ Gᵀ λ to what is given; multipliers that are zero are passed over.
+/// Adds M⁻¹ Gᵀ λ to `vector`; zero multipliers are skipped.
 fn respond(dynamics: &Dynamics, multipliers: &[[f64; 2]], vector: &mut [f64]) {
     for (forces, responses) in multipliers.iter().zip(&dynamics.responses) {
         for (&force, response) in forces.iter().zip(responses) {
@@ -282,7 +281,7 @@ fn respond(dynamics: &Dynamics, multipliers: &[[f64; 2]], vector: &mut [f64]) {
     }
 }
 
-/// The degrees of freedom that contacts hold, each with the contact whose slider carries it along.
+/// Returns the degrees of freedom that contacts hold, each with the contact whose slider moves it.
 pub(super) fn held_dofs(
     dynamics: &Dynamics,
     states: &[ContactState],

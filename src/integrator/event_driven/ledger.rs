@@ -1,5 +1,5 @@
-//! Exact motion with a ledger: what [`EventDriven`](super::EventDriven) lets a witness see, and the witness that
-//! writes one.
+//! Energy ledger of event-driven motion: the events that [`EventDriven`](super::EventDriven) reports to a witness, and
+//! the witness that writes a ledger.
 
 use super::series::{ORDER, Polynomial, Series, index};
 use crate::contact::ContactState;
@@ -19,29 +19,29 @@ const INTEGRATED: [f64; 2 * ORDER] = {
     integrated
 };
 
-/// A part of a series that the motion is about to pass.
+/// A part of a series over which the motion is about to advance.
 pub struct Passage<'a> {
     pub(super) dynamics: &'a Dynamics,
     pub(super) series: &'a mut Series,
-    /// The outer forces, N, and the velocities of the sliders, m/s, where it begins.
+    /// Outer forces, N, and slider velocities, m/s, at the beginning of the part.
     pub(super) force: &'a [f64],
     pub(super) surface: &'a [f64],
-    /// The accelerations of the sliders there, m/s².
+    /// Slider accelerations at the beginning of the part, m/s².
     pub(super) acceleration: &'a [f64],
     pub(super) drive: &'a Drive,
-    /// How much of the span.
+    /// Length of the part relative to the span of the series.
     pub(super) part: f64,
 }
 
-/// An impact whose impulses have acted: the multipliers.
+/// An impact whose impulses have acted; the multipliers are the impulses.
 pub struct Strike<'a> {
     pub(super) dynamics: &'a Dynamics,
     /// The velocities of the sliders, m/s.
     pub(super) surface: &'a [f64],
 }
 
-/// Whoever looks at what happens on the way. It is a type parameter, so that nobody, who looks as a rule, costs
-/// nothing.
+/// Observer of the events of a motion. It is a type parameter, so that the usual motion without an observer has no
+/// extra cost.
 pub trait Witness: Send {
     fn passes(&mut self, passage: Passage<'_>, motion: &mut Motion);
 
@@ -51,7 +51,7 @@ pub trait Witness: Send {
     fn sees_hops_end(&mut self, motion: &mut Motion, sign: f64);
 }
 
-/// Nobody.
+/// The observer that ignores all events.
 impl Witness for () {
     #[inline(always)]
     fn passes(&mut self, _: Passage<'_>, _: &mut Motion) {}
@@ -63,18 +63,18 @@ impl Witness for () {
     fn sees_hops_end(&mut self, _: &mut Motion, _: f64) {}
 }
 
-/// Writes the ledger of the motion. Between events all integrands are products of polynomials, so its entries are
-/// exact but for rounding.
+/// Observer that writes the ledger of the motion. Between events all integrands are products of polynomials, so its
+/// entries are exact but for rounding.
 pub(in crate::integrator) struct Writer {
     model: LumpedModel,
-    /// The powers of dx/du over a part of a series in which u goes from 0 to 1, m; row by row, one value a degree
-    /// of freedom.
+    /// Powers of dx/du over a part of a series in which u goes from 0 to 1, m; row by row, one value for each degree of
+    /// freedom.
     moved: Vec<f64>,
-    /// C dx/du likewise, N s.
+    /// Powers of C dx/du, N s, in the rows of `moved`.
     damped: Vec<f64>,
-    /// One power of the forces of waves, N.
+    /// One power of the wave forces, N.
     wave: Vec<f64>,
-    /// Of one contact: T, N, and how far the slider moves against the mass, m.
+    /// Friction force T of one contact, N, and displacement of its slider relative to the mass, m.
     friction: Polynomial,
     slipped: Polynomial,
 }
@@ -92,7 +92,7 @@ impl Writer {
         }
     }
 
-    /// ∫ ẋᵀ C ẋ dt over the part at hand, which takes `time` (s).
+    /// Returns ∫ ẋᵀ C ẋ dt over the present part, which takes `time` (s).
     fn damping(&mut self, Damping { alpha, beta }: Damping, time: f64) -> f64 {
         let LumpedModel { mass, stiffness, dampers, .. } = &self.model;
         let dofs = self.model.dofs();
@@ -137,7 +137,7 @@ impl Witness for Writer {
         }
         ledger.damping += self.damping(dynamics.damping, time);
 
-        // Forces are f + ḟ t, and what oscillates; the first two are looked at once for each power.
+        // The forces are f + ḟ t and the waves; the first two are evaluated once for each power.
         let mut work = 0.0;
         for (k, moved) in self.moved.chunks_exact(dofs).enumerate() {
             for (dof, moved) in moved.iter().enumerate() {

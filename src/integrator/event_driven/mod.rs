@@ -1,14 +1,14 @@
-//! Exact motion from one change of contact state to the next.
+//! Event-driven motion, exact up to rounding between changes of contact state.
 //!
 //! The method is event-driven: between two changes of contact state the equation of motion is linear, so its solution is a
 //! power series that is summed to the last digit; what the contact states require is a polynomial in time, whose first root
 //! is the next event; at an event the law of contact decides the states that follow. Errors are those of rounding. The
-//! internal step says how often inputs are read, not how accurate the motion is.
+//! internal step determines how often inputs are read, not the accuracy of the motion.
 //!
 //! # The algorithm
 //!
-//! One internal step of length h (s) goes as follows ([`Integrator::advance`]). Over the step outer forces F and
-//! velocities of surfaces v change linearly and as waves do ([`waves`]); friction coefficients are constant.
+//! One internal step of length h (s) has seven stages ([`Integrator::advance`]). Over the step outer forces F and
+//! velocities of surfaces v change linearly, plus waves ([`waves`]); friction coefficients are constant.
 //!
 //! 1. **Start.** Of the step, `left` = h is to go. A contact that sticks to a surface whose velocity has jumped since the last
 //!    step begins to slip.
@@ -46,14 +46,14 @@
 //!    N · G_N ẋ⁺ = 0, |T| ≤ µ N; [`impact`]). Then that problem in accelerations and forces gives the states that follow.
 //!    [`ContactProblem`] solves both. It tries the present states first, so contacts stay in them as long as the law lets them;
 //!    the statistics count where the law had another solution.
-//! 7. Go on at 2 until nothing is left of the step.
+//! 7. Repeat from 2 until the step is complete.
 //!
-//! # What counts as nothing
+//! # Rounding budgets
 //!
-//! A sign that rounding decides would make a contact change its state for no reason. So each function is compared with a
-//! budget: a size of its own terms, times a part ([`rounding`]).
+//! A sign that rounding decides would make a contact change its state without a reason. So each function is compared
+//! with a budget: a magnitude of its own terms, times a factor ([`rounding`]).
 //!
-//! | budget | of what |
+//! | budget | quantity |
 //! | --- | --- |
 //! | 1e-13 ([`NOISE`]) | a value, slope or higher coefficient of a watched function, beside the terms that it is a difference of |
 //! | 1e-13 · 2^(n − 2), n ≤ 14 | the same at a contact with its n-th event at one instant: the doubt grows until larger changes decide |
@@ -63,7 +63,7 @@
 //!
 //! # What is guaranteed, and what is not
 //!
-//! - No event is passed over, but one whose function becomes negative by less than its budget.
+//! - No event is passed over, except one whose function becomes negative by less than its budget.
 //! - The motion is the same to the last bit on every machine, and however a run is divided into multiples of the step.
 //! - A step ends: with the motion, or with a [`StepFailure`] that says why. Friction may wedge (Painlevé: no forces obey the
 //!   law), forces may be rounding only, contacts may change again and again at one instant, or a step may take more than
@@ -105,33 +105,34 @@ use series::{ORDER, Polynomial, Series, SeriesStart};
 use watch::Event;
 use waves::Waves;
 
-/// The most contacts that may share masses: their equations take the cube of their number.
+/// Largest number of contacts that share masses: their equations take the cube of that number.
 const MAX_GROUP: usize = 256;
-/// More events than this for each contact in one internal step are a loop that leads nowhere.
+/// Largest number of events for each contact in one internal step; more are a loop without an end.
 const MAX_EVENTS: u64 = 10_000;
-/// And this many at one instant, or as near to it as [`NOISE`] of a step.
+/// Largest number of events for each contact at one instant, or as near to it as [`NOISE`] of a step.
 const MAX_STANDSTILL: u64 = 16;
-/// A contact that has had more events than this at one instant opens no more there, unless its force falls, up to
-/// [`MOST_TOUCHES`].
+/// A contact with more events than this at one instant, up to [`MOST_TOUCHES`], does not open again there unless its
+/// force falls.
 const MOST_OPENINGS: u32 = 5;
-/// A contact that has had more events than this at one instant, sticking and slipping in turn, can do neither as it does.
+/// A contact with more events than this at one instant changes between sticking and slipping in turn and can stay in
+/// neither.
 const MOST_TURNS: u32 = 3;
-/// And more than this, one that shares its load with others that hold the same masses.
+/// The limit in place of [`MOST_TURNS`] for a contact that shares its load with others that hold the same masses.
 const MOST_SHARES: u32 = 7;
-/// Friction is at its limit within this part of it, of a contact that sticks and slips in turn.
+/// Relative distance from the limit of friction at which a contact that sticks and slips in turn counts as at its
+/// limit.
 const AT_LIMIT: f64 = 1e-9;
-/// A contact that touches although it has had more events than this at one instant can stay neither open nor closed.
+/// A contact that touches after more events than this at one instant can stay neither open nor closed.
 const MOST_TOUCHES: u32 = 15;
-/// An acceleration that closes a contact, as a part of the largest one that a contact of its group has without contact
-/// forces.
+/// Threshold of an acceleration that closes a contact, relative to the largest one that a contact of its group has
+/// without contact forces.
 const APPROACH: f64 = 1e-6;
-/// More series than this in one internal step are more oscillations than anyone waits for: of the fastest, a
-/// series covers about three radians.
+/// Largest number of series in one internal step. A series covers about three radians of the fastest oscillation.
 const MAX_SERIES: u32 = 100_000;
-/// A series that covers no more than this part of what is left of a step will not end it.
+/// A series that covers no more than this part of the remaining step does not complete it.
 const SHORTEST: f64 = 1e-12;
 
-/// Exact motion, event by event.
+/// Event-driven integrator: exact motion, up to rounding, from one event to the next.
 ///
 /// Structures with up to 16 degrees of freedom (two more for each contact between two masses or at an
 /// angle to them) get a full matrix for each contact state that they meet, of which up to 64 are kept, in
@@ -140,65 +141,66 @@ pub struct EventDriven<W = ()> {
     witness: W,
     dynamics: Dynamics,
     series: Series,
-    /// Does any contact hold more than one degree of freedom at a time?
+    /// `true` if any contact holds more than one degree of freedom at a time.
     is_inclined: bool,
-    /// Which contacts stick only as long as their surfaces do not part them ([`ContactProblem::overheld`]).
+    /// `true` for each contact that sticks only as long as the surfaces do not part the contacts
+    /// ([`ContactProblem::overheld`]).
     ///
     /// [`ContactProblem::overheld`]: super::contact_problem::ContactProblem::overheld
     overheld: Vec<bool>,
-    /// |G M⁻¹ K| along normal and tangent of each contact, 1/s²: what springs make of displacements where
-    /// nothing holds it, term by term.
+    /// |G M⁻¹ K| along normal and tangent of each contact, 1/s²: the factors from displacements to the accelerations
+    /// that springs cause, term by term, without contact forces.
     pulls: Vec<[Direction; 2]>,
-    /// A time, s, that no oscillation of the masses on their springs is shorter than; zero without springs.
+    /// A lower bound of the periods of the masses on their springs, s; zero without springs.
     shortest: f64,
-    /// The polynomial at hand.
+    /// Memory for the polynomial under examination.
     polynomial: Polynomial,
-    /// The outer forces, N, and the velocities (m/s) and accelerations (m/s²) of the sliders at the instant that
-    /// was reached.
+    /// Outer forces, N, velocities (m/s) and accelerations (m/s²) of the sliders at the present instant.
     force: Vec<f64>,
     surface: Vec<f64>,
     surface_acceleration: Vec<f64>,
-    /// Twice the mean velocity of each surface over the step, m/s. Friction of a frozen direction has its sign.
+    /// Twice the mean velocity of each surface over the step, m/s. Friction of a fixed direction has its sign.
     heading: Vec<f64>,
-    /// The fastest that each surface is in the step, m/s. Its velocity within the step is a difference of such numbers, so a
-    /// velocity far below it is rounding.
+    /// Largest speed of each surface in the step, m/s. The velocity within the step is a difference of such numbers, so
+    /// a velocity far below it is rounding.
     surface_speed: Vec<f64>,
-    /// The events at one instant.
+    /// The event of each contact at the present instant; `None` if it has none.
     events: Vec<Option<Event>>,
-    /// How often each contact has had one at the present instant.
+    /// Number of events of each contact at the present instant.
     repeats: Vec<u32>,
-    /// The fastest velocity since the present instant began, m/s. Impacts may have taken it away, and left rounding of it.
+    /// The fastest velocity since the present instant began, m/s. An impact may have removed it and left its rounding.
     fastest_here: f64,
-    /// How often each contact has landed in the present internal step.
+    /// Number of landings of each contact in the present internal step.
     landings: Vec<u32>,
     before: Vec<ContactState>,
-    /// Which contacts were closed at some time of one instant: those take part in its impacts.
+    /// Contacts that were closed at some time of the present instant, by their states; they take part in its impacts.
     closed: Vec<ContactState>,
-    /// What is held at one instant: what slips that stop become, or those that an impact does not throw off.
+    /// States to hold at the present instant: those of slips that stop, or of contacts that an impact does not throw
+    /// off.
     kept: Vec<ContactState>,
-    /// The states that contacts are first tried in after events.
+    /// The states that are tried first after events.
     likely: Vec<ContactState>,
     frictionless: Vec<Friction>,
     /// The largest acceleration that the constant load alone gives a mass, m/s².
     loaded: f64,
-    /// The velocity, m/s, that the outer forces give a mass in a step. Forces that may hold each other add up here. A velocity
-    /// far below it is rounding.
+    /// The velocity, m/s, that the outer forces give a mass in a step, by the sum of their magnitudes since they may
+    /// balance each other. A velocity far below it is rounding.
     gained: f64,
-    /// The acceleration, m/s², of which the rounding of outer forces is a part, that of the phase of waves included.
+    /// The acceleration, m/s², that scales the rounding of outer forces, with that of the phase of waves.
     driven: f64,
 }
 
-/// The places of the full matrices that a structure gets; `None` for a large one, which gets none.
+/// Number of places of the full matrices of a structure; `None` for a large one, which has none.
 pub(crate) fn full_places(contacts: &[Contact], dofs: usize) -> Option<usize> {
     let (_, width) = law::places(contacts, dofs);
     (width <= MOST_PLACES).then(|| width.next_multiple_of(4).max(4))
 }
 
 impl EventDriven {
-    /// The integrator for this model.
+    /// The event-driven integrator for this model.
     ///
     /// # Errors
-    /// A mass matrix that is not positive definite; more contacts that share masses than it can hold.
+    /// Returns an error if the mass matrix is not positive definite, or if too many contacts share masses.
     pub fn new(model: &LumpedModel) -> Result<Self, Error> {
         Self::with_witness(model, ())
     }
@@ -283,8 +285,8 @@ impl<W: Witness> EventDriven<W> {
             series.expand(dynamics, &motion.contacts, drive, now, start, most);
             let reach = series.span();
             if reach <= SHORTEST * left {
-                // No series covers numbers that have left their range: whoever looks at the motion is to
-                // see that, and where.
+                // No series covers numbers that have left their range: the motion is to show that to its reader, and
+                // where it happens.
                 let dof = series.first_out_of_range();
                 motion.displacement[dof] = f64::NAN;
                 return Ok(());
@@ -311,7 +313,7 @@ impl<W: Witness> EventDriven<W> {
                     Passage { dynamics, series, force, surface, acceleration, drive, part };
                 witness.passes(passage, motion);
                 self.series.evaluate(part, &mut motion.displacement, &mut motion.velocity);
-                // What is left ends in an exact zero, and never in a remainder of rounding.
+                // The remaining time ends in an exact zero, and never in a remainder of rounding.
                 left = if passed == left { 0.0 } else { left - passed };
                 self.reach(drive, h, left);
                 self.settle(motion, drive);
@@ -331,12 +333,12 @@ impl<W: Witness> EventDriven<W> {
                 }
             }
         }
-        // Each step finds out anew how loads are shared, so that it depends on nothing but the motion.
+        // Each step determines anew how loads are shared, so that it depends on nothing but the motion.
         self.series.law.forget_shared();
         Ok(())
     }
 
-    /// Takes note of what drives the motion with `left` (s) of a step of length `h` to go.
+    /// Evaluates the inputs of the motion with `left` (s) of a step of length `h` remaining.
     fn reach(&mut self, drive: &Drive, h: f64, left: f64) {
         for (force, (start, rate)) in
             self.force.iter_mut().zip(drive.force.iter().zip(&drive.force_rate))
@@ -350,7 +352,8 @@ impl<W: Witness> EventDriven<W> {
         {
             let gained = acceleration * left;
             *surface = end - gained;
-            // A surface that begins to move stands: what rounding leaves of the difference would have a direction.
+            // A surface that begins to move is at rest: a remainder of rounding in the difference would have a
+            // direction.
             if surface.abs() <= f64::EPSILON * gained.abs() {
                 *surface = 0.0;
             }
@@ -374,15 +377,15 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Takes note of the closed contacts, at the beginning of an instant.
+    /// Notes the closed contacts at the beginning of an instant.
     fn note_closed(&mut self, motion: &Motion) {
         for (closed, state) in self.closed.iter_mut().zip(&motion.contacts) {
             *closed = frictionless(*state != ContactState::Detached);
         }
     }
 
-    /// A slider whose velocity was changed since the last step leaves its stuck masses behind, and
-    /// those that slide may now do so the other way.
+    /// Changes contact states after a jump of a slider velocity since the last step: stuck masses begin to slip, and
+    /// sliding masses may reverse their slip.
     fn follow_slider(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
         for (speed, (start, end)) in
             self.surface_speed.iter_mut().zip(self.surface.iter().zip(&drive.slider_velocity))
@@ -404,7 +407,7 @@ impl<W: Witness> EventDriven<W> {
         self.gained = h * driven;
         self.driven = driven + blurred * f64::EPSILON / (NOISE * DIFFERENCE);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
-            // Where a surface begins to move, the sign of what it has at first is rounding.
+            // Where a surface begins to move, the sign of its first velocity is rounding.
             let mean = self.surface[i] + drive.slider_velocity[i];
             self.heading[i] = mean;
             let old = motion.contacts[i];
@@ -423,7 +426,7 @@ impl<W: Witness> EventDriven<W> {
                 }
                 continue;
             }
-            // Of a slider that stands only the forces say what rounding is.
+            // For a slider at rest only the forces determine the magnitude of rounding.
             let size = self.surface_speed[i].max(terms).max(self.gained);
             let new = if slip.abs() <= NOISE * size {
                 continue;
@@ -439,7 +442,7 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// A motion may be started with closed contacts that approach: an impact too.
+    /// Solves the impact of closed contacts that approach when a motion is started.
     fn stop_approach(&mut self, motion: &mut Motion, drive: &Drive) -> Result<(), StepFailure> {
         let speed = self.speed(motion);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
@@ -454,7 +457,7 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Puts what is held exactly where it is held.
+    /// Sets the gaps and velocities that contacts hold to their exact values.
     fn settle(&mut self, motion: &mut Motion, drive: &Drive) {
         if self.is_inclined {
             let law = &mut self.series.law;
@@ -477,19 +480,19 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Counts whether the law of contact lets the motion begin in another way than it does.
+    /// Counts at the start of a motion whether the law of contact allows another motion than the present one.
     fn count_others_at_start(&mut self, motion: &mut Motion, drive: &Drive) {
         self.events.fill(None);
         let speed = self.speed(motion);
         self.pose(motion, drive, false, speed);
         let problem = &mut self.dynamics.problem;
-        // What has no solution is told as soon as a state ends.
+        // A contact problem without a solution is reported as soon as a state ends.
         let has_others = problem.solve(&motion.contacts).is_ok() && problem.has_another_solution();
         motion.statistics.other_solutions += u64::from(has_others);
     }
 
-    /// Sets up the accelerations of this instant, as far as the events leave contacts free; `landed`: an impact has been
-    /// solved, before which the motion had this `speed` (m/s).
+    /// Sets up the contact problem in accelerations at this instant, with the freedom that the events leave to
+    /// contacts. `landed`: an impact has been solved, before which the motion had this `speed` (m/s).
     fn pose(&mut self, motion: &Motion, drive: &Drive, landed: bool, speed: f64) {
         self.dynamics.free_acceleration(motion, &self.force);
         let any_in_turn = self.is_in_turn(0..self.repeats.len());
@@ -498,7 +501,7 @@ impl<W: Witness> EventDriven<W> {
             let group = || self.dynamics.problem.delassus.group_of(i).iter().copied();
             let in_turn = any_in_turn && self.is_in_turn(group());
             let problem = &mut self.dynamics.problem;
-            // What lands while its surface begins to move has the direction that the surface takes.
+            // A mass that lands while its surface begins to move has the direction that the surface takes.
             let is_frozen = self.dynamics.law.is_frozen();
             let surface = if is_frozen { self.heading[i] } else { self.surface[i] };
             let held =
@@ -528,14 +531,14 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Does any of these contacts change its state in turn with others at the present instant?
+    /// `true` if any of these contacts changes its state in turn with others at the present instant.
     fn is_in_turn(&self, contacts: impl IntoIterator<Item = usize>) -> bool {
         contacts.into_iter().any(|contact| self.repeats[contact] > MOST_TURNS)
     }
 
-    /// Lets contacts approach that touch and lift in turn at one instant; are there any? They carry nothing there: closed they
-    /// would pull next, open they would close. So the forces as they are have no future, and the contact problem is asked
-    /// for those that have.
+    /// Prescribes an approach for contacts that touch and lift in turn at one instant; `true` if there are any. They
+    /// carry nothing there: closed they would pull next, open they would close. So the present forces cannot continue,
+    /// and the contact problem is asked for forces that can.
     fn press_together(&mut self) -> bool {
         let mut is_pressed = false;
         for (i, event) in self.events.iter().enumerate() {
@@ -550,12 +553,13 @@ impl<W: Witness> EventDriven<W> {
         is_pressed
     }
 
-    /// Contacts that stick and slip in turn at one instant: friction that sticks passes its limit, and the slip that follows
-    /// goes the other way. Such a contact does not stick at its limit: another contact changes its state, or it opens itself,
-    /// if it then stays open.
+    /// Ends turns of contacts that stick and slip in turn at one instant: friction that sticks passes its limit, and
+    /// the slip that follows goes the other way. Such a contact does not stick at its limit: another contact changes
+    /// its state, or it opens itself, if it then stays open.
     fn end_turns(&mut self, motion: &mut Motion) -> Result<(), StepFailure> {
         for i in 0..self.events.len() {
-            // Where sticking holds more than the masses can move, another share of the load may do.
+            // Where contacts that stick hold more directions than the masses have, another share of the load may be
+            // admissible.
             let most = if self.overheld[i] { MOST_SHARES } else { MOST_TURNS };
             let problem = &mut self.dynamics.problem;
             let turns = self.repeats[i] > most
@@ -580,9 +584,9 @@ impl<W: Witness> EventDriven<W> {
         Ok(())
     }
 
-    /// Contacts that stick and slip in turn at one instant, where sticking holds more than the masses can move: its equations
-    /// leave it open how the contacts share their load. They share it inside the limits of the law, or else as the law has found
-    /// that they can, until a state of theirs changes.
+    /// Shares the loads of contacts that stick and slip in turn at one instant and hold more directions than the masses
+    /// have: the equations do not determine how these contacts share their load. They share it inside the limits of the
+    /// law, or else as the contact problem has found it, until one of their states changes.
     fn share_loads(&mut self, motion: &Motion, drive: &Drive) {
         let Self { dynamics, series, surface, surface_acceleration, .. } = self;
         let law = &mut series.law;
@@ -615,7 +619,8 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// The states that follow on the events, by the law of contact; `again`: at the instant of the last ones.
+    /// Changes the contact states by the events, as the law of contact decides; `again`: at the instant of the last
+    /// events.
     fn change(
         &mut self,
         motion: &mut Motion,

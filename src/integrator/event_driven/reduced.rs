@@ -12,35 +12,35 @@ pub(super) const MOST_PLACES: usize = 16;
 /// 300 kB.
 pub(super) const MOST_STATES: usize = 64;
 
-/// The row that [`StateLaw::apply`] gives, as full matrices: what the stretches give, what the
-/// velocities give, and what the drive gives.
+/// The map of [`StateLaw::apply`] to a row as full matrices: the contributions of effective displacements, of
+/// velocities and of the inputs.
 pub(super) struct Reduced {
-    /// What the matrices belong to; `None` before the first.
+    /// Key of the contact states that the matrices belong to; `None` before the first.
     key: Option<usize>,
-    /// The degrees of freedom by columns: first those that no contact holds.
+    /// The degrees of freedom in the order of the columns: those that no contact holds come first.
     columns: Vec<usize>,
     free: usize,
     /// Columns of `places` values, by pairs: for x + β ẋ, and for ẋ (dampers and α).
     springs: Vec<Pair>,
     dampers: Vec<Pair>,
-    /// What these forces and accelerations of the sliders give.
+    /// The row for the forces in `outer` and the slider accelerations in `slider`.
     load: Vec<f64>,
     outer: Vec<f64>,
     slider: Vec<f64>,
 }
 
-/// Two values side by side, as processors take them.
+/// Two values for one instruction of a processor.
 #[derive(Clone, Copy)]
 #[repr(align(16))]
 struct Pair([f64; 2]);
 
-/// The matrices of the contact states met last. Room for all is taken when they are made. A matrix
-/// depends on nothing but its state, µ and the damping: whether it was kept leaves no trace.
+/// The matrices of the contact states met last. Memory for all is allocated at construction. A matrix depends on
+/// nothing but its state, µ and the damping, so results do not depend on which matrices were kept.
 pub(super) struct ReducedLaws {
     slots: Vec<Reduced>,
-    /// µ of each contact that all of them were made for.
+    /// Friction of each contact for which all matrices were made.
     friction: Vec<Friction>,
-    /// Places of a row, rounded up.
+    /// Number of places of a row, rounded up.
     places: usize,
     zeros: Vec<f64>,
     unit: Vec<f64>,
@@ -48,7 +48,7 @@ pub(super) struct ReducedLaws {
 }
 
 impl ReducedLaws {
-    /// Room for the matrices of up to `slots` states, for rows with this many places.
+    /// Allocates memory for the matrices of up to `slots` states, for rows with this many places.
     pub(super) fn new(dynamics: &Dynamics, places: usize, slots: usize) -> Self {
         let (dofs, contacts) = (dynamics.acceleration.len(), dynamics.contacts.len());
         let slot = || Reduced {
@@ -78,8 +78,8 @@ impl ReducedLaws {
         }
     }
 
-    /// The matrices of these states, under the friction of this drive, and the outer forces (N) and accelerations of
-    /// the sliders (m/s²) of the moment.
+    /// The matrices of these states under the friction of this drive, with the row for these outer forces (N) and
+    /// slider accelerations (m/s²).
     pub(super) fn of(
         &mut self,
         dynamics: &Dynamics,
@@ -94,8 +94,8 @@ impl ReducedLaws {
             self.friction.copy_from_slice(friction);
         }
         let key = states.iter().rev().fold(0, |key, &state| 4 * key + state as usize % 4);
-        // Up to three contacts have a place for each state; of more, those that differ in one contact
-        // alone have places of their own.
+        // Up to three contacts have a slot for each state; of more, states that differ in one contact alone have slots
+        // of their own.
         let folded = key ^ (key / MOST_STATES) ^ (key / (MOST_STATES * MOST_STATES));
         let Self { slots, places, zeros, unit, row, .. } = self;
         let count = slots.len();
@@ -146,13 +146,13 @@ impl Reduced {
         self.free = is_held[..dofs].iter().filter(|held| !**held).count();
     }
 
-    /// What the drive gives at the beginning of a series.
+    /// The row of the inputs at the beginning of a series.
     pub(super) fn load<const N: usize>(&self) -> [f64; N] {
         std::array::from_fn(|place| self.load[place])
     }
 
-    /// `sum` and what stretches (m) give, `all` or those of the degrees of freedom that are free. N rows
-    /// are P pairs.
+    /// Returns `sum` plus the contributions of effective displacements (m): `all`, or those of the free degrees of
+    /// freedom. N rows are P pairs.
     #[allow(clippy::inline_always)]
     #[inline(always)]
     pub(super) fn add_springs<const N: usize, const P: usize>(
@@ -164,8 +164,8 @@ impl Reduced {
         self.add::<N, P>(&self.springs, stretch, all, sum)
     }
 
-    /// `sum` and what velocities (m/s) give by dampers and α, `all` or those of the degrees of freedom that are free. N rows
-    /// are P pairs.
+    /// Returns `sum` plus the contributions of velocities (m/s) by dampers and α: `all`, or those of the free degrees
+    /// of freedom. N rows are P pairs.
     #[allow(clippy::inline_always)]
     #[inline(always)]
     pub(super) fn add_dampers<const N: usize, const P: usize>(

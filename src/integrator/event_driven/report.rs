@@ -1,4 +1,4 @@
-//! The contact forces of the states that the motion is in.
+//! Contact forces of a motion in its present contact states.
 
 use super::EventDriven;
 use super::ledger::Witness;
@@ -8,15 +8,14 @@ use crate::integrator::{Drive, Motion};
 use crate::model::Contact;
 use crate::numerics::max_norm;
 
-/// A motion goes on in a state until its forces miss the law by more than rounding, which is this often
-/// [`NOISE`] at a limit that they stay at.
+/// Factor of [`NOISE`] within which forces at a limit of the law obey it. A motion stays in a state until its forces
+/// miss the law by more than rounding.
 const CLOSE: f64 = 16.0;
 
 impl<W: Witness> EventDriven<W> {
     /// Writes the forces that hold the motion in its present states; `false` if those break the law of
     /// contact, as they may when an input was changed since the last step.
-    ///
-    /// With friction the law may allow several solutions at once: the motion is in one of them, which is
+    /// With friction the law may allow several solutions at once: the report gives the one that the motion is in.
     /// not for a report to choose.
     pub(super) fn present_forces(
         &mut self,
@@ -39,7 +38,7 @@ impl<W: Witness> EventDriven<W> {
             let state = motion.contacts[i];
             let &mut ContactForce { normal_force, friction_force, .. } = out;
             let (slip, surface) = (self.slip(i, motion, drive), drive.slider_velocity[i]);
-            // Of a slider that stands only the other masses say what rounding is.
+            // For a slider at rest only the other masses determine the magnitude of rounding.
             let still = NOISE * surface.abs().max(fastest);
             let size = normal_force.abs() + self.pulled_forces(i, &motion.displacement);
             let nothing = CLOSE * NOISE * size;
@@ -70,8 +69,8 @@ impl<W: Witness> EventDriven<W> {
             && self.stay_open(motion, drive, forces)
     }
 
-    /// Takes note of the states that a report asks the law from: those of the motion, but that open contacts which touch may
-    /// close.
+    /// Sets up the contact problem of a report: contacts have the states of the motion, but open contacts that touch
+    /// may close.
     pub(super) fn pose_report(&mut self, motion: &Motion, drive: &Drive) {
         let still = NOISE * self.fastest(motion, drive);
         for i in 0..motion.contacts.len() {
@@ -95,14 +94,15 @@ impl<W: Witness> EventDriven<W> {
         drive.slider_velocity[contact] - along
     }
 
-    /// The fastest velocity, m/s, also where all stand.
+    /// The fastest velocity, m/s; above zero also where all masses are at rest.
     fn fastest(&self, motion: &Motion, drive: &Drive) -> f64 {
         max_norm(&motion.velocity).max(self.thrown(drive))
     }
 
-    /// `true` if a contact of those that hold more directions than there are touches while its masses stand, whatever its surface
-    /// does. Which of such contacts carry something is a matter of rounding, and the others are said to be open. Masses that move
-    /// along each other may be at the highest point of a hop as low as rounding, and are open there.
+    /// `true` if a contact of those that hold more directions than there are touches while its masses are at rest,
+    /// whatever its surface does. Rounding determines which of such contacts carry a force, and the others have the
+    /// state open. Masses that move along each other may be at the highest point of a hop of the size of rounding, and
+    /// are open there.
     fn touches(&self, contact: usize, motion: &Motion, drive: &Drive) -> bool {
         if !self.overheld[contact] {
             return false;
@@ -116,7 +116,8 @@ impl<W: Witness> EventDriven<W> {
             && tangent.dot(&motion.velocity).abs() <= still
     }
 
-    /// Do open contacts that touch not close under these forces? Surfaces that begin to move may press them.
+    /// `true` if no open contact that touches closes under these forces. Surfaces that begin to move may press such
+    /// contacts.
     fn stay_open(&self, motion: &Motion, drive: &Drive, forces: &[ContactForce]) -> bool {
         let is_asked = |i: &usize| {
             forces[*i].state == ContactState::Detached && self.touches(*i, motion, drive)
@@ -127,8 +128,9 @@ impl<W: Witness> EventDriven<W> {
         })
     }
 
-    /// The acceleration (m/s²) that these forces give the masses of a contact along its normal (0) or its tangent (1), and the
-    /// sum of the sizes of its terms. Springs' and outer forces that may hold each other are terms, each for itself.
+    /// The acceleration (m/s²) that these forces give the masses of a contact along its normal (0) or its tangent (1),
+    /// and the sum of the magnitudes of its terms. Spring forces and outer forces that may balance each other are
+    /// separate terms.
     fn acceleration(
         &self,
         contact: usize,
@@ -146,14 +148,15 @@ impl<W: Witness> EventDriven<W> {
         [free + carried, size + free.abs() + lost]
     }
 
-    /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the springs:
-    /// beside it, where all stand, a velocity is rounding.
+    /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the
+    /// springs. It scales the rounding of velocities where all masses are at rest.
     fn thrown(&self, drive: &Drive) -> f64 {
         self.shortest * self.shaken(&drive.force)
     }
 
-    /// Do contacts that hold more directions than there are stay on their surfaces, and go on to slip or stick as their states have
-    /// it, under these forces? Those are asked that slip by no more than `still`, m/s: surfaces that begin to move may part them.
+    /// `true` if contacts that hold more directions than there are stay on their surfaces under these forces, and slip
+    /// or stick as in their states. Only contacts that slip by no more than `still`, m/s, are examined: surfaces that
+    /// begin to move may part them.
     fn follow_surfaces(
         &self,
         motion: &Motion,
@@ -168,7 +171,7 @@ impl<W: Witness> EventDriven<W> {
         let is_frozen = self.dynamics.law.is_frozen();
         (0..forces.len()).filter(is_asked).all(|i| {
             let [opening, size] = self.acceleration(i, 0, motion, drive, forces);
-            // A surface that carries a mass along another one presses it into that one, or off it.
+            // A surface that moves a mass along another one presses it into that one, or lifts it off.
             if opening.abs() > CLOSE * NOISE * size {
                 return false;
             }

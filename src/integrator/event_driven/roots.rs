@@ -1,14 +1,14 @@
-//! Where a polynomial that must not be negative becomes so.
+//! First root of a polynomial that must not become negative.
 
 use super::series::index;
 
-/// More steps than this towards a root that is not reached are taken as an event: the law of contact then
-/// says what is the case.
+/// Largest number of steps towards a root. Beyond it the present place is taken as an event, and the law of contact
+/// decides.
 const MOST_STEPS: usize = 10_000;
-/// Coefficients that are bounded one by one; the others by the sum of their sizes.
+/// Number of coefficients that are bounded one by one; the others are bounded by the sum of their magnitudes.
 const BOUNDED: usize = 4;
 
-/// The first s in [0, 1] from which on p(s) = Σ c_k s^k is negative; `None` if it is not.
+/// Returns the first s in [0, 1] from which on p(s) = Σ c_k s^k is negative; `None` if there is none.
 ///
 /// A value up to the first `noise` counts as zero, a slope up to the second, and a further coefficient up
 /// to the third: the polynomial then goes where its next coefficient leads. No root is missed, two close
@@ -17,7 +17,7 @@ pub(super) fn first_negative(coefficients: &[f64], noise: [f64; 3]) -> Option<f6
     let noises = noise.into_iter().chain(std::iter::repeat(noise[2]));
     let leading =
         coefficients.iter().zip(noises).take_while(|(c, noise)| c.abs() <= *noise).count();
-    // Without what is nothing, and divided by s as often: the sign stays.
+    // Without negligible coefficients, and divided by s as often: the sign stays.
     let p = &coefficients[leading..];
     let &first = p.first()?;
     if first < 0.0 {
@@ -29,7 +29,7 @@ pub(super) fn first_negative(coefficients: &[f64], noise: [f64; 3]) -> Option<f6
     first_root(p)
 }
 
-/// What p is not below on [0, 1]: s g(s) is not below zero or the least g.
+/// Lower bound of p on [0, 1], since s g(s) is not below min(0, min g).
 fn lower_bound(p: &[f64]) -> f64 {
     let (first, rest) = p.split_at(p.len().min(BOUNDED));
     first.iter().rev().fold(-sum_of_sizes(rest), |bound, c| c + bound.min(0.0))
@@ -48,7 +48,7 @@ pub(super) fn sum_of_sizes(p: &[f64]) -> f64 {
     (sums[0] + sums[1]) + (sums[2] + sums[3]) + rest
 }
 
-/// What p'' is not below on [0, 1].
+/// Lower bound of p'' on [0, 1].
 fn least_curvature(p: &[f64]) -> f64 {
     let mut bound = 0.0;
     let mut k = index(p.len());
@@ -59,7 +59,7 @@ fn least_curvature(p: &[f64]) -> f64 {
     bound
 }
 
-/// The first root of p in [0, 1], where p(0) > 0.
+/// Returns the first root of p in [0, 1], where p(0) > 0.
 ///
 /// With p'' ≥ −b, p is not below the parabola p(a) + p'(a) (s − a) − b (s − a)² / 2 beyond a: up to the
 /// parabola's root there is none of p. From root to root this goes to the first root of p and never past
@@ -88,7 +88,7 @@ fn first_root(p: &[f64]) -> Option<f64> {
     Some(at)
 }
 
-/// p and p' from Horner's scheme for even and odd powers at once.
+/// Returns p and p' by Horner's scheme for even and odd powers at once.
 fn value_and_slope(p: &[f64], t: f64) -> [f64; 2] {
     let square = t * t;
     let (pairs, last) = p.as_chunks::<2>();

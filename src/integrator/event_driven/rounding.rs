@@ -1,4 +1,4 @@
-//! What counts as nothing: in which sizes rounding is measured.
+//! Rounding budgets: the magnitudes relative to which values count as zero.
 
 use super::EventDriven;
 use super::ledger::Witness;
@@ -7,20 +7,20 @@ use crate::integrator::dynamics::Dynamics;
 use crate::model::{Direction, SparseMatrix};
 use crate::numerics::max_norm;
 
-/// What counts as nothing, in parts of the sizes at hand: rounding, some dozens of operations long.
+/// Relative budget below which a value counts as zero: the rounding of some dozens of operations.
 pub(super) const NOISE: f64 = 1e-13;
 /// A contact is thrown off by an impact that gives it this part of the fastest velocity; less is rounding.
 pub(super) const THROWN: f64 = 1e-11;
-/// What a difference loses by rounding, as a part of its terms and of [`NOISE`].
+/// Loss of a difference by rounding, as a part of its terms and of [`NOISE`].
 pub(super) const DIFFERENCE: f64 = 0.02;
-/// From so many events of one contact at one instant on, [`NOISE`] is doubled for it with each.
+/// Number of events of one contact at one instant above which each further one doubles [`NOISE`] for it.
 const UNDOUBTED: u32 = 2;
-/// The most often.
+/// Largest number of doublings of [`NOISE`].
 const MOST_DOUBLINGS: u32 = 12;
 
-/// A contact that lands more often than this in one internal step is about to lie still.
+/// A contact with more landings than this in one internal step is about to come to rest.
 const MANY_LANDINGS: u32 = 16;
-/// How often the least hop then grows fourfold, at the most: to 1.05e-5 of the fastest velocity.
+/// Largest number of times that the least hop grows fourfold: to 1.05e-5 of the fastest velocity.
 const MOST_GROWTHS: u32 = 10;
 
 /// The opening velocity after an impact that is a hop of its own, as a part of the fastest velocity, for a contact that
@@ -36,44 +36,45 @@ pub(super) fn least_hop(landings: u32) -> f64 {
 }
 
 impl<W: Witness> EventDriven<W> {
-    /// The fastest velocity, m/s, which others are nothing beside.
+    /// The fastest velocity, m/s, as the scale of the rounding of velocities.
     pub(super) fn speed(&self, motion: &Motion) -> f64 {
         max_norm(&motion.velocity).max(self.slowest())
     }
 
-    /// Where all stand, m/s: what is thrown off with [`THROWN`] of it is back within the last digit of a step.
+    /// Scale of velocities where all masses are at rest, m/s: a contact thrown off with [`THROWN`] of it is back within
+    /// the last digit of a step.
     pub(super) fn slowest(&self) -> f64 {
         f64::EPSILON / THROWN * self.gained
     }
 
-    /// The largest acceleration that outer forces (N) give a mass, m/s². A load and a signal that hold each other are
-    /// rounded each for itself.
+    /// The largest acceleration that outer forces (N) give a mass, m/s². A load and a signal that balance each other
+    /// are rounded separately, so the load alone counts too.
     pub(super) fn shaken(&self, force: &[f64]) -> f64 {
         self.dynamics.fastest_driven(force).max(self.loaded)
     }
 
-    /// How much more than usual counts as rounding at a contact. Where the sign of a difference is decided
-    /// by rounding, two states may each lead to the other at one instant: the doubt is doubled until the
-    /// changes that the difference goes through decide.
+    /// Factor on the budget of rounding at a contact. Where the sign of a difference is decided by rounding, two states
+    /// may each lead to the other at one instant: the factor is doubled until the true changes of the difference
+    /// decide.
     pub(super) fn doubt(&self, contact: usize) -> f64 {
         let often = self.repeats[contact].saturating_sub(UNDOUBTED);
         f64::from(1_u32 << often.min(MOST_DOUBLINGS))
     }
 
-    /// What the springs' forces, each for itself, would make of an acceleration along the normal (0) or the
-    /// tangent (1) of a contact at these displacements (m), m/s², in parts of [`NOISE`]: where they hold each
-    /// other, that is far more than what the masses do.
+    /// Scale of the rounding of an acceleration along the normal (0) or the tangent (1) of a contact at these
+    /// displacements (m), m/s², in parts of [`NOISE`]: the sum of the magnitudes of the spring terms. Where these
+    /// balance each other, it is far larger than the accelerations of the masses.
     pub(super) fn pulled(&self, contact: usize, row: usize, place: &[f64]) -> f64 {
         let terms = self.pulls[contact][row].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
         DIFFERENCE * terms.fold(0.0, |sum, term| sum + term)
     }
 
-    /// The forces of a contact that would give it the accelerations of [`pulled`](Self::pulled) along its normal and its tangent,
-    /// added, N.
+    /// The contact forces that would cause the accelerations of [`pulled`](Self::pulled) along the normal and the
+    /// tangent, added, N.
     pub(super) fn pulled_forces(&self, contact: usize, place: &[f64]) -> f64 {
         let own = self.dynamics.problem.delassus.own(contact);
         let force = |row: usize| {
-            // Along a direction that is locked nothing moves.
+            // A mass does not move along a locked direction.
             if own[3 * row] > 0.0 { self.pulled(contact, row, place) / own[3 * row] } else { 0.0 }
         };
         force(0) + force(1)
@@ -93,7 +94,7 @@ pub(super) fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
     dynamics.responses.iter().map(|two| two.each_ref().map(along)).collect()
 }
 
-/// A time, s, that no oscillation of the masses on their springs is shorter than; zero without springs.
+/// A lower bound of the periods of the masses on their springs, s; zero without springs.
 pub(super) fn shortest(dynamics: &Dynamics) -> f64 {
     let square = |dof: usize| {
         let pulls = dynamics.stiffness.row(dof).fold(0.0, |sum, (_, k)| sum + k.abs());

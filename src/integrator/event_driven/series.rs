@@ -13,11 +13,11 @@ use crate::model::{Damping, Direction};
 pub(super) const ORDER: usize = 28;
 /// The highest power of the forces.
 pub(super) const FORCE_ORDER: usize = ORDER - 2;
-/// What the last two terms may be against the first ones; those that are left out are much smaller.
+/// Largest magnitude of the last two terms relative to the first ones; the omitted terms are much smaller.
 const TRUNCATION: f64 = 0.5 * f64::EPSILON;
-/// By how much a step that the series does not cover is shortened, again and again.
+/// Factor by which a span that the series does not cover is shortened repeatedly.
 const SHORTER: f64 = 0.9;
-/// What is left then of the last power but one.
+/// Factor on the last power but one after one shortening by [`SHORTER`].
 const LEFT_OF_LAST: f64 = {
     let (mut left, mut power) = (1.0, 1);
     while power < ORDER {
@@ -26,9 +26,9 @@ const LEFT_OF_LAST: f64 = {
     }
     left
 };
-/// How often at the most: to 1e-18 of it.
+/// Largest number of shortenings: to 1e-18 of the span.
 const MOST_SHORTENINGS: usize = 400;
-/// By how much one whose terms leave the range of numbers is shortened, and how many are tried.
+/// Factor by which a span whose terms leave the range of numbers is shortened, and the number of such trials.
 const MUCH_SHORTER: f64 = 1e-4;
 const MOST_TRIALS: usize = 4;
 
@@ -49,42 +49,41 @@ const POWERS: [Power; FORCE_ORDER + 1] = {
     powers
 };
 
-/// x(s) = Σ c_k s^k and the contact forces over a span of time, in which s goes from 0 to 1.
+/// The power series x(s) = Σ c_k s^k and the contact forces over a span of time, in which s goes from 0 to 1.
 ///
-/// With ẍ = M⁻¹ (F − C ẋ − K x + Gᵀ λ) each coefficient follows from the two before it, so that one
-/// product with K gives a further power: (k + 2)(k + 1) c_{k+2} is the k-th coefficient of ẍ times the
-/// square of the span. There are as many powers as the span needs. Coefficients stand in rows as
-/// [`StateLaw`] has them.
+/// With ẍ = M⁻¹ (F − C ẋ − K x + Gᵀ λ) each coefficient follows from the two before it, so that one product with K
+/// gives a further power: (k + 2)(k + 1) c_{k+2} is the k-th coefficient of ẍ times the square of the span. The number
+/// of powers depends on the span. Coefficients are stored in rows with the places of [`StateLaw`].
 pub(super) struct Series {
     dofs: usize,
-    /// Places of a row: those of the law, for small structures rounded up to a multiple of 4.
+    /// Number of places of a row: those of the law, for small structures rounded up to a multiple of 4.
     places: usize,
     pub(super) law: StateLaw,
-    /// The full matrices that small structures have.
+    /// The full matrices of a small structure; `None` for a large one.
     reduced: Option<ReducedLaws>,
     /// The states of the contacts, and the accelerations of their sliders.
     states: Vec<ContactState>,
     slider: Vec<f64>,
-    /// For each place 1 where the states leave a degree of freedom free, or else 0, and the acceleration
-    /// (m/s²) with which a slider carries it.
+    /// For each place 1 where the states leave a degree of freedom free, or else 0, and the acceleration (m/s²) with
+    /// which a slider moves it.
     is_free: Vec<f64>,
     carried: Vec<f64>,
-    /// The degrees of freedom that sliders carry, each with the contact.
+    /// The degrees of freedom that sliders move, each with the contact.
     carriers: Vec<(usize, usize)>,
-    /// What oscillates, and one power of the accelerations that sliders have of it.
+    /// The waves, and one power of the slider accelerations that they cause.
     pub(super) waves: Waves,
     swung: Vec<f64>,
-    /// What the waves give, row by row; of small structures alone.
+    /// Rows of the powers of waves; only for small structures.
     wave_rows: Vec<f64>,
     /// c_k, m, row by row; zero beyond the degrees of freedom.
     displacement: Vec<f64>,
     /// λ_k, N, row by row in the places of multipliers.
     forces: Vec<f64>,
-    /// At least Σ |λ_k| from k = 1 on, N: how far forces go from where they begin.
+    /// At least Σ |λ_k| from k = 1 on, N: a bound of the change of forces from the beginning.
     swing: Vec<f64>,
     /// The highest power in use.
     order: usize,
-    /// The time that is covered, s.
+    /// The covered time, s.
     span: f64,
     /// x + β ẋ and ẋ of one power, or at the end of the span; rates of outer forces times the span, N.
     stretch: Vec<f64>,
@@ -93,8 +92,8 @@ pub(super) struct Series {
     zeros: Vec<f64>,
 }
 
-/// What acts at the beginning of a series: outer forces, N, accelerations of the sliders, m/s², and how much of the
-/// step has passed, s.
+/// The conditions at the beginning of a series: outer forces, N, accelerations of the sliders, m/s², and the part of
+/// the step that has passed, s.
 #[derive(Clone, Copy)]
 pub(super) struct SeriesStart<'a> {
     pub(super) outer: &'a [f64],
@@ -102,7 +101,7 @@ pub(super) struct SeriesStart<'a> {
     pub(super) passed: f64,
 }
 
-/// A small number as a double.
+/// Converts a small number to a double.
 pub(super) fn index(k: usize) -> f64 {
     f64::from(u32::try_from(k).unwrap_or(u32::MAX))
 }
@@ -112,7 +111,7 @@ impl Series {
         Self::with_slots(dynamics, MOST_STATES)
     }
 
-    /// A series with room for the matrices of up to `slots` states; without any, small structures are treated as
+    /// A series with memory for the matrices of up to `slots` states; without any, small structures are treated as
     /// large ones are.
     fn with_slots(dynamics: &Dynamics, slots: usize) -> Self {
         let (dofs, contacts) = (dynamics.acceleration.len(), dynamics.contacts.len());
@@ -122,7 +121,7 @@ impl Series {
         let states =
             u32::try_from(contacts).ok().and_then(|contacts| 4_usize.checked_pow(contacts));
         let slots = slots.min(states.unwrap_or(usize::MAX));
-        // As it is without contacts, whose states are taken note of when they change.
+        // The values without contacts; contact states are set when they change.
         let mut is_free = vec![0.0; places];
         is_free[..dofs].fill(1.0);
         Self {
@@ -150,7 +149,7 @@ impl Series {
         }
     }
 
-    /// Makes room for as many waves.
+    /// Reserves memory for `count` waves.
     pub(super) fn expect_waves(&mut self, count: usize) {
         self.waves.make_room(count);
         if self.reduced.is_some() && count > 0 {
@@ -158,15 +157,15 @@ impl Series {
         }
     }
 
-    /// To be called after a change of damping.
+    /// Discards the matrices; to be called after a change of damping.
     pub(super) fn forget(&mut self) {
         if let Some(reduced) = &mut self.reduced {
             reduced.clear();
         }
     }
 
-    /// The series from (x, ẋ) under what acts at its beginning, and the rates and waves in the drive. It covers up
-    /// to `most` (s), and next to nothing where its numbers have left their range.
+    /// Expands the series from (x, ẋ) under the conditions at its beginning, and the rates and waves of the drive. It
+    /// covers up to `most` (s), and next to nothing where its numbers have left their range.
     pub(super) fn expand(
         &mut self,
         dynamics: &Dynamics,
@@ -202,7 +201,7 @@ impl Series {
         self.law.add_shared(&self.states, &mut self.forces[..self.places]);
     }
 
-    /// Takes note of what the contacts hold.
+    /// Sets the degrees of freedom that the contacts hold.
     fn hold(&mut self, dynamics: &Dynamics, states: &[ContactState], slider: &[f64]) {
         if self.states == states && self.slider == slider {
             return;
@@ -270,7 +269,7 @@ impl Series {
                 1 => rate,
                 _ => swings.get(k).copied().unwrap_or([0.0; N]),
             };
-            // What a slider carries along has no powers beyond the second, unless it oscillates.
+            // The motion that a slider imposes has no powers beyond the second, unless it oscillates.
             let all = k <= 2 + waves;
             let factor = power.ahead * per_span;
             let damped = beta * factor;
@@ -295,7 +294,7 @@ impl Series {
                 continue;
             }
             if k == 1 {
-                // At rest without forces, rates of theirs alone set it in motion.
+                // A motion at rest without forces is started by force rates alone.
                 negligible += TRUNCATION * size(new);
             }
             for (swing, force) in swing.iter_mut().zip(sum) {
@@ -308,7 +307,7 @@ impl Series {
         self.swing.copy_from_slice(&swing);
     }
 
-    /// What rates of the outer forces, times the span, give.
+    /// Row of the rates of the outer forces, times the span.
     #[inline]
     fn small_rate<const N: usize>(&mut self, dynamics: &Dynamics, drive: &Drive) -> [f64; N] {
         let mut row = [0.0; N];
@@ -326,7 +325,7 @@ impl Series {
         row.map(|value| self.span * value)
     }
 
-    /// Writes what each power of the waves gives.
+    /// Writes the rows of the powers of the waves.
     fn write_wave_rows(&mut self, dynamics: &Dynamics, drive: &Drive) {
         let Self { law, waves, wave_rows, outer_rate, swung, zeros, dofs, places, span, .. } = self;
         if waves.powers() == 0 {
@@ -416,7 +415,7 @@ impl Series {
         }
     }
 
-    /// Shortens the span to what the powers cover to the last digits.
+    /// Shortens the span to the part that the powers cover up to rounding.
     fn shorten(&mut self) {
         let size = |k: usize| size(&self.displacement[k * self.places..][..self.places]);
         let last = [ORDER - 1, ORDER].map(size);
@@ -446,13 +445,13 @@ impl Series {
         self.waves.shorten(part);
     }
 
-    /// The time that is covered, s.
+    /// The covered time, s.
     pub(super) fn span(&self) -> f64 {
         self.span
     }
 
-    /// Where numbers are the first to leave their range: the degree of freedom whose lowest power is not finite,
-    /// or where all are, that of the largest number.
+    /// The degree of freedom whose numbers are the first to leave their range: that of the lowest power that is not
+    /// finite, or where all are finite, that of the largest number of the highest power.
     #[cold]
     pub(super) fn first_out_of_range(&self) -> usize {
         let powers = self.displacement.chunks_exact(self.places).take(self.order + 1);
@@ -467,7 +466,7 @@ impl Series {
         powers.next_back().map(largest).unwrap_or_default().0
     }
 
-    /// The highest power of the displacements.
+    /// The highest power in use of the displacements.
     pub(super) fn order(&self) -> usize {
         self.order
     }
@@ -477,7 +476,7 @@ impl Series {
         self.states[contact]
     }
 
-    /// x and ẋ at `s` of the span.
+    /// Evaluates x and ẋ at `s` of the span.
     pub(super) fn evaluate(&mut self, s: f64, x: &mut [f64], v: &mut [f64]) {
         match self.places {
             4 => self.evaluate_rows::<4>(s),
@@ -523,21 +522,21 @@ impl Series {
         &self.displacement[k * self.places..][..self.places]
     }
 
-    /// The largest value in power k of the displacements, m.
+    /// The largest magnitude in power k of the displacements, m.
     pub(super) fn largest(&self, k: usize) -> f64 {
         self.power(k)
             .iter()
             .fold(0.0, |largest, c| if c.abs() > largest { c.abs() } else { largest })
     }
 
-    /// Writes the powers of the displacement along a direction, m; the number of powers.
+    /// Writes the powers of the displacement along a direction, m; returns the number of powers.
     pub(super) fn along(&self, direction: &Direction, polynomial: &mut Polynomial) -> usize {
         let terms = self.order + 1;
         self.gather_along(&self.displacement, direction, &mut polynomial[..terms]);
         terms
     }
 
-    /// Writes the powers of the velocity along a direction times the span, m; the number of powers.
+    /// Writes the powers of the velocity along a direction times the span, m; returns the number of powers.
     pub(super) fn moved(&self, direction: &Direction, polynomial: &mut Polynomial) -> usize {
         let terms = self.order;
         let polynomial = &mut polynomial[..terms];
@@ -548,7 +547,7 @@ impl Series {
         terms
     }
 
-    /// The powers of N of a contact, N.
+    /// Writes the powers of N of a contact, N; returns their number.
     pub(super) fn normal_force(&self, contact: usize, polynomial: &mut Polynomial) -> usize {
         let [normal, _] = self.law.places(contact);
         let terms = self.order - 1;
@@ -556,7 +555,8 @@ impl Series {
         terms
     }
 
-    /// Writes the powers of T of a closed contact, N; their number. `law` must be set to the states of the series.
+    /// Writes the powers of T of a closed contact, N; returns their number. `law` must be set to the states of the
+    /// series.
     pub(super) fn friction_force(&self, contact: usize, polynomial: &mut Polynomial) -> usize {
         if self.states[contact] != ContactState::Stick {
             let terms = self.normal_force(contact, polynomial);
@@ -570,7 +570,7 @@ impl Series {
         terms
     }
 
-    /// The powers of µN − s T of a contact that sticks, N.
+    /// Writes the powers of µN − s T of a contact that sticks, N; returns their number.
     pub(super) fn reserve(
         &self,
         contact: usize,
@@ -589,12 +589,12 @@ impl Series {
         terms
     }
 
-    /// N of a contact at the beginning.
+    /// Normal force N of a contact at the beginning, N.
     pub(super) fn first_normal_force(&self, contact: usize) -> f64 {
         self.forces[self.law.places(contact)[0]]
     }
 
-    /// (N, T) of a contact at the beginning.
+    /// Forces (N, T) of a contact at the beginning, N.
     pub(super) fn first_forces(&self, contact: usize) -> [f64; 2] {
         let [normal, tangent] = self.law.places(contact).map(|place| self.forces[place]);
         match self.states[contact] {
@@ -604,19 +604,19 @@ impl Series {
         }
     }
 
-    /// What N of a contact is not below, N.
+    /// Lower bound of N of a contact over the span, N.
     pub(super) fn least_normal_force(&self, contact: usize) -> f64 {
         let [normal, _] = self.law.places(contact);
         self.forces[normal] - self.swing[normal]
     }
 
-    /// What |T| of a contact that sticks is not above, N.
+    /// Upper bound of |T| of a contact that sticks over the span, N.
     pub(super) fn most_stuck_force(&self, contact: usize) -> f64 {
         let [_, tangent] = self.law.places(contact);
         self.forces[tangent].abs() + self.swing[tangent]
     }
 
-    /// The values of one place, power by power.
+    /// Collects the values of one place, power by power.
     fn gather(&self, rows: &[f64], mut place: usize, values: &mut [f64]) {
         let places = self.places;
         for value in values {
@@ -625,7 +625,7 @@ impl Series {
         }
     }
 
-    /// The values along a direction, power by power.
+    /// Collects the values along a direction, power by power.
     fn gather_along(&self, rows: &[f64], direction: &Direction, values: &mut [f64]) {
         if let Some(dof) = direction.as_unit() {
             return self.gather(rows, dof, values);
@@ -636,10 +636,10 @@ impl Series {
     }
 }
 
-/// Room for a polynomial of the series.
+/// Memory for a polynomial of the series.
 pub(super) type Polynomial = [f64; ORDER + 1];
 
-/// A row as an array.
+/// The first N values of a row as an array.
 fn first<const N: usize>(row: &[f64]) -> &[f64; N] {
     row.first_chunk().expect("rows have N places")
 }

@@ -1,4 +1,4 @@
-//! What must not become negative while the contact states stay, and when it does.
+//! Watched functions, which must not become negative while the contact states stay, and their first root.
 
 use super::ledger::Witness;
 use super::rounding::{DIFFERENCE, NOISE, THROWN};
@@ -6,7 +6,7 @@ use super::{EventDriven, MOST_TURNS, roots};
 use crate::contact::ContactState;
 use crate::integrator::{Drive, Motion};
 
-/// Why a contact may not stay as it is.
+/// The reason why a contact may not keep its state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Event {
     /// The gap closes.
@@ -23,14 +23,14 @@ pub(super) enum Event {
     Part,
 }
 
-/// A gap opens or closes if its acceleration is more than this part of what the forces would give it if each acted alone. The
-/// contact problem misses less.
+/// A gap opens or closes if its acceleration is more than this part of the sum of the accelerations that the forces
+/// would cause each by itself. The residual of the contact problem is smaller.
 const PARTED: f64 = 1e-10;
-/// The most that is watched at one contact.
+/// Largest number of watched functions of one contact.
 const MOST_WATCHED: usize = 5;
 
 impl<W: Witness> EventDriven<W> {
-    /// The next event, in parts of the series' span, and in `events` what happens then.
+    /// Returns the next event, in parts of the series' span, and writes what happens then to `events`.
     pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive) -> Option<f64> {
         self.events.fill(None);
         let mut first = None;
@@ -54,7 +54,7 @@ impl<W: Witness> EventDriven<W> {
                     time => time,
                 };
                 let Some(time) = time else { continue };
-                // Those that are apart by rounding alone are one.
+                // Events that are apart by rounding alone are one.
                 let is_same = |first: f64| (time - first).abs() <= 4.0 * f64::EPSILON;
                 match first {
                     Some(first) if is_same(first) => {}
@@ -68,7 +68,7 @@ impl<W: Witness> EventDriven<W> {
         first
     }
 
-    /// What might become negative at a contact, with the sizes that its rounding is measured by: of the
+    /// The functions of a contact that might become negative, with the magnitudes that scale their rounding: of the
     /// value itself, of its first change, and of further ones.
     fn watched(
         &self,
@@ -109,7 +109,8 @@ impl<W: Witness> EventDriven<W> {
                 } else {
                     [None; 2]
                 };
-                // Where the mass has one direction to go, what stops it along the normal holds it along the tangent.
+                // Where the mass has one direction of motion, the force that stops it along the normal holds it along
+                // the tangent.
                 if self.dynamics.problem.delassus.local(contact).is_singular() {
                     return [Some((Event::Lift, [force(); 3])), left[0], left[1], None, None];
                 }
@@ -143,11 +144,11 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Does the gap of a closed contact begin to open or to close at the beginning of the series? Its state forbids that, but
-    /// contacts that hold more directions than there are cannot all be held.
+    /// `true` if the gap of a closed contact begins to open or to close at the beginning of the series. Its state
+    /// forbids that, but contacts that hold more directions than there are cannot all be held.
     fn parts(&self, contact: usize, state: ContactState, bend: f64) -> bool {
         let normal = &self.dynamics.contacts[contact].normal;
-        // What a contact holds alone has no acceleration.
+        // A direction that a contact holds alone has no acceleration.
         if state == ContactState::Detached || normal.as_unit().is_some() {
             return false;
         }
@@ -159,26 +160,27 @@ impl<W: Witness> EventDriven<W> {
         normal.dot(self.series.power(2)).abs() > nothing
     }
 
-    /// What the slip of a contact over the series' span is measured by, m, where this much is nothing for its normal
-    /// force, N, and for the bend of the motion and the displacements that slip is a difference of, m.
+    /// Scale of the rounding of a contact's slip over the series' span, m: `force` is the budget of its normal force,
+    /// N, and `bend` and `moved` those of the bend of the motion and of the displacements of which slip is a
+    /// difference, m.
     fn slipped(&self, contact: usize, friction: f64, force: f64, [bend, moved]: [f64; 2]) -> f64 {
         let (span, doubt) = (self.series.span(), self.doubt(contact));
         let own = self.dynamics.problem.delassus.own(contact);
-        // What is nothing to friction is nothing to the slip that it makes: else a contact at its limit slips and stops
-        // without an end.
+        // A change that is negligible for friction is negligible for the slip that it causes: otherwise a contact at
+        // its limit slips and stops without an end.
         let bits = (1.0 + friction) * force * (own[3] + friction * own[1].abs());
         let bend = doubt * 2.0 * bend + bits * span * span;
         let along = doubt * span * self.surface_speed[contact];
         along.max(bend) + doubt * moved
     }
 
-    /// Does a contact stick and slip in turn at one instant, so that [`Self::strained`] is asked for?
+    /// `true` if a contact sticks and slips in turn at one instant, so that [`Self::strained`] applies.
     fn may_be_strained(&self, contact: usize, event: Event) -> bool {
         matches!(event, Event::Leave(_)) && self.repeats[contact] > MOST_TURNS
     }
 
-    /// A slip over the series' span, m, beside which that of a contact that sticks may be rounding: contact forces that hold each
-    /// other leave accelerations of rounding to the masses that share them.
+    /// A slip over the series' span, m, relative to which that of a contact that sticks may be rounding: contact forces
+    /// that balance each other leave accelerations of rounding to the masses that share them.
     fn strained(&self, contact: usize) -> f64 {
         let Self { series, dynamics, .. } = self;
         let delassus = &dynamics.problem.delassus;
@@ -191,8 +193,8 @@ impl<W: Witness> EventDriven<W> {
         self.doubt(contact) * DIFFERENCE * span * span * largest
     }
 
-    /// Counts, where the law of contact is not whole, the contacts that would need the rest of it within this
-    /// part of the series' span.
+    /// Counts, if the law of contact is reduced, the contacts that would need the omitted parts within this part of the
+    /// series' span.
     pub(super) fn count_broken(&mut self, motion: &mut Motion, drive: &Drive, part: f64) {
         let law = self.dynamics.law;
         let (has_direction, detachment) = (law.has_frozen_direction(), law.detachment);
@@ -213,14 +215,14 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Does what must not become negative do so within this part of the series' span?
+    /// `true` if the watched function becomes negative within this part of the series' span.
     fn falls(&mut self, contact: usize, event: Event, drive: &Drive, size: f64, part: f64) -> bool {
         let terms = self.fill(contact, event, drive);
         let time = roots::first_negative(&self.polynomial[..terms], [NOISE * size; 3]);
         time.is_some_and(|time| time < part)
     }
 
-    /// Writes what must not become negative as a polynomial; its number of terms.
+    /// Writes the watched function as a polynomial; returns its number of terms.
     fn fill(&mut self, contact: usize, event: Event, drive: &Drive) -> usize {
         let Self { series, dynamics, polynomial, surface, surface_acceleration, .. } = self;
         let rows = &dynamics.contacts[contact];
@@ -232,7 +234,7 @@ impl<W: Witness> EventDriven<W> {
                 polynomial[0] -= span * surface[contact];
                 polynomial[1] -= span * span * surface_acceleration[contact];
                 series.waves.add_velocity(&drive.waves, contact, (-span, 1.0), polynomial);
-                // A slip must stay what it is, and one that is none must not become one.
+                // A slip must keep its direction, and a contact without slip must not begin to slip.
                 let is_turned = match event {
                     Event::Leave(direction) => direction == ContactState::ReverseSlide,
                     _ => series.state(contact) == ContactState::Slide,

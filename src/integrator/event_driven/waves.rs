@@ -1,18 +1,18 @@
-//! Oscillations that drive a motion, as power series in time.
+//! Power series in time of the waves that drive a motion.
 
 use super::series::{FORCE_ORDER, ORDER, Polynomial};
 use crate::integrator::Wave;
 
-/// A series covers at the most this many radians of a wave: what its highest power lacks is then rounding.
+/// Largest angle of a wave that a series covers, rad: the omitted powers are then rounding.
 const REACH: f64 = 2.5;
 /// A power of a wave below this part of its amplitude is left out.
 const NEGLIGIBLE: f64 = 0.5 * f64::EPSILON;
 
 /// The powers of all waves over the span of a series, in which s goes from 0 to 1.
 pub(super) struct Waves {
-    /// A polynomial a wave.
+    /// One polynomial for each wave.
     values: Vec<Polynomial>,
-    /// How many powers they have; none where nothing oscillates.
+    /// Number of powers; zero where no wave has an amplitude.
     powers: usize,
 }
 
@@ -21,19 +21,19 @@ impl Waves {
         Self { values: Vec::new(), powers: 0 }
     }
 
-    /// Makes room for as many waves.
+    /// Reserves memory for `count` waves.
     pub(super) fn make_room(&mut self, count: usize) {
         self.values.resize(count, [0.0; ORDER + 1]);
     }
 
-    /// How far (s) a series may go, up to `most`.
+    /// Returns the time (s) that a series may cover, up to `most`.
     pub(super) fn reach(waves: &[Wave], most: f64) -> f64 {
         waves.iter().fold(most, |most, wave| {
             if wave.amplitude == 0.0 { most } else { most.min(REACH / wave.pulsation) }
         })
     }
 
-    /// The powers over `span` (s) from `passed` (s) after the beginning of the step on.
+    /// Expands the powers over `span` (s), which begins `passed` (s) after the beginning of the step.
     pub(super) fn expand(&mut self, waves: &[Wave], passed: f64, span: f64) {
         self.make_room(waves.len());
         self.powers = 0;
@@ -51,7 +51,7 @@ impl Waves {
             for (k, value) in values[..=FORCE_ORDER].iter_mut().enumerate() {
                 *value = wave.amplitude * factor * turns[k % 4];
                 self.powers = self.powers.max(k + 1);
-                // The last one is for the rate alone.
+                // The last power is for the rate alone.
                 if factor <= NEGLIGIBLE {
                     break;
                 }
@@ -61,7 +61,7 @@ impl Waves {
         }
     }
 
-    /// What the powers become where the span is shortened to this part.
+    /// Adapts the powers to a span that is shortened to this part.
     pub(super) fn shorten(&mut self, part: f64) {
         for values in &mut self.values {
             let mut power = 1.0;
@@ -72,7 +72,7 @@ impl Waves {
         }
     }
 
-    /// How many powers there are; none where nothing oscillates.
+    /// Number of powers; zero where no wave has an amplitude.
     pub(super) fn powers(&self) -> usize {
         self.powers
     }
@@ -86,7 +86,7 @@ impl Waves {
         }
     }
 
-    /// Writes power `k` of the accelerations that the sliders have of waves (m/s²); `span` is that of the series, s.
+    /// Writes power `k` of the slider accelerations that waves cause (m/s²); `span` is that of the series, s.
     // Kept out of the loops of a series, whose sums stay in registers where nothing oscillates.
     #[inline(never)]
     pub(super) fn write_accelerations(
@@ -104,8 +104,7 @@ impl Waves {
         }
     }
 
-    /// Adds `factor` times the powers of a slider's velocity (m/s) from the second on, each again `ratio` times
-    /// what the one before is multiplied by.
+    /// Adds the powers of a slider's velocity (m/s) from the second on: power k times `factor` · `ratio`ᵏ.
     pub(super) fn add_velocity(
         &self,
         waves: &[Wave],

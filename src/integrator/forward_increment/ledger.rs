@@ -1,24 +1,25 @@
-//! The scheme with a ledger: step by step, from outside.
+//! The forward increment scheme with an energy ledger, written after each step.
 //!
 //! Over a step of length h every force f is held, so that its work is h v̄·f with v̄ = (ẋ_n + ẋ_{n+1})/2, and
 //! damping takes h v̄ᵀ C ẋ_n. The impulses of contacts are h λ. A slider counts with its mean velocity.
 //!
-//! With these the residual is ½ h ẋ·(K x + Gᵀ λ₀), less what that was at the start: the elastic energy of a step is
-//! that of x_{n+1} = x_n + h ẋ_{n+1}, while work goes with v̄, and all else cancels. So it is of first order, says how
-//! far the step is from the motion, and does not grow with time. Where the step changes, a new such term begins.
+//! With these the residual is ½ h ẋ·(K x + Gᵀ λ₀), less its value at the start: the elastic energy of a step is that of
+//! x_{n+1} = x_n + h ẋ_{n+1}, while work is done with v̄, and all other terms cancel. So the residual is of first
+//! order, measures the distance of the step from the motion, and does not grow with time. Where the step changes, a new
+//! such term begins.
 
 use crate::contact::{ContactForce, ContactState};
 use crate::integrator::{Drive, Integrator, Kept, Motion, Push, Response, StepFailure};
 use crate::model::{Damping, LumpedModel};
 
-/// An integrator by the scheme that writes the ledger of its motion.
+/// An integrator of the scheme that writes the ledger of its motion.
 pub(in crate::integrator) struct WithLedger {
     integrator: Box<dyn Integrator>,
     model: LumpedModel,
     /// x and ẋ before the step.
     x: Vec<f64>,
     v: Vec<f64>,
-    /// v̄, m/s.
+    /// Mean velocity v̄, m/s.
     mean: Vec<f64>,
     /// M (ẋ_{n+1} − ẋ_n) − h (F − C ẋ_n − K x_n) = h Gᵀ λ, N s.
     impulse: Vec<f64>,
@@ -37,7 +38,7 @@ impl WithLedger {
         }
     }
 
-    /// Takes down the step that led to this motion.
+    /// Adds the step that led to this motion to the ledger.
     fn write(&mut self, motion: &mut Motion, drive: &Drive, h: f64) {
         let Some(ledger) = &mut motion.ledger else { return };
         let LumpedModel { mass, stiffness, dampers, damping, contacts, .. } = &self.model;

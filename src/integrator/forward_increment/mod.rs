@@ -11,9 +11,9 @@
 //! keeps E − ½ h xᵀ K ẋ. A touch-down is a perfectly inelastic impact; its multiplier is the
 //! impulse over h, so the forces that a user reads come from `contact_forces` instead.
 //!
-//! Three structures, one scheme: [`RingForwardIncrement`] for rings of modules, whose Delassus matrix
-//! G M⁻¹ Gᵀ is diagonal, so that Gauss–Seidel is done after one sweep; [`dense`] for a few degrees of freedom;
-//! [`sparse`] for anything else.
+//! Three structures share the scheme: [`RingForwardIncrement`] for rings of modules, whose Delassus matrix G M⁻¹ Gᵀ is
+//! diagonal, so that Gauss–Seidel converges after one iteration; [`dense`] for a few degrees of freedom; [`sparse`] for
+//! any other structure.
 
 mod general;
 mod ledger;

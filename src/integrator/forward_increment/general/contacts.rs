@@ -1,4 +1,4 @@
-//! What contacts add to a step: their multipliers, the corrector, and gaps and slips that are exact zeros.
+//! The part of contacts in a step: their multipliers, the corrector, and gaps and slips that are exact zeros.
 
 use crate::contact::ContactState;
 use crate::integrator::dynamics::Dynamics;
@@ -6,20 +6,20 @@ use crate::integrator::{Drive, Motion, StepFailure};
 use crate::model::Direction;
 use std::ops::Range;
 
-/// G and M⁻¹ Gᵀ, one contact after the other in one list.
+/// G and M⁻¹ Gᵀ, contact by contact in one list.
 pub(super) struct Contacts {
     /// Degrees of freedom and factors.
     parts: Vec<(usize, f64)>,
     places: Vec<Place>,
 }
 
-/// Where a contact stands in the list, and what it lies along.
+/// Places of a contact in the list, and the degrees of freedom along which it lies.
 struct Place {
     normal: Range<usize>,
     tangent: Range<usize>,
     /// M⁻¹ Gᵀ for the normal and for the tangent.
     responses: [Range<usize>; 2],
-    /// The degree of freedom that is its gap, and the one that is its tangential displacement, if one is.
+    /// The degree of freedom that is its gap, and the one that is its tangential displacement; `None` if there is none.
     along: [Option<usize>; 2],
 }
 
@@ -42,8 +42,8 @@ impl Contacts {
         Self { parts, places }
     }
 
-    /// Takes a step from x and ẋ with the acceleration ẍ that there would be without contact forces. The
-    /// multipliers of the step stay in `dynamics`.
+    /// Takes a step from x and ẋ with the acceleration ẍ without contact forces. The multipliers of the step stay in
+    /// `dynamics`.
     pub(super) fn step(
         &self,
         dynamics: &mut Dynamics,
@@ -73,7 +73,7 @@ impl Contacts {
             }
             // A closed contact has no gap: a rounding error of one would be an impulse gap/h.
             gap = match before[i] {
-                // Below zero it is what rounding leaves when a contact opens.
+                // A value below zero is the rounding of the gap when a contact opens.
                 ContactState::Detached => f64::max(gap, 0.0),
                 _ => 0.0,
             };
@@ -112,8 +112,8 @@ impl Contacts {
         Ok(())
     }
 
-    /// Moves the masses on; where a contact lies along a degree of freedom, its gap and its slip
-    /// become exact zeros, so that the tolerance of the multipliers leaves no drift.
+    /// Advances the displacements; where a contact lies along a degree of freedom, its gap and its slip become exact
+    /// zeros, so that the tolerance of the multipliers leaves no drift.
     fn settle(
         &self,
         states: &[ContactState],

@@ -1,4 +1,4 @@
-//! Forces of a small structure: full matrices of a size that the compiler knows.
+//! Forces of a small structure: full matrices of a size known at compile time.
 
 use super::{Damps, InternalForces, Vectors};
 use crate::integrator::Motion;
@@ -6,8 +6,8 @@ use crate::integrator::dynamics::Dynamics;
 use crate::model::{Damping, LumpedModel, SparseMatrix};
 use std::array::from_fn;
 
-/// K and D by columns and a diagonal M, of up to N degrees of freedom; zeros stand for those that are
-/// missing. A motion stays in arrays over all steps of a call.
+/// K and D by columns and a diagonal M, of up to N degrees of freedom, padded with zeros. A motion stays in arrays over
+/// all steps of a call.
 pub(super) struct Dense<const N: usize> {
     stiffness: [[f64; N]; N],
     dampers: [[f64; N]; N],
@@ -83,16 +83,16 @@ impl<const N: usize> InternalForces for Dense<N> {
     }
 }
 
-/// A vector with zeros behind.
+/// Pads a vector with zeros.
 fn padded<const N: usize>(vector: &[f64]) -> [f64; N] {
     let mut padded = [0.0; N];
     padded[..vector.len()].copy_from_slice(vector);
     padded
 }
 
-/// The columns of a matrix. Of two, the diagonal and what lies beside it: a vector is then multiplied as it is
-/// and swapped, which takes fewer instructions than spreading each of its values. The order of two terms
-/// leaves no trace.
+/// The columns of a matrix. For N = 2, the diagonal and the off-diagonal entries: a vector is then multiplied as it is
+/// and swapped, which takes fewer instructions than spreading each of its values. The order of two terms leaves no
+/// trace.
 fn columns<const N: usize>(matrix: &SparseMatrix) -> [[f64; N]; N] {
     let mut columns = [[0.0; N]; N];
     for (row, column, value) in matrix.entries() {
@@ -102,8 +102,8 @@ fn columns<const N: usize>(matrix: &SparseMatrix) -> [[f64; N]; N] {
     columns
 }
 
-/// The product of a matrix with a vector. Each row is summed by ascending columns, as sparse ones are;
-/// −0 is what a sum begins with, for adding to +0 would be an operation.
+/// The product of a matrix with a vector. Each row is summed by ascending columns, as for sparse matrices; a sum begins
+/// with −0, since adding to +0 would be an operation.
 #[inline(always)]
 fn product<const N: usize>(columns: &[[f64; N]; N], vector: &[f64; N]) -> [f64; N] {
     if N == 2 {

@@ -1,8 +1,8 @@
 //! The scheme on a model of any structure, as a family of kernels.
 //!
-//! A kernel is the loop over the steps of a call, compiled for one way of evaluating forces ([`InternalForces`]),
-//! one kind of damping ([`Damps`]), and with contacts or without. It is chosen when the integrator is made or
-//! gets another damping. The step tests no option, and what is off is not in its code.
+//! A kernel is the loop over the steps of a call, compiled for one way of evaluating forces ([`InternalForces`]), one
+//! kind of damping ([`Damps`]), and with contacts or without. It is chosen when the integrator is made or its damping
+//! is replaced. The step tests no option, and the code of absent effects is compiled out.
 
 mod contacts;
 mod dense;
@@ -21,10 +21,10 @@ use sparse::{DiagonalMass, FullMass, Sparse};
 /// chains of 1 to 16 degrees of freedom.
 const ZEROS: usize = 5;
 
-/// The faster of [`dense`] and [`sparse`].
+/// The faster one of the integrators [`dense`] and [`sparse`] for the model.
 ///
 /// # Errors
-/// A mass matrix that is not positive definite.
+/// Returns an error if the mass matrix is not positive definite.
 pub(in crate::integrator) fn faster(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
     let size = model.dofs().next_power_of_two();
     if size * size <= (1 + ZEROS) * model.stiffness.entries().count()
@@ -35,11 +35,11 @@ pub(in crate::integrator) fn faster(model: &LumpedModel) -> Result<Box<dyn Integ
     sparse(model)
 }
 
-/// The scheme on sparse matrices: a step costs as much as K and D have entries (and M⁻¹, if it is full), and
-/// the contacts that share masses.
+/// The scheme on sparse matrices: the cost of a step is proportional to the entries of K and D (and of M⁻¹, if it is
+/// full), plus that of the contacts that share masses.
 ///
 /// # Errors
-/// A mass matrix that is not positive definite.
+/// Returns an error if the mass matrix is not positive definite.
 pub fn sparse(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
     if model.mass.as_diagonal().is_some() {
         GeneralScheme::<Sparse<DiagonalMass>>::boxed(model)
@@ -48,11 +48,11 @@ pub fn sparse(model: &LumpedModel) -> Result<Box<dyn Integrator>, Error> {
     }
 }
 
-/// The scheme on full matrices of a fixed size, for up to 16 degrees of freedom with a diagonal mass matrix;
-/// `None` for others. Its doubles are those of [`sparse`].
+/// The scheme on full matrices of a fixed size, for up to 16 degrees of freedom with a diagonal mass matrix; `None` for
+/// others. Its results are the same doubles as those of [`sparse`].
 ///
 /// # Errors
-/// A mass matrix that is not positive definite.
+/// Returns an error if the mass matrix is not positive definite.
 pub fn dense(model: &LumpedModel) -> Result<Option<Box<dyn Integrator>>, Error> {
     if model.mass.as_diagonal().is_none() {
         return Ok(None);
@@ -81,50 +81,50 @@ pub(super) fn kernels() -> Vec<Kernel> {
     .concat()
 }
 
-/// How a structure evaluates its forces.
+/// Evaluation of the forces of a structure.
 trait InternalForces: Send + Sized {
-    /// What tells it from others of its kind.
+    /// Name that distinguishes the evaluation from others.
     const NAME: &'static str;
-    /// One value a degree of freedom, in the place where the steps of a call have it.
+    /// Vector with one value for each degree of freedom, in the storage of the steps of a call.
     type Vector: AsRef<[f64]> + AsMut<[f64]>;
 
-    /// Of this model.
+    /// The evaluation for this model.
     fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self;
 
-    /// Takes the motion over for the steps of a call, under the outer forces `load` (N).
+    /// Moves the motion into vectors for the steps of a call, under the outer forces `load` (N).
     fn take(&mut self, motion: &mut Motion, load: &[f64]) -> Vectors<Self::Vector>;
 
-    /// Gives it back.
+    /// Moves the vectors back into the motion.
     fn give(&mut self, vectors: Vectors<Self::Vector>, motion: &mut Motion);
 
     /// Writes the acceleration without contact forces, M⁻¹ (F − C ẋ − K x).
     fn accelerate<D: Damps>(&mut self, dynamics: &Dynamics, vectors: &mut Vectors<Self::Vector>);
 }
 
-/// What the steps of a call work on.
+/// The vectors on which the steps of a call work.
 struct Vectors<V> {
-    /// F, N. It has no negative zero, so no force has one: how many zeros a row of K was summed with then
+    /// Force F, N. It has no negative zero, so no force has one: the number of zeros in the sum of a row of K then
     /// leaves no trace, not even in a sign.
     load: V,
-    /// x, m.
+    /// Displacement x, m.
     x: V,
-    /// ẋ, m/s.
+    /// Velocity ẋ, m/s.
     v: V,
-    /// ẍ, m/s².
+    /// Acceleration ẍ, m/s².
     a: V,
 }
 
-/// What damps.
+/// The kind of damping of a kernel.
 trait Damps {
-    /// Is α M + β K part of C?
+    /// `true` if C includes α M + β K.
     const RAYLEIGH: bool;
-    /// Is D?
+    /// `true` if C includes D.
     const DAMPERS: bool;
 }
 
 struct Undamped;
 struct Rayleigh;
-/// Besides Rayleigh damping.
+/// Discrete dampers besides Rayleigh damping.
 struct SingleDampers;
 
 impl Damps for Undamped {
@@ -142,7 +142,7 @@ impl Damps for SingleDampers {
     const DAMPERS: bool = true;
 }
 
-/// Takes `count` steps of length `step`.
+/// Loop that takes `count` steps of length `step` (s).
 type Run<S> = fn(
     &mut GeneralScheme<S>,
     &mut Motion,
@@ -151,7 +151,7 @@ type Run<S> = fn(
     count: u64,
 ) -> Result<(), StepFailure>;
 
-/// The scheme on one structure.
+/// The forward increment scheme on one structure.
 struct GeneralScheme<S> {
     dynamics: Dynamics,
     contacts: Contacts,

@@ -6,7 +6,7 @@ use crate::integrator::dynamics::Dynamics;
 use crate::model::{Damping, LumpedModel};
 use std::mem::take;
 
-/// K and D by rows, from the dynamics. A motion stays where it is.
+/// K and D by rows, from the dynamics. The motion is not copied.
 pub(super) struct Sparse<M> {
     mass: M,
     load: Vec<f64>,
@@ -15,20 +15,20 @@ pub(super) struct Sparse<M> {
     acceleration: Vec<f64>,
 }
 
-/// What a structure does with its mass matrix.
+/// Operations of a structure with its mass matrix.
 pub(super) trait MassMatrix: Send + 'static {
     const NAME: &'static str;
 
     fn new(model: &LumpedModel, dynamics: &Dynamics) -> Self;
 
-    /// A row of M ẋ.
+    /// Returns a row of M ẋ.
     fn row_times(&self, dynamics: &Dynamics, row: usize, v: &[f64]) -> f64;
 
-    /// Makes M⁻¹ f of f.
+    /// Replaces the force f by M⁻¹ f.
     fn divide(&mut self, dynamics: &Dynamics, force: &mut [f64]);
 }
 
-/// With its inverse.
+/// A diagonal mass matrix with its inverse.
 pub(super) struct DiagonalMass {
     mass: Vec<f64>,
     inverse: Vec<f64>,

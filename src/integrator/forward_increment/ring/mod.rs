@@ -1,4 +1,4 @@
-//! The scheme on a ring of modules: diagonal mass, one contact a module, links to the neighbours.
+//! The scheme on a ring of modules: diagonal mass, one contact for each module, links to the neighbours.
 
 mod step;
 
@@ -65,7 +65,7 @@ impl UnderLaw for Named {
     }
 }
 
-/// All kernels of rings. Modules that nothing links are a structure of their own.
+/// All kernels of rings. Modules without links are a structure of their own.
 pub(super) fn kernels() -> Vec<Kernel> {
     let mut all = Vec::new();
     let switches = [false, true];
@@ -78,7 +78,7 @@ pub(super) fn kernels() -> Vec<Kernel> {
                     let damps = if damping { "Rayleigh damping" } else { "no damping" };
                     let arithmetic = format!("{name}, {opens}, {damps}");
                     let listed = Kernel { structure, arithmetic };
-                    // Laws that cannot stick are the same without sticking.
+                    // Laws that cannot stick are equal with and without sticking.
                     if !all.contains(&listed) {
                         all.push(listed);
                     }
@@ -101,7 +101,7 @@ impl RingForwardIncrement {
 }
 
 impl Rings {
-    /// The kernel for what this ring has.
+    /// The kernel for the effects of this ring.
     fn kernel(&self) -> StepLoop {
         let has_link = |block: &Block| block.before != [0.0; 2] || block.after != [0.0; 2];
         let choice = KernelEffects {
@@ -196,7 +196,7 @@ impl Integrator for RingForwardIncrement {
                 force[place] - rings.damping.alpha * mass * motion.velocity[dof]
             };
             let surface = drive.slider_velocity[i];
-            // What sticks follows its slider, also one whose velocity has been set anew since the last step.
+            // A mass that sticks follows its slider, also if its velocity has been set anew since the last step.
             let slip = match motion.contacts[i] {
                 ContactState::Stick => 0.0,
                 _ => surface - motion.velocity[tangent],
