@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 use std::fmt;
 
-/// How time goes on.
+/// The method of time integration.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -11,15 +11,15 @@ pub enum Method {
     /// The paper's scheme: forward increment Lagrange multipliers, of first order.
     #[default]
     ForwardIncrement,
-    /// Exact motion from one change of contact state to the next.
+    /// Event-driven motion, exact up to rounding between changes of contact state.
     EventDriven,
 }
 
 impl Method {
-    /// Both of them.
+    /// Both methods.
     pub const ALL: [Self; 2] = [Self::ForwardIncrement, Self::EventDriven];
 
-    /// Its name in a scene file and on the command line.
+    /// Name of the method in a scene file and on the command line.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {

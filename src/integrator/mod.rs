@@ -29,8 +29,8 @@ pub struct Motion {
     pub velocity: Vec<f64>,
     /// The state of each contact over the last step.
     pub contacts: Vec<ContactState>,
-    /// `true` for each contact that pulled in the last step; only contacts that can stick and cannot open pull. Their
-    /// friction follows |N|, so the same states may have forces of either sign.
+    /// `true` for each contact that pulled in the last step, if contacts can stick and cannot open. Their friction
+    /// follows |N|, so the same states may have forces of either sign.
     pub pulls: Vec<bool>,
     /// Counts since the start of the motion.
     pub statistics: Statistics,
@@ -75,7 +75,7 @@ pub struct Statistics {
     /// Number of times that a contact which cannot open had to pull.
     pub pulled_contacts: u64,
     /// Number of times that the law of contact had a second solution with another motion when a run began or contacts
-    /// changed their states. Only contacts of which up to four share masses are examined.
+    /// changed their states. Only contacts that can open, and of which up to four share masses, are examined.
     pub other_solutions: u64,
 }
 
@@ -169,7 +169,7 @@ impl Wave {
 }
 
 impl Drive {
-    /// A drive with these forces (N, one for each degree of freedom), and the same v (m/s) and friction for all of
+    /// A drive with these forces (N, one for each degree of freedom), and the same v (m/s) and friction for each of
     /// `contacts` contacts.
     #[must_use]
     pub fn uniform(
@@ -265,8 +265,8 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
-    /// No force was found that satisfies the law of this contact (from 0). It shares masses with so many others that not all
-    /// their states are tried, so there may be one.
+    /// No force was found that satisfies the law of this contact (from 0). It shares masses with too many others for
+    /// all their states to be tried, so there may be one.
     NoneFound {
         /// The contact, from 0.
         contact: usize,
@@ -338,10 +338,10 @@ pub fn kernels() -> Vec<Kernel> {
     forward_increment::kernels()
 }
 
-/// The fastest integrator of this method that fits the structure of the model.
+/// Returns the fastest integrator of this method for the structure of the model.
 ///
 /// # Errors
-/// A mass matrix that is not positive definite; more contacts that share masses than the method takes.
+/// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method takes.
 pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>, Error> {
     if method == Method::EventDriven {
         return Ok(Box::new(EventDriven::new(model)?));
@@ -352,11 +352,11 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
     forward_increment::faster(model)
 }
 
-/// The fastest integrator of this method that fits the structure of the model and writes the energy ledger of its motion, step
-/// by step. A motion without a ledger is moved alone.
+/// Returns the fastest integrator of this method for the structure of the model that also writes the energy ledger of a
+/// motion, step by step. A motion without a ledger is advanced without one.
 ///
 /// # Errors
-/// A mass matrix that is not positive definite; more contacts that share masses than the method takes.
+/// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method takes.
 pub fn choose_with_ledger(
     model: &LumpedModel,
     method: Method,

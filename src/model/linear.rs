@@ -136,7 +136,7 @@ mod tests {
         }
     }
 
-    /// Exporter and page took µ at the velocity of the surface, and so named a longer step than a run accepts.
+    /// Regression: exporter and page took µ at the velocity of the surface, and named a longer step than a run accepts.
     #[test]
     fn friction_that_falls_has_the_critical_step_of_its_greatest_coefficient() {
         let mut falling = set1();
@@ -148,7 +148,7 @@ mod tests {
         assert_ne!(critical_step(&falling), critical_step(&set1().with_friction(0.4)));
     }
 
-    /// Eigenvalues had friction there which motion has not.
+    /// Regression: eigenvalues had friction at such contacts, and motion had none.
     #[test]
     fn friction_of_a_fixed_direction_is_none_where_the_surface_stands_still() {
         let mut model = set1();

@@ -1,4 +1,4 @@
-//! Errors that integrators cause in signals over time.
+//! Errors of integrators that signals, values over time, cause.
 
 use crate::numerics::range;
 use crate::scene::{Between, Method, Scene, Shape, Signal, Table};

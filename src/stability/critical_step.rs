@@ -1,16 +1,16 @@
 //! The critical step of the forward increment scheme with lagged damping.
 //!
-//! An eigenvalue s of M̃⁻¹ K̃ gives the mode λ² + c λ + s = 0 with c = α + β s, which the scheme maps to z² − (2 − h² s
-//! − h c) z + (1 − h c) = 0. A real mode, s = ω² and c = 2 ζ ω, leaves the unit circle through −1 at h_c = (2/ω)(√(1 +
-//! ζ²) − ζ). A complex s belongs to two modes that friction has made coalesce. One of them may grow physically, and
-//! must not be required to stay inside the circle; but the scheme may also let modes grow that decay physically. Their
+//! An eigenvalue s of M̃⁻¹ K̃ gives the mode λ² + c λ + s = 0 with c = α + β s, which the scheme maps to
+//! z² − (2 − h² s − h c) z + (1 − h c) = 0. A real mode, s = ω² and c = 2 ζ ω, leaves the unit circle through −1 at
+//! h_c = (2/ω)(√(1 + ζ²) − ζ). A complex s belongs to two modes that friction has made coalesce. One of them may grow
+//! physically, and must not be required to stay inside the circle; but the scheme may also let modes grow that decay physically. Their
 //! limit is the step up to which ln |z| / h ≤ max(0, Re λ) + |λ|/1000: spurious squeal stays below a thousandth of the
 //! frequency.
 //!
-//! With discrete dampers there are no such σ: `damped_step` examines the state as a whole. Where the states are too
+//! With discrete dampers there are no such s: `damped_step` examines the state as a whole. Where the states are too
 //! many or too large, [`FrequencyBound`] replaces them: with all s in an ellipse, or |k| and |c − α − β k| of all modes
-//! bounded, the step is taken at which every one of them is admissible. Without friction that condition is h² k + 2 h c
-//! ≤ 4 and a guarantee; it is also a guarantee with friction where c and k follow from each other. With both friction
+//! bounded, the step is taken at which every one of them is admissible. Without friction that condition is
+//! h² k + 2 h c ≤ 4 and a guarantee; it is also a guarantee with friction where c and k follow from each other. With both friction
 //! and discrete dampers a mode of the scheme is compared to that of the physics with the same k and c, whose shape may
 //! differ.
 

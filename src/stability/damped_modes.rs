@@ -90,7 +90,7 @@ impl QuadraticProblem {
             let is_small = modulus(value) <= SMALL && refined < MOST_REFINED;
             refined += usize::from(is_small);
             let again = if is_small { self.again(value, &found, at) } else { None };
-            // A value that is neither known to be zero nor found again is kept.
+            // A value of the size of rounding that is not found again counts as zero.
             let is_lost = again.is_none() && modulus(value) <= SPLIT;
             let better = if is_lost { Complex::ZERO } else { again.unwrap_or(value) };
             let is_real = better.im == 0.0 && again.is_some();

@@ -2,10 +2,9 @@
 //!
 //! Libraries are made for large matrices and are slow on those of some dozens of rows, of which there are many here:
 //! one for each contact state. So the standard algorithms are written here: Householder reflections bring the matrix to
-//! Hessenberg form; Francis's implicit double-shift QR
-//! iteration splits that into blocks of one row or two (Golub and Van Loan, Matrix Computations, 4th
-//! ed., algorithms 7.4.2 and 7.5.1; exceptional shifts as in LAPACK's `dlahqr`). Both are orthogonal,
-//! so the eigenvalues are those of a matrix that differs from the given one by rounding.
+//! Hessenberg form; Francis's implicit double-shift QR iteration splits that into blocks of one row or two (Golub and
+//! Van Loan, Matrix Computations, 4th ed., algorithms 7.4.2 and 7.5.1; exceptional shifts as in LAPACK's `dlahqr`).
+//! Both are orthogonal, so the eigenvalues are those of a matrix that differs from the given one by rounding.
 
 use nalgebra::{Complex, DMatrix, Schur};
 use std::array::from_fn;
@@ -170,7 +169,7 @@ impl Columns<'_> {
         }
     }
 
-    /// The row at which a sweep starts, as low as two small entries in sequence allow, and from there
+    /// The row at which an iteration starts, as low as two small entries in sequence allow, and from there
     /// the first column of (H − shift)(H − its conjugate) or, of a real shift, of (H − shift)².
     fn first_column(&self, start: usize, end: usize, shift: Complex<f64>) -> (usize, [f64; 3]) {
         let (trace, determinant) = (2.0 * shift.re, shift.norm_sqr());

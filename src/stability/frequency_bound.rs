@@ -56,7 +56,7 @@ impl Ellipse {
 
 /// Bounds over all contact states, cheap to evaluate again as µ changes.
 ///
-/// *Contacts that share no mass, along degrees of freedom, and no single dampers*: in every contact
+/// *Contacts that share no mass, along degrees of freedom, and no discrete dampers*: in every contact
 /// state the entries of M̃⁻¹ K̃ are in size at most those of the non-negative matrix B: the rows of
 /// M⁻¹ |K|, the tangential rows with µ times the normal row added. Its spectral radius is at most
 /// maxᵢ (B d)ᵢ / dᵢ for any positive d (Collatz and Wielandt); a few powers of B make a good d.
@@ -65,7 +65,7 @@ impl Ellipse {
 /// contact forces, onto the motions that a state allows; so |s| ≤ ‖P‖ ‖K‖, and likewise for D.
 /// ‖K‖ ≤ maxᵢ (B d)ᵢ / dᵢ for B = M⁻¹ |K|.
 ///
-/// *Without single dampers* s lies in an ellipse. Let κ₀ and κ₁ be bounds of the eigenvalues of K. On the motions that
+/// *Without discrete dampers* s lies in an ellipse. Let κ₀ and κ₁ be bounds of the eigenvalues of K. On the motions that
 /// P allows P K = κ₀ + P (K − κ₀), and P (K − κ₀) has the eigenvalues of R P R, R = (K − κ₀)^½, beside zero. These are
 /// values of (R v)ᴴ P (R v) with |v| = 1, |R v|² ≤ κ₁ − κ₀. The values of wᴴ P w, |w| = 1, fill the ellipse with the
 /// foci 0 and 1 and the longer axis ‖P‖ (P is a projection). So s lies in the ellipse with the foci κ₀ and κ₁

@@ -45,7 +45,7 @@ enum States {
 /// between r + z and r: tan² θ ≤ (|z|² |r|² − (z·r)²) / (|r|² + z·r)². Measure f by φ² = Σ |n_q|² f², over the contacts
 /// that slide, and take φ = 1. Then |r_q| ≥ 1, |z_q| ≤ p, z_q·r_q ≥ −c, and the shared part of z is at most √Λ long,
 /// whatever the signs and whichever contacts slide: leaving some out takes rows and columns out of a Gram matrix, and signs
-/// do not change its eigenvalues. The shared part of r may be anything; let |r|² = 1 + ξ². The fraction grows
+/// do not change its eigenvalues. The shared part of r is arbitrary; let |r|² = 1 + ξ². The fraction grows
 /// with |z|² ≤ p² + Λ, and falls as z·r rises above −|z|² (below, it is not larger than there). As z·r ≥ −c − √Λ ξ,
 ///
 /// tan² θ ≤ max over ξ of (p² + Λ + p² ξ²) / (1 − c − √Λ ξ + ξ²)²,

@@ -3,7 +3,7 @@
 //! With C̃ = α M̃ + β K̃, which Rayleigh damping gives because friction follows the whole normal
 //! force, the quadratic problem (λ² M̃ + λ C̃ + K̃) u = 0 has the eigenvectors of M̃⁻¹ K̃, and each of
 //! its eigenvalues σ two eigenvalues of the state: λ² + (α + β σ) λ + σ = 0. So the problem solved is
-//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not. With single
+//! half as large as eq. (6), and two modes coalesce exactly where two σ do, damped or not. With discrete
 //! dampers there are no such σ; `damped_modes` then solves the problem at its full size.
 
 use super::complex::{modulus, root};
@@ -14,10 +14,10 @@ use crate::model::{LinearModel, LumpedModel, ReducedMatrices};
 use nalgebra::{Complex, DMatrix};
 
 /// The eigenvalues σ of M̃⁻¹ K̃, 1/s², from the whole matrices; those of a state's modes where there
-/// are no single dampers.
+/// are no discrete dampers.
 ///
 /// # Errors
-/// The model is too large ([`check_size`]), or its masses cannot be accelerated, or the iteration fails.
+/// Returns an error if the model is too large ([`check_size`]), its masses cannot be accelerated, or the iteration fails.
 pub fn stiffness_eigenvalues(
     model: LinearModel<'_>,
     states: &[ContactState],

@@ -89,7 +89,7 @@ struct Rotation {
 }
 
 impl Rotation {
-    /// The rotation that makes two columns orthogonal; `None` where they are.
+    /// The rotation that makes two columns orthogonal; `None` if they are orthogonal, or if one of them is rounding.
     fn of(matrix: &Matrix, first: usize, second: usize, rounding: f64) -> Option<Self> {
         let (p, q) = (matrix.column(first), matrix.column(second));
         let product = p.dotc(&q);

@@ -21,7 +21,8 @@ impl Spectrum {
     /// The eigenvalues λ of a contact state.
     ///
     /// # Errors
-    /// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
+    /// Returns an error if the model is too large to be solved as one matrix, if its masses cannot be accelerated, or if
+    /// no eigenvalues are found.
     pub fn of(model: LinearModel<'_>, states: &[ContactState]) -> Result<Self, Error> {
         let found = if !model.has_single_damping_in(states) {
             let sigmas = all_stiffness_eigenvalues(model, states)?;

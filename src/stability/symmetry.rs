@@ -108,7 +108,8 @@ impl SymmetrySector {
     /// The eigenvalues σ of M̃⁻¹ K̃ of this part, 1/s², each once.
     ///
     /// # Errors
-    /// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
+    /// Returns an error if the model is too large to be solved as one matrix, if its masses cannot be accelerated, or if
+    /// no eigenvalues are found.
     pub fn stiffness_eigenvalues(
         self,
         model: LinearModel<'_>,
@@ -156,7 +157,8 @@ pub fn turn(part: usize, whole: usize) -> f64 {
 /// The eigenvalues σ of M̃⁻¹ K̃ of a contact state, 1/s².
 ///
 /// # Errors
-/// The model is too large to be solved as one matrix, its masses cannot be accelerated, or no eigenvalues are found.
+/// Returns an error if the model is too large to be solved as one matrix, if its masses cannot be accelerated, or if no
+/// eigenvalues are found.
 pub fn all_stiffness_eigenvalues(
     model: LinearModel<'_>,
     states: &[ContactState],

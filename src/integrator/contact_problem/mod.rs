@@ -15,8 +15,8 @@
 //! 6. Gauss–Seidel, with a large number of iterations.
 //!
 //! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact that
-//! jams in a sweep may be free under other forces of its neighbours. Where the only forces are nothing but rounding, since the
-//! equations are singular, the fifth proves nothing, and that is what it reports.
+//! jams in an iteration may be free under other forces of its neighbours. If the only forces are rounding, since the
+//! equations are singular, the fifth proves nothing and reports [`StepFailure::Singular`].
 
 mod delassus;
 mod enumeration;

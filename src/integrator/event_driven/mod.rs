@@ -10,7 +10,7 @@
 //! One internal step of length h (s) has seven stages ([`Integrator::advance`]). Over the step outer forces F and
 //! velocities of surfaces v change linearly, plus waves ([`waves`]); friction coefficients are constant.
 //!
-//! 1. **Start.** Of the step, `left` = h is to go. A contact that sticks to a surface whose velocity has jumped since the last
+//! 1. **Start.** The remaining time of the step is `left` = h. A contact that sticks to a surface whose velocity has jumped since the last
 //!    step begins to slip.
 //! 2. **Expand** ([`series`]). With the time s τ, 0 ≤ s ≤ 1, from now and x(s) = Σ c_k s^k,
 //!
@@ -136,7 +136,7 @@ const SHORTEST: f64 = 1e-12;
 ///
 /// Structures with up to 16 degrees of freedom (two more for each contact between two masses or at an
 /// angle to them) get a full matrix for each contact state that they meet, of which up to 64 are kept, in
-/// at most 300 kB. That room is taken when the integrator is made. Larger structures use sparse matrices.
+/// at most 300 kB. That memory is allocated when the integrator is made. Larger structures use sparse matrices.
 pub struct EventDriven<W = ()> {
     witness: W,
     dynamics: Dynamics,
@@ -151,7 +151,7 @@ pub struct EventDriven<W = ()> {
     /// |G M⁻¹ K| along normal and tangent of each contact, 1/s²: the factors from displacements to the accelerations
     /// that springs cause, term by term, without contact forces.
     pulls: Vec<[Direction; 2]>,
-    /// A lower bound of the periods of the masses on their springs, s; zero without springs.
+    /// A time scale of the fastest oscillation of the masses on their springs, s; zero without springs.
     shortest: f64,
     /// Memory for the polynomial under examination.
     polynomial: Polynomial,
@@ -415,7 +415,7 @@ impl<W: Witness> EventDriven<W> {
                 continue;
             }
             let along = contact.tangent.dot(&motion.velocity);
-            // Between masses it is a difference, of which rounding is a part of the terms.
+            // Between masses the slip is a difference, whose rounding is a part of its terms.
             let terms = contact.tangent.0.iter().map(|&(dof, t)| (t * motion.velocity[dof]).abs());
             let terms = terms.fold(0.0, |sum, term| sum + term);
             let slip = self.surface[i] - along;
@@ -517,8 +517,8 @@ impl<W: Witness> EventDriven<W> {
                 _ if landed => held,
                 (Some(Event::Slip(direction) | Event::Leave(direction)), _) => sliding(direction),
                 (Some(Event::Stop), _) | (_, ContactState::Stick) => held,
-                // One that does not slip yet may do so either way, or hold. So may one that was to slip by an earlier event of
-                // this instant, where one event leads to the other in turn.
+                // A contact that does not slip yet may slip either way, or hold. The same holds for one that was to slip by
+                // an earlier event of this instant, where one event leads to the other in turn.
                 (event, _) if slip.abs() <= still && (event == Some(Event::Part) || in_turn) => {
                     held
                 }
@@ -659,10 +659,10 @@ impl<W: Witness> EventDriven<W> {
                 || state != ContactState::Detached && event != Some(Event::Lift);
             let opens = is_closed && new == ContactState::Detached;
             motion.contacts[i] = match event {
-                // Rounding may hide which way it goes: a slip that stops again where it went on sticks, if no contact opens
-                // or closes.
+                // Rounding may hide the direction of the slip: a contact whose slip stops again at the instant at which it
+                // continued sticks, if no contact opens or closes.
                 Some(Event::Stop) if again && none_opens && new == state => ContactState::Stick,
-                // And whether it opens: what closes again and again where it opened stays closed.
+                // Rounding may also hide an opening: a contact that closes repeatedly where it opened stays closed.
                 _ if opens && (MOST_OPENINGS + 1..=MOST_TOUCHES).contains(&self.repeats[i]) => {
                     self.dynamics.problem.freedom[i].closed_state()
                 }
@@ -684,7 +684,7 @@ impl<W: Witness> EventDriven<W> {
     }
 }
 
-/// `true` of two states of a contact that is open in both or closed in both.
+/// `true` if a contact is open in both states or closed in both.
 fn are_open_alike(a: ContactState, b: ContactState) -> bool {
     (a == ContactState::Detached) == (b == ContactState::Detached)
 }

@@ -15,8 +15,8 @@ const CLOSE: f64 = 16.0;
 impl<W: Witness> EventDriven<W> {
     /// Writes the forces that hold the motion in its present states; `false` if those break the law of
     /// contact, as they may when an input was changed since the last step.
+    ///
     /// With friction the law may allow several solutions at once: the report gives the one that the motion is in.
-    /// not for a report to choose.
     pub(super) fn present_forces(
         &mut self,
         motion: &Motion,
@@ -148,8 +148,8 @@ impl<W: Witness> EventDriven<W> {
         [free + carried, size + free.abs() + lost]
     }
 
-    /// The velocity (m/s) that the largest of the outer forces would give a mass within the shortest time of the
-    /// springs. It scales the rounding of velocities where all masses are at rest.
+    /// The velocity (m/s) that the largest of the outer forces would give a mass within the time scale of
+    /// their fastest oscillation. It scales the rounding of velocities where all masses are at rest.
     fn thrown(&self, drive: &Drive) -> f64 {
         self.shortest * self.shaken(&drive.force)
     }

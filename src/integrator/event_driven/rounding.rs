@@ -9,7 +9,7 @@ use crate::numerics::max_norm;
 
 /// Relative budget below which a value counts as zero: the rounding of some dozens of operations.
 pub(super) const NOISE: f64 = 1e-13;
-/// A contact is thrown off by an impact that gives it this part of the fastest velocity; less is rounding.
+/// Smallest velocity with which an impact throws a contact off, as a part of the fastest velocity; less is rounding.
 pub(super) const THROWN: f64 = 1e-11;
 /// Loss of a difference by rounding, as a part of its terms and of [`NOISE`].
 pub(super) const DIFFERENCE: f64 = 0.02;
@@ -94,7 +94,8 @@ pub(super) fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
     dynamics.responses.iter().map(|two| two.each_ref().map(along)).collect()
 }
 
-/// A lower bound of the periods of the masses on their springs, s; zero without springs.
+/// A time scale of the fastest oscillation of the masses on their springs, s; zero without springs. For a diagonal mass
+/// matrix it is a lower bound of 1/ω.
 pub(super) fn shortest(dynamics: &Dynamics) -> f64 {
     let square = |dof: usize| {
         let pulls = dynamics.stiffness.row(dof).fold(0.0, |sum, (_, k)| sum + k.abs());
