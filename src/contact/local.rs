@@ -9,18 +9,18 @@ const SINGULAR: f64 = 1e-13;
 /// normal–tangential, tangential–tangential.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalProblem {
-    /// W_NN.
+    /// Normal–normal entry W_NN, 1/kg.
     pub nn: f64,
-    /// W_NT.
+    /// Normal–tangential entry W_NT, 1/kg.
     pub nt: f64,
-    /// W_TT.
+    /// Tangential–tangential entry W_TT, 1/kg.
     pub tt: f64,
 }
 
 /// The multipliers of one contact, and the state that they belong to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LocalSolution {
-    /// (N, T), N.
+    /// Normal and friction force (N, T), N.
     pub force: [f64; 2],
     /// The state of the contact; `Detached` where N is zero.
     pub state: ContactState,

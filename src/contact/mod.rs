@@ -26,7 +26,7 @@ pub enum ContactState {
     ReverseSlide = 2,
     /// v_r = 0: the mass moves with the slider; |T| ≤ µN, with the static coefficient.
     Stick = 3,
-    /// N = T = 0.
+    /// The contact is open: N = T = 0.
     Detached = 4,
 }
 

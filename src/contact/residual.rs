@@ -39,24 +39,24 @@ pub struct Scales {
     pub force: f64,
 }
 
-/// A part of the law.
+/// A condition of the law of contact.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     /// All values are finite.
     Finite,
-    /// g ≥ 0.
+    /// The gap is not negative: g ≥ 0.
     Penetration,
-    /// ġ ≥ 0 where the contact is closed.
+    /// A closed contact does not approach: ġ ≥ 0.
     Approach,
-    /// N ≥ 0.
+    /// The normal force does not pull: N ≥ 0.
     Adhesion,
-    /// N = 0 where the contact is open or opens.
+    /// A contact that is open or opens carries no force: N = 0.
     ForceAtADistance,
-    /// |T| ≤ µ_s N.
+    /// Friction is within its limit: |T| ≤ µ_s N.
     FrictionLimit,
-    /// |T| = µ_k N where the contact slips.
+    /// A contact that slips has kinetic friction: |T| = µ_k N.
     SlidingFriction,
-    /// T v_r ≥ 0: friction takes power from a contact that slips, and never feeds it.
+    /// Friction dissipates power in a contact that slips: T v_r ≥ 0.
     Feeding,
 }
 

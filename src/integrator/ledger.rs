@@ -125,14 +125,14 @@ impl Ledger {
     }
 }
 
-/// Kinetic and elastic energy, J.
+/// Returns the present kinetic and elastic energy, J.
 fn present(model: &LumpedModel, balance: &[f64], motion: &Motion) -> [f64; 2] {
     let (x, v) = (&*motion.displacement, &*motion.velocity);
     let held = x.iter().zip(balance).fold(0.0, |sum, (x, balance)| sum + x * balance);
     [half_form(&model.mass, v), half_form(&model.stiffness, x) + held]
 }
 
-/// ½ uᵀ A u.
+/// Returns ½ uᵀ A u.
 pub(super) fn half_form(matrix: &SparseMatrix, u: &[f64]) -> f64 {
     (0..u.len()).fold(0.0, |sum, row| sum + 0.5 * u[row] * matrix.row_times(row, u))
 }

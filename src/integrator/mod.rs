@@ -211,7 +211,7 @@ pub struct Push<'a> {
 /// Contact forces and accelerations that a [`Push`] causes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Response {
-    /// (N, T) of each contact, N.
+    /// Forces (N, T) of each contact, N.
     pub forces: Vec<[f64; 2]>,
     /// Acceleration ẍ, m/s²; one value for each degree of freedom.
     pub acceleration: Vec<f64>,

@@ -39,7 +39,7 @@ enum Linearisation<'a> {
 /// Friction of a contact that slides, T = µ N, as it enters a linear equation of motion.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SlidingFriction {
-    /// µ.
+    /// Friction coefficient µ.
     pub coefficient: f64,
     /// N dµ/d|v_r|, N s/m: the contribution of friction to damping along the tangent; below zero where µ falls with the
     /// slip velocity.
@@ -88,7 +88,7 @@ impl<'a> LinearModel<'a> {
         (0..self.model.contacts.len()).map(move |contact| self.friction_of(contact))
     }
 
-    /// Friction of one contact, where it slides.
+    /// Friction of one contact that slides.
     #[must_use]
     pub fn friction_of(self, contact: usize) -> SlidingFriction {
         let Self { model, friction } = self;

@@ -48,9 +48,9 @@ pub struct Damping {
 /// rubs on.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Contact {
-    /// G_N: the gap is G_N x, positive where the contact is open.
+    /// Normal direction G_N: the gap is G_N x, positive where the contact is open.
     pub normal: Direction,
-    /// G_T: the tangential displacement is G_T x.
+    /// Tangential direction G_T: the tangential displacement is G_T x.
     pub tangent: Direction,
     /// Parameters of the contact's friction.
     pub friction: Friction,

@@ -3,16 +3,16 @@
 //! An eigenvalue s of M̃⁻¹ K̃ gives the mode λ² + c λ + s = 0 with c = α + β s, which the scheme maps to
 //! z² − (2 − h² s − h c) z + (1 − h c) = 0. A real mode, s = ω² and c = 2 ζ ω, leaves the unit circle through −1 at
 //! h_c = (2/ω)(√(1 + ζ²) − ζ). A complex s belongs to two modes that friction has made coalesce. One of them may grow
-//! physically, and must not be required to stay inside the circle; but the scheme may also let modes grow that decay physically. Their
-//! limit is the step up to which ln |z| / h ≤ max(0, Re λ) + |λ|/1000: spurious squeal stays below a thousandth of the
-//! frequency.
+//! physically, and must not be required to stay inside the circle; but the scheme may also let modes grow that decay
+//! physically. Their limit is the step up to which ln |z| / h ≤ max(0, Re λ) + |λ|/1000: spurious squeal stays below a
+//! thousandth of the frequency.
 //!
 //! With discrete dampers there are no such s: `damped_step` examines the state as a whole. Where the states are too
 //! many or too large, [`FrequencyBound`] replaces them: with all s in an ellipse, or |k| and |c − α − β k| of all modes
 //! bounded, the step is taken at which every one of them is admissible. Without friction that condition is
-//! h² k + 2 h c ≤ 4 and a guarantee; it is also a guarantee with friction where c and k follow from each other. With both friction
-//! and discrete dampers a mode of the scheme is compared to that of the physics with the same k and c, whose shape may
-//! differ.
+//! h² k + 2 h c ≤ 4 and a guarantee; it is also a guarantee with friction where c and k follow from each other. With
+//! both friction and discrete dampers a mode of the scheme is compared to that of the physics with the same k and c,
+//! whose shape may differ.
 
 use super::complex::{from_polar, modulus, root};
 use super::eigenvalues::{Solver, by_schur, eigenvalues};
@@ -34,7 +34,7 @@ pub(super) const INVENTED_GROWTH: f64 = 1e-3;
 /// The largest step, s, at which the scheme lets no mode of any contact state grow that does not grow physically.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CriticalStep {
-    /// h_c, s.
+    /// Critical step h_c, s.
     pub step: f64,
     /// Origin of the limit.
     pub origin: Origin,
@@ -426,7 +426,7 @@ mod tests {
             for states in all_states(2) {
                 assert!(radius(&model, &states, 0.999 * found.step) <= 1.0 + 1e-9);
             }
-            // The bound is never above it, and not useless.
+            // The bound is never above the critical step, and more than 0.3 of it.
             let linear = model.linear().unwrap();
             let bound = FrequencyBound::new(linear).unwrap().at(linear);
             let bound = real_limit(model.damping, bound);

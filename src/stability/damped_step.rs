@@ -47,9 +47,9 @@ struct Limits {
 
 /// A contact state with friction, in which modes may grow.
 struct WithFriction {
-    /// M̃⁻¹ K̃, 1/s².
+    /// The matrix M̃⁻¹ K̃, 1/s².
     stiffness: DMatrix<f64>,
-    /// M̃⁻¹ C̃, 1/s.
+    /// The matrix M̃⁻¹ C̃, 1/s.
     damping: DMatrix<f64>,
     /// Eigenvalues λ of the physics, 1/s.
     physical: Vec<Complex<f64>>,

@@ -29,7 +29,7 @@ pub(super) struct Ellipse {
 }
 
 impl Ellipse {
-    /// The largest |s|.
+    /// The largest |s| of the ellipse.
     fn reach(self) -> f64 {
         let [from, to] = self.foci;
         let (middle, half) = (0.5 * (from + to), 0.5 * (to - from));
@@ -74,7 +74,7 @@ impl Ellipse {
 pub(super) struct FrequencyBound {
     /// Terms of (B d)ᵢ / dᵢ: the part without µ, the factor of µ, and the contact whose µ applies.
     rows: Vec<(f64, f64, usize)>,
-    /// ‖D‖, 1/s.
+    /// Bound of ‖D‖, 1/s.
     dampers: f64,
     /// κ₀ and κ₁, 1/s²; `None` with discrete dampers.
     foci: Option<[f64; 2]>,

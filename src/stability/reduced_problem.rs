@@ -91,7 +91,7 @@ pub fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), E
     Ok((operator, scale))
 }
 
-/// M̃⁻¹ A.
+/// Returns M̃⁻¹ A.
 ///
 /// # Errors
 /// Returns an error if M̃ is singular, or if an entry leaves the range of numbers.
@@ -118,7 +118,7 @@ pub enum EigenvalueKind {
     Oscillating,
     /// The one of a conjugate pair with Im λ < 0.
     Conjugate,
-    /// Im λ = 0 but for rounding.
+    /// A real eigenvalue: Im λ = 0 but for rounding.
     Real,
 }
 

@@ -18,7 +18,7 @@ const SWEEPS: usize = 60;
 pub struct SingularValues {
     /// W, with orthogonal columns.
     turned: Matrix,
-    /// V, unitary.
+    /// The unitary matrix V.
     turn: Matrix,
 }
 

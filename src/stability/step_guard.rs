@@ -99,7 +99,7 @@ impl StepGuard {
         if self.is_known && linear.friction().eq(self.last.iter().copied()) {
             return Ok(());
         }
-        // Where states are not examined one by one, their bound is the only answer.
+        // If states are not examined one by one, their bound is the only answer.
         let is_first = self.bound_is_due() || !can_be_enumerated(model);
         if (is_first && self.bound_suffices(linear))
             || self.states_admit(linear)

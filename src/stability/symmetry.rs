@@ -73,9 +73,9 @@ pub enum SymmetrySector {
     /// equal states: they make the matrices block-diagonal, and reflection makes the blocks
     /// Σ_j K_0j cos(2π k j / n) real.
     Wave {
-        /// k, from 0 to n/2: waves around the ring.
+        /// Number of waves around the ring k, from 0 to n/2.
         k: usize,
-        /// n.
+        /// Number of modules n.
         modules: usize,
     },
 }

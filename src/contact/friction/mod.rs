@@ -105,7 +105,7 @@ pub trait FrictionLaw: Copy {
     #[must_use]
     fn limit(self, normal: f64) -> f64;
 
-    /// T on a contact that friction does not hold, N, and its state.
+    /// Returns T on a contact that friction does not hold, N, and its state.
     #[inline(always)]
     #[must_use]
     fn slip(self, holding: f64, normal: f64) -> (f64, ContactState) {
@@ -174,11 +174,11 @@ macro_rules! register {
 register! {
     /// No friction at all.
     Frictionless in frictionless,
-    /// One coefficient.
+    /// Coulomb's law with one coefficient.
     Coulomb in coulomb,
-    /// A static coefficient above the kinetic one.
+    /// Static and kinetic friction, with a static coefficient above the kinetic one.
     StaticKinetic in static_kinetic,
-    /// A coefficient that falls with the slip velocity.
+    /// Stribeck friction, with a coefficient that falls with the slip velocity.
     Stribeck in stribeck,
 }
 

@@ -389,7 +389,7 @@ impl ContactProblem {
                         let w = delassus.block(contact, other);
                         direction * scales(contact)[1] * (w[2] * n + w[3] * t)
                     }
-                    // In the units of T.
+                    // The width is in the units of T.
                     Equation::Cone { contact, width } if contact == other => match unknown {
                         Unknown::Normal { .. } => width * n.abs() / scales(contact)[1],
                         _ => -t / scales(contact)[1],

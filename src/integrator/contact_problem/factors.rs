@@ -13,7 +13,7 @@ const DEPENDENT: f64 = 1e-12;
 pub(super) struct Factors {
     size: usize,
     rank: usize,
-    /// By rows, as eliminated: below the diagonal L, above it U; on the diagonal one over the pivot.
+    /// Entries by rows, as eliminated: below the diagonal L, above it U; on the diagonal one over the pivot.
     entries: Vec<f64>,
     rows: Vec<usize>,
     columns: Vec<usize>,

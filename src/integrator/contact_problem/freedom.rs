@@ -13,7 +13,7 @@ pub(in crate::integrator) enum Freedom {
     Slipping {
         /// Direction of the friction force on the mass.
         direction: f64,
-        /// µ_k.
+        /// Kinetic coefficient µ_k.
         friction: f64,
     },
     /// Held in both directions along its normal; friction, in this range where it holds, follows |N|.
@@ -22,14 +22,14 @@ pub(in crate::integrator) enum Freedom {
     HeldSlipping {
         /// Direction of the friction force on the mass.
         direction: f64,
-        /// µ_k.
+        /// Kinetic coefficient µ_k.
         friction: f64,
     },
     /// Held along normal and tangent by forces without a limit.
     Fixed,
     /// Held in both directions along its normal, with T = `slope` N.
     Guided {
-        /// ±µ.
+        /// Ratio T/N = ±µ.
         slope: f64,
         /// The state that the contact is given.
         state: ContactState,

@@ -9,12 +9,12 @@ use crate::contact::{ContactState, FrictionRange, LocalProblem};
 pub(in crate::integrator) enum Demand {
     /// No equation: the contact is open and carries no force.
     Nothing,
-    /// a_N = 0, by N with T = `slope` N.
+    /// The normal force N, with T = `slope` N, makes a_N = 0.
     Normal {
         /// ±µ of a contact that slides.
         slope: f64,
     },
-    /// a_N = a_T = 0, by N and T.
+    /// The forces N and T make a_N = a_T = 0.
     Both,
 }
 
@@ -28,7 +28,7 @@ impl Demand {
         match (state, state.sliding_direction()) {
             (ContactState::Detached, _) => Self::Nothing,
             (_, Some(direction)) => Self::Normal { slope: direction * range.limit(direction) },
-            // Where the mass has one direction of motion, the force that holds one row holds both.
+            // If the mass has one direction of motion, the force that holds one row holds both.
             _ if own.is_singular() => Self::Normal { slope: own.stuck_slope(range) },
             _ => Self::Both,
         }

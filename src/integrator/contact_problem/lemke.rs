@@ -8,7 +8,7 @@
 //! * 0 ≤ T⁻ ⊥ −a_T + γ/b ≥ 0,
 //! * 0 ≤ γ ⊥ N − T⁺/f − T⁻/b ≥ 0.
 //!
-//! A contact that slips for sure has N alone, with T = ±µN. The matrix of contacts that do not is copositive for any
+//! A contact that must slip has N alone, with T = ±µN. The matrix of all other contacts is copositive for any
 //! symmetric W ≥ 0 (xᵀ M x = λᵀ W λ + γᵀ N). Pivots are chosen in lexicographic order, so they end: in a solution, or in
 //! a ray, which proves nothing.
 
@@ -20,7 +20,7 @@ const TIE: f64 = 1e-12;
 /// An entry below this part of the largest in its column is rounding.
 const NOTHING: f64 = 1e-13;
 /// The limits of friction are first those of the law, then wider by this part of the largest force: at the limits of the
-/// law many rows are tied, between which rounding may choose a way that ends in a ray.
+/// law many rows are tied, and rounding may choose a row between them that leads to a ray.
 const WIDER: [f64; 2] = [0.0, 1e-10];
 /// Largest number of pivots for each variable; one or two are usual.
 const MOST_PIVOTS: usize = 50;
@@ -267,7 +267,7 @@ impl ContactProblem {
             };
             #[allow(clippy::cast_precision_loss)]
             let constant = match part {
-                // No two rows alike.
+                // No two rows are equal.
                 LemkeVariable::Sliding => wider * largest * (1.0 + row as f64 / size as f64),
                 _ => weights[0] * free[contact][0] + weights[1] * free[contact][1],
             };

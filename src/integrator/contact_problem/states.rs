@@ -227,7 +227,7 @@ impl ContactProblem {
     fn is_lawful(&self, group: usize, strictness: Strictness) -> bool {
         let missed = strictness.missed();
         let room = if strictness == Strictness::Inside { 0.0 } else { missed };
-        // Where no condition may be at its limit, a value of zero is not above zero.
+        // If no condition may be at its limit, a value of zero is not above zero.
         let is_above = |value: f64, rounding: f64| match strictness {
             Strictness::Inside => value > 0.0,
             Strictness::UpTo(_) => value >= -rounding,

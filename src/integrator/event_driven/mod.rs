@@ -10,8 +10,8 @@
 //! One internal step of length h (s) has seven stages ([`Integrator::advance`]). Over the step outer forces F and
 //! velocities of surfaces v change linearly, plus waves ([`waves`]); friction coefficients are constant.
 //!
-//! 1. **Start.** The remaining time of the step is `left` = h. A contact that sticks to a surface whose velocity has jumped since the last
-//!    step begins to slip.
+//! 1. **Start.** The remaining time of the step is `left` = h. A contact that sticks to a surface whose velocity has
+//!    jumped since the last step begins to slip.
 //! 2. **Expand** ([`series`]). With the time s τ, 0 ≤ s ≤ 1, from now and x(s) = Σ c_k s^k,
 //!
 //!    ```text
@@ -66,7 +66,7 @@
 //! - No event is passed over, except one whose function becomes negative by less than its budget.
 //! - The motion is the same to the last bit on every machine, and however a run is divided into multiples of the step.
 //! - A step ends: with the motion, or with a [`StepFailure`] that says why. Friction may wedge (Painlevé: no forces obey the
-//!   law), forces may be rounding only, contacts may change again and again at one instant, or a step may take more than
+//!   law), forces may be rounding only, contacts may change repeatedly at one instant, or a step may take more than
 //!   100,000 series.
 //! - Infinitely many impacts within a finite time are cut off: the last hops are ended by the budget above, and counted.
 //! - Where the law of contact allows several motions, one is followed. Another one is as lawful.
@@ -407,7 +407,7 @@ impl<W: Witness> EventDriven<W> {
         self.gained = h * driven;
         self.driven = driven + blurred * f64::EPSILON / (NOISE * DIFFERENCE);
         for (i, contact) in self.dynamics.contacts.iter().enumerate() {
-            // Where a surface begins to move, the sign of its first velocity is rounding.
+            // When a surface begins to move, the sign of its first velocity is rounding.
             let mean = self.surface[i] + drive.slider_velocity[i];
             self.heading[i] = mean;
             let old = motion.contacts[i];
@@ -558,7 +558,7 @@ impl<W: Witness> EventDriven<W> {
     /// its state, or it opens itself, if it then stays open.
     fn end_turns(&mut self, motion: &mut Motion) -> Result<(), StepFailure> {
         for i in 0..self.events.len() {
-            // Where contacts that stick hold more directions than the masses have, another share of the load may be
+            // If contacts that stick hold more directions than the masses have, another share of the load may be
             // admissible.
             let most = if self.overheld[i] { MOST_SHARES } else { MOST_TURNS };
             let problem = &mut self.dynamics.problem;

@@ -148,8 +148,8 @@ impl<W: Witness> EventDriven<W> {
         [free + carried, size + free.abs() + lost]
     }
 
-    /// The velocity (m/s) that the largest of the outer forces would give a mass within the time scale of
-    /// their fastest oscillation. It scales the rounding of velocities where all masses are at rest.
+    /// The velocity (m/s) that the largest of the outer forces would give a mass within the time scale of the fastest
+    /// oscillation. It scales the rounding of velocities where all masses are at rest.
     fn thrown(&self, drive: &Drive) -> f64 {
         self.shortest * self.shaken(&drive.force)
     }

@@ -15,9 +15,9 @@ pub(super) enum Event {
     Lift,
     /// The slip velocity falls to zero.
     Stop,
-    /// The friction force reaches its limit; in this direction.
+    /// The friction force reaches its limit, and the contact begins to slip in this direction.
     Slip(ContactState),
-    /// The surface of a contact that sticks moves on although its mass cannot follow; in this direction.
+    /// The surface of a contact that sticks moves on although its mass cannot follow, which slips in this direction.
     Leave(ContactState),
     /// Other contacts carry the mass of a closed contact off its surface, or into it.
     Part,
@@ -92,9 +92,9 @@ impl<W: Witness> EventDriven<W> {
         let [place, moved] = [0, 1].map(of_power);
         match state {
             ContactState::Detached => {
-                // A velocity that an impact has left may be nothing in the rounding of the gap: the gap
-                // then begins at zero, and opens for as long as that velocity says. What an impact has
-                // thrown off is something, however soon it comes back: else it would land again at once.
+                // A velocity that an impact has left may be negligible beside the rounding of the gap: the gap
+                // then begins at zero, and opens for as long as that velocity lets it. A contact that an impact has
+                // thrown off counts as open, however soon it comes back: otherwise it would land again at once.
                 let lost = self.pulled(contact, 0, self.series.power(0)) + DIFFERENCE * self.driven;
                 let bends = doubt * (2.0 * bend + span * span * lost + moved);
                 let fastest = self.series.largest(1).max(self.slowest() * span);
@@ -109,7 +109,7 @@ impl<W: Witness> EventDriven<W> {
                 } else {
                     [None; 2]
                 };
-                // Where the mass has one direction of motion, the force that stops it along the normal holds it along
+                // If the mass has one direction of motion, the force that stops it along the normal holds it along
                 // the tangent.
                 if self.dynamics.problem.delassus.local(contact).is_singular() {
                     return [Some((Event::Lift, [force(); 3])), left[0], left[1], None, None];

@@ -16,12 +16,12 @@ use crate::model::{Damping, LumpedModel};
 pub(in crate::integrator) struct WithLedger {
     integrator: Box<dyn Integrator>,
     model: LumpedModel,
-    /// x and ẋ before the step.
+    /// Displacements x and velocities ẋ before the step.
     x: Vec<f64>,
     v: Vec<f64>,
     /// Mean velocity v̄, m/s.
     mean: Vec<f64>,
-    /// M (ẋ_{n+1} − ẋ_n) − h (F − C ẋ_n − K x_n) = h Gᵀ λ, N s.
+    /// Impulses of the contacts M (ẋ_{n+1} − ẋ_n) − h (F − C ẋ_n − K x_n) = h Gᵀ λ, N s.
     impulse: Vec<f64>,
 }
 

@@ -9,7 +9,7 @@ use crate::model::ring::{MODULE_DOFS, NORMAL, TANGENT, has_contacts_in_place};
 use crate::model::{Damping, LumpedModel};
 use step::{Block, Scheme, Vector, linked, set_effective};
 
-/// Forward increment Lagrange multipliers on a ring of modules.
+/// Integrator of the forward increment Lagrange multiplier method for a ring of modules.
 pub struct RingForwardIncrement {
     rings: Rings,
     kernel: StepLoop,
@@ -18,7 +18,7 @@ pub struct RingForwardIncrement {
 /// Takes `count` steps of length `step` (s) of a ring: the loop of [`Scheme`] that is compiled for what the ring has.
 type StepLoop = fn(&mut Rings, &mut Motion, &Drive, f64, u64);
 
-/// A ring and the room for its steps.
+/// A ring and the memory for its steps.
 struct Rings {
     law: ContactLaw,
     blocks: Vec<Block>,

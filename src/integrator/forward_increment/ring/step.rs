@@ -90,13 +90,13 @@ impl Block {
 /// The scheme with steps of one length under the law of friction `L`. The effects that are `false` are not compiled:
 /// contacts that open, Rayleigh damping, links between modules.
 pub(super) struct Scheme<L, const DETACHMENT: bool, const DAMPING: bool, const LINKS: bool> {
-    /// h, s.
+    /// Step h, s.
     h: f64,
-    /// 1/h, 1/s.
+    /// Reciprocal of the step 1/h, 1/s.
     per_h: f64,
-    /// 1 − h α.
+    /// Factor 1 − h α of the velocities that mass-proportional damping leaves.
     retained: f64,
-    /// β, s.
+    /// Stiffness-proportional damping β, s.
     beta: f64,
     law: PhantomData<L>,
 }
@@ -104,17 +104,17 @@ pub(super) struct Scheme<L, const DETACHMENT: bool, const DAMPING: bool, const L
 /// A module at the beginning or at the end of a step.
 #[derive(Clone, Copy)]
 struct ModuleState {
-    /// x, m.
+    /// Displacements x, m.
     x: Vector,
-    /// ẋ, m/s.
+    /// Velocities ẋ, m/s.
     v: Vector,
-    /// The state of its contact.
+    /// The state of the module's contact.
     state: ContactState,
 }
 
 /// The surface that a module rubs on.
 struct Surface<L> {
-    /// Its velocity along the tangent, m/s.
+    /// Velocity of the surface along the tangent, m/s.
     velocity: f64,
     /// The law of friction over this step.
     law: L,
