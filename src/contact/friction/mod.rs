@@ -1,7 +1,17 @@
 //! Laws of friction on a closed contact.
 //!
-//! Each law has a file of its own and a line of `register!`. A law may use the numbers of [`Friction`]; a number that a
-//! new law needs is added there, to `[friction]` of a scene and to the catalogue of variables.
+//! Each law has a file of its own and a line of `register!`. A law may use the numbers of [`Friction`]. A number that a new
+//! law needs has these places:
+//!
+//! | file | place |
+//! | --- | --- |
+//! | this one | a field of [`Friction`] |
+//! | `src/scene/friction_file.rs`, `mod.rs`, `rule.rs` | the key of `[friction]`, the field of a scene, the values that are possible |
+//! | `modelDescription/variables.toml` | the variable, which importers and studies set |
+//! | `src/simulation/values.rs`, `catalogue.rs` | where a scene keeps the variable, its rule, `is_present`, `sets_limit` |
+//! | `crates/analysis/src/effects.rs` | `set_law`, with a typical value |
+//! | `tests/support/judge/reduced.rs`, `tests/soak/case.rs` | the law as the judge and the soak know it |
+//! | `crates/cli/tests/analyses/answers/` | the law as the matrices of the tests know it |
 
 mod frozen;
 mod range;

@@ -11,13 +11,12 @@
 //! | `inputs` | effect of input changes on the quantities that drive the motion |
 //! | `slope` | ±µ of a sliding contact as a function |
 //! | `energy` | the changes of the parts of the energy |
-//! | `feedthrough` | the inputs on which outputs depend directly |
 
 mod energy;
 mod inputs;
 mod slope;
 
-use super::catalogue::{Causality, Quantity};
+use super::catalogue::Quantity;
 use super::{Simulation, Variable};
 use crate::Error;
 use crate::contact::{ContactForce, ContactState};
@@ -144,9 +143,6 @@ impl Simulation {
         present: &[ContactForce],
     ) -> Result<f64, Error> {
         let (i, name) = (variable.index, &variable.name);
-        if variable.causality != Causality::Output {
-            return Err(Error::variable(format!("{name} has no derivative: it is no output")));
-        }
         let dof = || super::dof(&self.scene, &self.numbering, variable);
         let reaction = |part: usize| {
             let forces = outcome.forces.iter().enumerate();
@@ -162,10 +158,37 @@ impl Simulation {
             Quantity::NormalReaction => reaction(0),
             Quantity::TangentialReaction => reaction(1),
             Quantity::Energy => self.energy_change(change, present)[variable.template.component],
-            _ => {
+            Quantity::ContactState
+            | Quantity::StateChanges
+            | Quantity::ReversedSlips
+            | Quantity::PulledContacts
+            | Quantity::GrowthRate
+            | Quantity::ModeFrequency
+            | Quantity::ModeCount => {
                 return Err(Error::variable(format!(
                     "{name} has no derivative: it is a discrete output"
                 )));
+            }
+            Quantity::SliderVelocity
+            | Quantity::SliderAngle
+            | Quantity::FrictionCoefficient
+            | Quantity::StaticFriction
+            | Quantity::StribeckVelocity
+            | Quantity::DampingAlpha
+            | Quantity::DampingBeta
+            | Quantity::DamperDamping
+            | Quantity::IntegratorStep
+            | Quantity::Mass
+            | Quantity::Stiffness
+            | Quantity::Preload
+            | Quantity::ExternalForce
+            | Quantity::InitialDisplacement
+            | Quantity::InitialVelocity
+            | Quantity::OwnVelocity
+            | Quantity::OwnFriction
+            | Quantity::OwnStaticFriction
+            | Quantity::Strict => {
+                return Err(Error::variable(format!("{name} has no derivative: it is no output")));
             }
         })
     }
