@@ -1,4 +1,4 @@
-//! Two scenes as one system: each runs for a communication step, then they exchange values.
+//! Two coupled scenes: each runs for a communication step, then they exchange values.
 //!
 //! A *drive* gives the velocity of the slider of another scene and takes the reaction of that scene's contacts:
 //!
@@ -6,8 +6,8 @@
 //! cargo run --release --example coupled -- set1 drive -o coupled.csv
 //! ```
 //!
-//! It is the run that a co-simulation tool makes of the two FMUs, by the same doubles, and shows how to couple a
-//! simulation with one's own code: give values, go on, read values.
+//! A co-simulation tool that couples the two FMUs computes the same doubles. The example shows how to couple a
+//! simulation with other code: set inputs, advance, read outputs.
 
 use amontons::scene::{Experiment, Scene};
 use amontons::simulation::catalogue::{Causality, Kind};
@@ -20,9 +20,9 @@ use std::error::Error;
 use std::io::{BufWriter, Write, stdout};
 use std::path::PathBuf;
 
-/// The output of the drive, and the input of the scene that it goes into.
+/// The output of the drive, and the input of the scene to which it is connected.
 pub const VELOCITY: [&str; 2] = ["contact.guide.slip_velocity", "slider.velocity"];
-/// The output of the scene, and the input of the drive that it goes into.
+/// The output of the scene, and the input of the drive to which it is connected.
 pub const REACTION: [&str; 2] = ["slider.tangential_reaction", "mass.table.fx"];
 
 /// Couples a scene to a drive, which gives the slider's velocity and takes the reaction.
@@ -68,7 +68,7 @@ fn start_value(text: &str) -> Result<(String, f64), String> {
     Ok((name.to_owned(), value))
 }
 
-/// A simulation with one input and one output that are coupled.
+/// A simulation with one coupled input and one coupled output.
 struct Part {
     simulation: Simulation,
     input: Variable,
@@ -93,25 +93,25 @@ impl Part {
         self.simulation.read(&self.output)
     }
 
-    /// Lets the input change by so much per second over the next step.
+    /// Sets the rate at which the input changes over the next step, per second.
     fn give_rate(&mut self, rate: f64) -> Result<(), amontons::Error> {
         self.simulation.set_rate(&self.input, rate)
     }
 
-    /// How fast the output changes now, per second.
+    /// The present rate of change of the output, per second.
     fn rate(&mut self) -> Result<f64, amontons::Error> {
         Ok(self.simulation.rates(&[&self.output])?[0])
     }
 }
 
-/// A scene and its drive in motion.
+/// A scene and its drive, coupled.
 pub struct Coupled {
     scene: Part,
     drive: Part,
 }
 
 impl Coupled {
-    /// Both at 0 s in their initial positions, which are made with each other's outputs.
+    /// Both simulations at 0 s in their initial positions, which are computed with each other's outputs.
     pub fn new(mut scene: Scene, mut drive: Scene) -> Result<Self, Box<dyn Error>> {
         let parts = |scene: &Scene, drive: &Scene| -> Result<_, Box<dyn Error>> {
             Ok(Self {
@@ -120,7 +120,8 @@ impl Coupled {
             })
         };
         let mut coupled = parts(&scene, &drive)?;
-        // What one gives the other at the start can change what that one gives: once for each part, as importers do.
+        // An output of one part at the start can change the output of the other: two exchanges, one for each part, as
+        // importers do.
         for _ in 0..2 {
             assign(&mut scene, VELOCITY[1], coupled.drive.read()?)?;
             assign(&mut drive, REACTION[1], coupled.scene.read()?)?;
@@ -129,8 +130,9 @@ impl Coupled {
         Ok(coupled)
     }
 
-    /// Gives both the outputs of the other for the next step, to be held or, with their rates of change, to go on from.
-    /// Both then go on at once (the parallel or Jacobi scheme).
+    /// Sets the inputs of both parts to the other's outputs for the next step; they are held or, with `rates`,
+    /// extrapolated by their rates of change. Both parts then advance from the same time (the parallel or Jacobi
+    /// scheme).
     pub fn exchange(&mut self, rates: bool) -> Result<(), amontons::Error> {
         let Self { scene, drive } = self;
         let (velocity, reaction) = (drive.read()?, scene.read()?);
@@ -143,7 +145,7 @@ impl Coupled {
         Ok(())
     }
 
-    /// One communication step to time `target` (s).
+    /// Makes one communication step to time `target` (s).
     pub fn advance_to(&mut self, target: f64) -> Result<(), amontons::Error> {
         self.scene.simulation.advance_to(target)?;
         self.drive.simulation.advance_to(target)
@@ -160,8 +162,7 @@ impl Coupled {
         Ok(values)
     }
 
-    /// The names of all outputs, those of the scene as `scene.` and those of the drive as `drive.`; with whether
-    /// they are whole numbers.
+    /// Names of all outputs, with the prefix `scene.` or `drive.`; `true` for those that are whole numbers.
     pub fn names(&self) -> Vec<(String, bool)> {
         let parts = [("scene", &self.scene), ("drive", &self.drive)];
         let named = parts.into_iter().flat_map(|(prefix, part)| {
@@ -179,7 +180,7 @@ fn outputs(scene: &Scene) -> Vec<Variable> {
     variables(scene).into_iter().filter(is_output).collect()
 }
 
-/// Runs what the command line asks for.
+/// Makes the run that the command line describes.
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let (mut scene, _) = find(&arguments.scene)?;
     for (name, value) in &arguments.set {

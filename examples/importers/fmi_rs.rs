@@ -1,4 +1,4 @@
-//! The crate fmi-rs: an FMU alone by its `simulate`, and two that are coupled by a loop of one's own.
+//! Import of FMUs by the crate fmi-rs: one FMU alone by its `simulate`, and two coupled by a loop of the example's own.
 //!
 //! ```text
 //! cargo run --release --example fmi_rs -- set1.fmu --drive drive.fmu
@@ -19,7 +19,8 @@ use std::sync::Arc;
 #[path = "shared.rs"]
 mod shared;
 
-/// The output of the drive and the input of the scene that it goes into, and the way back.
+/// The output of the drive and the input of the scene to which it is connected, and the connection in the other
+/// direction.
 const VELOCITY: [&str; 2] = ["contact.guide.slip_velocity", "slider.velocity"];
 const REACTION: [&str; 2] = ["slider.tangential_reaction", "mass.table.fx"];
 
@@ -78,10 +79,10 @@ fn alone(arguments: &Arguments, scene: Fmu) -> Result<Run, Box<dyn Error>> {
         initial_fmu_state_file: None,
         final_fmu_state_file: None,
     };
-    // fmi-rs asks for an Arc of what cannot be shared.
+    // fmi-rs requires an Arc of a type that cannot be shared between threads.
     #[allow(clippy::arc_with_non_send_sync)]
     let recorder = Arc::new(Recorder::new(Trajectories::new(description, indices)));
-    // fmi-rs prints what the FMU says.
+    // fmi-rs prints the messages of the FMU.
     simulate(&settings, None, recorder.clone())
         .map_err(|error| format!("{}: {error}", file.display()))?;
     let recorded = Arc::into_inner(recorder).ok_or("fmi-rs kept its recorder")?.into_trajectories();
@@ -92,9 +93,9 @@ fn alone(arguments: &Arguments, scene: Fmu) -> Result<Run, Box<dyn Error>> {
     Ok(Run { times: recorded.time, names, rows: rows.collect::<Result<_, _>>()? })
 }
 
-/// An instance whose variables are known by name.
+/// An instance whose variables are accessed by name.
 struct Part {
-    // Before the folder that its library is in: fields are dropped in this order.
+    // Fields are dropped in this order: the instance before the folder with its library.
     instance: Arc<FMU2<CS>>,
     fmu: Fmu,
 }
@@ -106,7 +107,7 @@ impl Part {
         Ok(Self { instance, fmu })
     }
 
-    /// What an FMI function answers, as Rust says it; fmi-rs prints what the FMU says.
+    /// Converts the status of an FMI function into a result; fmi-rs prints the messages of the FMU.
     fn call(&self, function: &str, status: fmi2Status) -> Result<(), String> {
         match status {
             fmi2Status::Ok | fmi2Status::Warning => Ok(()),
@@ -145,14 +146,14 @@ impl Part {
     }
 }
 
-/// Gives both the outputs of the other.
+/// Sets the inputs of both parts to the other's outputs.
 fn exchange(scene: &Part, drive: &Part) -> Result<(), Box<dyn Error>> {
     let (velocity, reaction) = (drive.get(VELOCITY[0])?, scene.get(REACTION[0])?);
     scene.set(VELOCITY[1], velocity)?;
     drive.set(REACTION[1], reaction)
 }
 
-/// Both go on at once, with each other's outputs of the step's beginning.
+/// Advances both parts at the same time, each with the other's output at the beginning of the step.
 #[allow(clippy::cast_precision_loss)]
 fn coupled(
     arguments: &Arguments,
@@ -170,7 +171,7 @@ fn coupled(
         part.call("fmi2SetupExperiment", fmu.setupExperiment(None, 0.0, None))?;
         part.call("fmi2EnterInitializationMode", fmu.enterInitializationMode())?;
     }
-    // What one gives the other at the start can change what that one gives.
+    // An output of one part at the start can change the output of the other.
     for _ in parts {
         exchange(&scene, &drive)?;
     }
@@ -200,7 +201,7 @@ fn coupled(
     Ok(run)
 }
 
-/// How many intervals the run has.
+/// Number of intervals in the run.
 #[allow(clippy::cast_precision_loss, clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn steps(&Arguments { stop_time, interval, .. }: &Arguments) -> Result<u64, String> {
     if !(interval > 0.0 && interval <= stop_time && stop_time.is_finite()) {
@@ -213,8 +214,8 @@ fn steps(&Arguments { stop_time, interval, .. }: &Arguments) -> Result<u64, Stri
     Ok(steps as u64)
 }
 
-/// Runs what the command line asks for. How many values are equal to those of the run that it is compared with; `None`
-/// where one is not.
+/// Makes the run that the command line describes. Returns the number of values that are equal to those of the run for
+/// comparison; `None` if one differs.
 pub fn run(arguments: &Arguments) -> Result<Option<usize>, Box<dyn Error>> {
     let steps = steps(arguments)?;
     let scene = Fmu::open(&arguments.scene)?;

@@ -1,5 +1,5 @@
-//! What the example shares with those in Python: a look at FMUs before they run, what a run shows, and whether it is
-//! equal to one without an importer.
+//! Functions that correspond to those of the importers in Python: the check of FMUs before a run, the summary of a run,
+//! and its comparison with a run without an importer.
 
 use fmi_rs::fmi2::PLATFORM;
 use fmi_rs::fmi2::builder::FMU2Builder;
@@ -46,13 +46,13 @@ impl Fmu {
         Ok(Self { file: file.to_owned(), builder })
     }
 
-    /// Its outputs, in its order.
+    /// The outputs of the FMU, in the order of its model description.
     pub fn outputs(&self) -> impl Iterator<Item = &ScalarVariable> {
         let variables = self.builder.model_description.modelVariables.iter();
         variables.filter(|variable| variable.causality == Causality::Output)
     }
 
-    /// An error where there is no such real variable.
+    /// Returns an error if the FMU has no such real variable.
     pub fn must_have(&self, name: &str, causalities: &[Causality]) -> Result<(), String> {
         let mut variables = self.builder.model_description.modelVariables.iter();
         if variables.any(|v| {
@@ -68,7 +68,7 @@ impl Fmu {
 }
 
 impl Run {
-    /// The CSV file of a run without an importer.
+    /// Reads the CSV file of a run without an importer.
     pub fn read(file: &Path) -> Result<Self, Box<dyn Error>> {
         let name = file.display();
         must_exist(file)?;
@@ -88,12 +88,12 @@ impl Run {
         table().map_err(|error| format!("{name}: this is no CSV file of a run: {error}").into())
     }
 
-    /// The column of that place.
+    /// Returns the column of this index.
     fn column(&self, place: usize) -> Vec<f64> {
         self.rows.iter().map(|row| row[place]).collect()
     }
 
-    /// Prints what the run shows, where `scene` is how its own outputs begin and `speed` the slider's velocity.
+    /// Prints a summary of the run; `scene` is the prefix of the scene's outputs, `speed` the slider's velocity.
     pub fn show(&self, scene: &str, speed: &str, reaction: &str) {
         let own = |ends: &[&str]| -> Vec<(&String, Vec<f64>)> {
             let is_meant =
@@ -129,7 +129,7 @@ impl Run {
         }
     }
 
-    /// What keeps the run from being equal to the expected one to the last bit, in words; empty where nothing does.
+    /// Describes the differences from the expected run, bit by bit; empty if the runs are equal.
     pub fn differences(&self, expected: &Self) -> Vec<String> {
         if expected.times.len() < 2 || expected.times.len() != self.times.len() {
             return vec![format!("{} rows in place of {}", self.times.len(), expected.times.len())];
@@ -164,7 +164,7 @@ fn must_exist(file: &Path) -> Result<(), String> {
     file.exists().then_some(()).ok_or_else(missing)
 }
 
-/// A number to so many significant digits without zeros at their end, as C's `%g` has it.
+/// Formats a number with this many significant digits without trailing zeros, like `%g` in C.
 fn digits(value: f64, digits: usize) -> String {
     let rounded = format!("{value:.*e}", digits - 1);
     let Some((mantissa, exponent)) = rounded.split_once('e') else { return rounded };
@@ -173,7 +173,7 @@ fn digits(value: f64, digits: usize) -> String {
         true => number.trim_end_matches('0').trim_end_matches('.').to_owned(),
         false => number.to_owned(),
     };
-    // As many places after the point as the digits before it leave.
+    // The decimals that the digits before the point leave.
     match (digits - 1).checked_add_signed(-exponent) {
         Some(places) if exponent >= -4 => short(&format!("{value:.places$}")),
         _ => format!("{}e{exponent:+03}", short(mantissa)),

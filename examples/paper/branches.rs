@@ -11,11 +11,11 @@ use amontons_analysis::study::{
 use amontons_cli::charts::continuation::{chart, describe};
 use amontons_pictures::report::{Claim, Content, Figure, Section, Table};
 
-/// µ of both figures: 1.5 to 2.5 in steps of 0.01.
+/// Friction coefficients of both figures, in hundredths: 1.5 to 2.5 in steps of 0.01.
 const FRICTION: [i32; 2] = [150, 250];
-/// Bounds of a jump, in µ.
+/// Tolerance for the bounds of a jump, in µ.
 const RESOLUTION: f64 = 1e-5;
-/// The step of the paper's scheme with which jumps are found again, s.
+/// Step of the paper's scheme with which the jumps are computed again, s.
 const STEP: f64 = 2e-5;
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
@@ -66,7 +66,7 @@ fn follow(
     continuation(&plan, &Journal::forgotten(), watch)
 }
 
-/// All ranges with two motions in words.
+/// Describes all ranges with two motions.
 fn ranges(name: &str, found: &Continuation) -> String {
     let told = found.bistable.iter().map(|range| {
         format!("{} from {:.5} to {:.5}", range.words(), range.range[0], range.range[1])
@@ -74,15 +74,15 @@ fn ranges(name: &str, found: &Continuation) -> String {
     format!("{name}, by µ: {}.", told.collect::<Vec<_>>().join("; "))
 }
 
-/// What the claims need of two ways over µ.
+/// The results for both directions of µ on which the claims depend.
 #[derive(Clone, Debug)]
 struct Branches {
-    /// µ of the first and of the last value upwards, and whether the motion rests there and whether it goes on; `None`
-    /// of a run that failed.
+    /// The first and the last value upwards: µ, and `true` if the motion rests and if it is a cycle; `None` for a run
+    /// that failed.
     ends: [Option<(f64, [bool; 2])>; 2],
-    /// Ranges with two motions that a jump bounds on either side, and `true` where one of the two is rest.
+    /// Ranges with two motions that a jump bounds on either side, and `true` if one of the two is rest.
     ranges: Vec<([f64; 2], bool)>,
-    /// Where a mode of uniform sliding begins to grow; not a number where none does.
+    /// Friction coefficient at which a mode of uniform sliding begins to grow; NaN if none does.
     onset: f64,
 }
 
@@ -102,7 +102,7 @@ impl Branches {
     }
 }
 
-/// Fig. 6.
+/// The claims on Fig. 6.
 fn subcritical(found: &Branches) -> Vec<Claim> {
     let Branches { ends: [first, last], ranges, onset } = found;
     let rest = ranges.iter().find(|(_, rests)| *rests).map(|(range, _)| range);
@@ -163,7 +163,7 @@ fn subcritical(found: &Branches) -> Vec<Claim> {
     ]
 }
 
-/// Fig. 7.
+/// The claims on Fig. 7.
 fn two_branches(found: &Branches) -> Vec<Claim> {
     let ranges = found.ranges.iter().filter(|(_, rests)| !rests);
     let cycles: Vec<[f64; 2]> = ranges.map(|(range, _)| *range).collect();
@@ -200,7 +200,7 @@ fn two_branches(found: &Branches) -> Vec<Claim> {
     ]
 }
 
-/// Jumps by both integrators.
+/// A table of the jumps that both integrators find; `None` if the watch ended the work.
 fn both_integrators(
     name: &str,
     scene: &Scene,

@@ -3,14 +3,14 @@
 use amontons_cli::say;
 use amontons_pictures::report::{Claim, Page, Verdict};
 
-/// A claim that holds if a condition does; why it does not, where that is known.
+/// A claim that holds if `holds` is `true`; `reason` explains a failure if it is known.
 pub fn claim(paper: &str, found: String, holds: bool, reason: Option<&str>) -> Claim {
     let verdict =
         if holds { Verdict::Holds } else { Verdict::Differs { reason: reason.map(str::to_owned) } };
     Claim { paper: paper.to_owned(), found, verdict }
 }
 
-/// A claim that nothing computed here can decide, with what would.
+/// A claim that the computed results cannot decide; `decided_by` names the data that would.
 pub fn unknown(paper: &str, found: String, decided_by: &str) -> Claim {
     let verdict = Verdict::Unknown { decided_by: decided_by.to_owned() };
     Claim { paper: paper.to_owned(), found, verdict }
@@ -26,14 +26,14 @@ pub fn half_digit(printed: &str) -> f64 {
     }
 }
 
-/// `true` where a value is within half of the last digit of a number that the paper prints.
+/// `true` if a value is within half of the last digit of a number that the paper prints.
 pub fn is_about(value: f64, printed: &str) -> bool {
     let number: f64 = printed.parse().expect("the text is a number");
-    // A value on the edge is still rounded to the number.
+    // A value on the edge still rounds to the number.
     (value - number).abs() <= half_digit(printed) * (1.0 + 1e-9)
 }
 
-/// All claims on standard output.
+/// Prints all claims on standard output.
 pub fn print(page: &Page) {
     let claims = || page.sections.iter().flat_map(|section| &section.claims);
     for claim in claims() {

@@ -1,4 +1,4 @@
-//! Which modes couple in uniform sliding as µ rises, and where one begins to grow (Fig. 2a and b).
+//! The coupling of modes in uniform sliding as µ rises, and the onset of growth (Fig. 2a and b).
 
 use super::claims::{claim, half_digit, is_about};
 use super::eigenvalues::FRICTION;
@@ -10,14 +10,14 @@ use amontons_pictures::picture::{Chart, Mark, Panel, Series};
 use amontons_pictures::report::Claim;
 use std::f64::consts::TAU;
 
-/// The modes that couple, from 1.
+/// Numbers of the modes that couple, from 1.
 const LOWER: [usize; 2] = [3, 4];
 const UPPER: [usize; 2] = [5, 6];
 
-/// The modes of uniform sliding over µ, as Fig. 2 shows them.
+/// The locus of uniform sliding over µ, as in Fig. 2.
 ///
 /// # Errors
-/// What is wrong with the scene.
+/// Returns an error if the scene is invalid.
 pub fn uniform(scene: &Scene) -> Result<Locus, Error> {
     let at = |mu: f64| Linearised::of(&Scene { friction_coefficient: mu, ..scene.clone() });
     let states = at(0.0).uniform_sliding()?;
@@ -25,26 +25,26 @@ pub fn uniform(scene: &Scene) -> Result<Locus, Error> {
     locus(&|mu| Ok(at(mu)), &states, &values, &|_, _| {})
 }
 
-/// Where two modes (from 1) merge: µ and Hz.
+/// Friction coefficient and frequency (Hz) at which two modes (from 1) merge.
 fn merging(locus: &Locus, modes: [usize; 2]) -> Option<[f64; 2]> {
     let is_it = |event: &&Coalescence| event.merge && event.modes.map(|mode| mode + 1) == modes;
     locus.coalescences.iter().find(is_it).map(|event| [event.value, event.frequency_hz])
 }
 
-/// Where one of two modes (from 1) begins to grow: µ and Hz.
+/// Friction coefficient and frequency (Hz) at which one of two modes (from 1) begins to grow.
 fn onset(locus: &Locus, modes: [usize; 2]) -> Option<[f64; 2]> {
     let is_it = |event: &&Crossing| event.becomes_unstable && modes.contains(&(event.mode + 1));
     locus.crossings.iter().find(is_it).map(|event| [event.value, event.frequency_hz])
 }
 
-/// Which modes (from 1) grow at this µ.
+/// Numbers of the modes (from 1) that grow at this friction coefficient.
 fn grows(locus: &Locus, friction: f64) -> Vec<usize> {
     let place = locus.values.partition_point(|value| *value < friction - 1e-9);
     let modes = 0..locus.branches.len();
     modes.filter(|mode| locus.branches[*mode][place].lambda.re > 0.0).map(|mode| mode + 1).collect()
 }
 
-/// Numbers of modes in words.
+/// Formats numbers of modes as a list.
 fn listed(modes: &[usize]) -> String {
     let modes: Vec<String> = modes.iter().map(ToString::to_string).collect();
     if modes.is_empty() { "none".to_owned() } else { modes.join(", ") }
@@ -185,16 +185,16 @@ mod tests {
             claims.iter().map(|claim| claim.verdict.holds()).collect()
         };
         assert_eq!(held(claims(&set1, &set2)), [true, true, false, true, true, true, true]);
-        // The first three speak of both sets alike.
+        // The first three claims concern both sets equally.
         assert_eq!(held(claims(&set2, &set1))[3..], [false; 4]);
         let [mut none, mut alone] = [set2.clone(), set1];
         none.coalescences.clear();
         none.crossings.clear();
         assert_eq!(held(claims(&none, &none))[..6], [false; 6]);
-        // The coupling of modes 3 and 4 at another frequency.
+        // The coupling of modes 3 and 4 is moved to another frequency.
         alone.crossings.iter_mut().for_each(|crossing| crossing.frequency_hz += 3.0);
         assert!(!held(claims(&alone, &set2))[1]);
-        // In Set 2 the other coupling is where the paper says.
+        // In Set 2 the other coupling is at the paper's value.
         assert!(held(claims(&set2, &set2))[2]);
     }
 }

@@ -14,12 +14,12 @@ use amontons_pictures::report::{Cell, Claim, Content, Figure, Line, Section, Tab
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// What the paper prints, rounded to two digits; of 192 values seven are rounded the other way.
+/// Tolerance for values that the paper rounds to two digits; 7 of 192 values are rounded the other way.
 pub const ROUNDING: f64 = 0.006;
-/// µ of Tables 2 and 3.
+/// Friction coefficient of Tables 2 and 3.
 pub const FRICTION: f64 = 1.96;
 
-/// A table as the paper prints it: states, and (growth rate, frequency), both divided by 2π, Hz.
+/// A table of the paper: states, and (growth rate, frequency), both divided by 2π, Hz.
 #[derive(serde::Deserialize)]
 struct Printed {
     states: BTreeMap<String, Vec<[f64; 2]>>,
@@ -95,7 +95,7 @@ fn parameters() -> Result<Table, Error> {
     })
 }
 
-/// The eigenvalues (Re, Im)/2π, Hz, that the claims on contact states speak of.
+/// The eigenvalues (Re, Im)/2π, Hz, on which the claims about contact states depend.
 struct Eigenvalues {
     sliding: Vec<[f64; 2]>,
     stuck: [Vec<[f64; 2]>; 2],
@@ -176,7 +176,7 @@ fn eigenvalues(model: &LumpedModel, state: &str) -> Result<Vec<[f64; 2]>, Error>
     Ok(spectrum.oscillating.iter().map(|value| [value.re / TAU, value.im / TAU]).collect())
 }
 
-/// How far the worst of the printed values of a state is from the eigenvalues, Hz; infinite if their number differs.
+/// Largest distance of the printed values of a state from the eigenvalues, Hz; infinite if their numbers differ.
 fn worst(found: &[[f64; 2]], printed: &[[f64; 2]]) -> f64 {
     let mut left = found.to_vec();
     let mut worst: f64 = if left.len() == printed.len() { 0.0 } else { f64::INFINITY };
@@ -185,7 +185,7 @@ fn worst(found: &[[f64; 2]], printed: &[[f64; 2]]) -> f64 {
             |other: &[f64; 2]| (other[0] - value[0]).abs().max((other[1] - value[1]).abs());
         let near =
             (0..left.len()).min_by(|&a, &b| distance(&left[a]).total_cmp(&distance(&left[b])));
-        // Each eigenvalue stands for one printed value.
+        // Each eigenvalue is matched with one printed value.
         worst = worst.max(near.map_or(f64::INFINITY, |near| distance(&left.swap_remove(near))));
     }
     worst
@@ -199,7 +199,7 @@ fn worst_of_table(model: &LumpedModel, printed: &Printed) -> Result<f64, Error> 
     Ok(most)
 }
 
-/// A table of all states beside the printed one.
+/// A claim and a table that compare all states with the printed ones.
 fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table), Error> {
     let model = LumpedModel::from(&scene(name, &[])?.0);
     let count: usize = printed.states.values().map(Vec::len).sum();
@@ -232,7 +232,7 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
     Ok((claim, Table { caption, head: head.to_vec(), rows }))
 }
 
-/// The contact states that differ, and how many are alike.
+/// One contact state of each symmetry class, with the number of states in the class.
 fn classes(model: &LumpedModel) -> Result<Vec<(String, usize)>, Error> {
     let classes = StateClasses::of(model)?;
     let named = |(class, states): (usize, &Vec<_>)| {
@@ -241,7 +241,7 @@ fn classes(model: &LumpedModel) -> Result<Vec<(String, usize)>, Error> {
     Ok(classes.representatives.iter().enumerate().map(named).collect())
 }
 
-/// Set 2's k2.
+/// The claim on k2 of Set 2.
 fn second_stiffness() -> Result<Claim, Error> {
     let printed: Printed = serde_json::from_str(PRINTED[1].2).expect("the file is a table");
     let with = |k2: f64| {
@@ -275,7 +275,7 @@ mod tests {
         let [set1, set2] = real();
         // Its lower pair is stable in sliding in either set.
         assert_eq!(held(&[set2, set1]), [false, false, true, false]);
-        // The mode at 217 Hz in one of the two states, half a hertz and a little away.
+        // The mode at 217 Hz in one of the two states is moved to just beyond half a hertz.
         let mut moved = real();
         moved[0].stuck[1]
             .iter_mut()

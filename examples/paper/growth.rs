@@ -35,7 +35,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     }))
 }
 
-/// All growth and decay that was found.
+/// A table of all growth and decay in the run.
 fn table(found: &Transient) -> Table {
     let rows = found.findings.iter().map(|finding| {
         let phase = &finding.phase;

@@ -18,46 +18,46 @@ use std::f64::consts::TAU;
 
 /// Frequencies of the modes that couple without friction, Hz: a line between them belongs to the pair.
 const PAIRS: [[f64; 2]; 2] = [[163.90, 186.56], [215.24, 225.79]];
-/// The last orbit is looked at up to here, and pushed; then for the time that a push takes to die away, s.
+/// End of the observation of the last orbit, at which it is pushed, and duration of the observation after the push, s.
 const END: f64 = 8.0;
 const AFTER_PUSH: f64 = 2.0;
-/// Of the fit of the first growth, from where other modes have died away, s.
+/// Beginning of the fit of the first growth, when other modes have decayed, s.
 const FIRST_FROM: f64 = 0.3;
 /// The paper's time of the second growth, s.
 const SECOND: [f64; 2] = [1.0, 3.0];
 /// The paper's beginning of the band at 220 Hz, s.
 const BAND: f64 = 0.6;
-/// Windows through which the first and the second growth are seen, s: lines 4 / window apart are told apart.
+/// Lengths of the windows for the first and the second growth, s; lines further apart than 4 / window are resolved.
 const WINDOWS: [f64; 2] = [0.05, 0.1];
-/// A fitted rate and the eigenvalue's differ by no more than this part where they are of one growth.
+/// Limit of the relative difference between a fitted rate and an eigenvalue that belong to the same growth.
 const SAME_RATE: f64 = 0.01;
-/// The logarithm of an amplitude that grows as an exponential is straight but for this.
+/// Limit of the deviation of the logarithm of an amplitude from a straight line for exponential growth.
 const STRAIGHT: f64 = 0.05;
-/// An orbit is reached where half ranges, period by period, stay within this part of their mean for so long, s.
+/// An orbit is reached when half ranges, period by period, stay within this part of their mean for [`STAYS`] (s).
 const REACHED: f64 = 0.05;
 const STAYS: f64 = 0.5;
-/// Half ranges of a stable orbit, over pieces of so many s, differ by no more than this part of their mean.
+/// Limit of the relative deviation from their mean of half ranges of a stable orbit, over pieces of [`PIECE`] (s).
 const STEADY: f64 = 0.01;
 const PIECE: f64 = 0.1;
 
 /// The states of both contacts, their share of the time, and the eigenvalue of the lower pair that decays least.
 type Share = ([ContactState; 2], f64, Option<Complex<f64>>);
 
-/// What was measured of the motion of Fig. 4.
+/// The quantities measured from the motion of Fig. 4.
 struct Measured {
     /// The growing mode of uniform sliding.
     sliding: Option<Complex<f64>>,
-    /// The first growth, up to where a contact first changes its state.
+    /// The first growth, until a contact first changes its state.
     first: Option<Growth>,
     first_change: Option<f64>,
-    /// Where an orbit is first reached, s.
+    /// Time at which an orbit is first reached, s.
     reached: Option<f64>,
-    /// Turns of sticking and changes hidden between rows, from there to the end of [`SECOND`].
+    /// Turns of sticking and changes hidden between rows, from `reached` to the end of [`SECOND`].
     turns: Turns,
     hidden: u64,
     /// The growth of the strongest line of the lower pair within [`SECOND`].
     second: Option<Growth>,
-    /// Of [`SECOND`].
+    /// The contact states within [`SECOND`].
     shares: Vec<Share>,
     /// The strongest lines of pieces from [`BAND`] to the end of [`SECOND`], Hz.
     band: Vec<Option<f64>>,
@@ -72,7 +72,7 @@ struct Measured {
 /// The claims on a scene of two contacts; `None` where the watch ended the work.
 ///
 /// # Errors
-/// What is wrong with the scene, or a run that fails.
+/// Returns an error if the scene is invalid or the run fails.
 pub fn claims(scene: &Scene, watch: Watch<'_>) -> Result<Option<Vec<Claim>>, Error> {
     let mut motion = Motion::new(scene)?;
     let is_recorded = motion.record(END, watch)? && {
@@ -108,7 +108,7 @@ fn measure(motion: &Motion, model: &LumpedModel) -> Result<Measured, Error> {
     let sticks = |states: &[ContactState; 2]| states.map(|state| state == Stick);
     let rows: Vec<[bool; 2]> = motion.states_between(from, SECOND[1]).iter().map(sticks).collect();
     let during = motion.between(SECOND[0], SECOND[1]);
-    // The line is strongest at the end.
+    // The line is strongest at the end of the growth.
     let line = strongest(motion.between(SECOND[1] - 1.0, SECOND[1]), INTERVAL, PAIRS[0]);
     let mut shares: Vec<Share> = Vec::new();
     let states = motion.states_between(SECOND[0], SECOND[1]);
@@ -389,7 +389,7 @@ mod tests {
         claims.into_iter().map(|claim| (claim.paper, claim.verdict, claim.found)).collect()
     }
 
-    /// Rules that cannot fail are no rules: rest has none of what Fig. 4 shows, nor has the large motion of Set 2.
+    /// Claims that cannot fail would prove nothing: neither rest nor the large motion of Set 2 shows what Fig. 4 shows.
     #[test]
     fn no_claim_on_fig_4_holds_where_nothing_grows_or_all_is_one_orbit() {
         for push in [1e-4, 0.3] {

@@ -13,24 +13,24 @@ use amontons_analysis::study::{
 use amontons_cli::charts::limit_cycle::Results;
 use amontons_pictures::report::{Claim, Content, Figure, Section};
 
-/// µ of the figure.
+/// Friction coefficient of the figure.
 const FRICTION: f64 = 1.5;
-/// Slider velocities whose orbits it shows, m/s.
+/// Slider velocities whose orbits the figure shows, m/s.
 const SHOWN: [f64; 3] = [0.05, 0.15, 0.25];
-/// Velocities in steps of so many m/s, up to so many steps.
+/// Step of the slider velocity, m/s, and number of steps.
 const STEP: f64 = 0.01;
 const LAST: i32 = 40;
 /// Bounds of the paper's three ranges, m/s.
 const BOUNDS: [f64; 2] = [0.1, 0.2];
-/// Amplitudes lie on straight pieces where they are off by no more than this part of the largest.
+/// Limit of the deviation of amplitudes from straight pieces, as part of the largest amplitude.
 const NEARLY_STRAIGHT: f64 = 0.02;
-/// Slopes differ where they do by more than this part of the steepest, which is the first.
+/// Slopes are different if they differ by more than this part of the first slope, which is the steepest.
 const OTHER_SLOPE: f64 = 0.1;
-/// A mass has the slider's velocity where it is off by no more than this part of it.
+/// Limit of the relative difference between the velocities of the slider and of a mass that moves with it.
 const ROUNDING: f64 = 1e-9;
-/// A mass is away from the slider where it is by more than this, m: far below what is drawn, far above rounding.
+/// Distance from the slider above which a mass is detached, m: far below the drawn size, far above rounding.
 const AWAY: f64 = 1e-12;
-/// Amplitudes that differ by less than this part are one: a motion settles to some 1e-3 of itself.
+/// Limit of the relative difference of amplitudes that count as equal: a motion settles to some 1e-3 of its amplitude.
 const SAME: f64 = 2e-3;
 
 pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
@@ -72,7 +72,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     Ok(Some(Section { claims: claims(&question, &found), figures, ..Section::default() }))
 }
 
-/// A velocity's settled cycle: amplitude, m, and which states contacts take, also between rows.
+/// The settled cycle at a slider velocity: amplitude, m, and the contact states that it visits, also between rows.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Cycle {
     velocity: f64,
@@ -92,7 +92,7 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
         Some(Cycle { velocity: *velocity, amplitude: ending.amplitude, taken: ending.taken })
     };
     let all: Option<Vec<Cycle>> = question.values.iter().zip(&found.outcomes).map(cycle).collect();
-    // A value whose motion is not known is on no side of any rule.
+    // Unless the motion is known at every value, no rule is applied to any.
     let cycles = all.unwrap_or_default();
     let threshold = |change: Change| {
         let is_it = |threshold: &&MotionBracket| threshold.changes.contains(&change);
@@ -125,11 +125,11 @@ fn claims(question: &Question, found: &LimitCycles) -> Vec<Claim> {
     claims
 }
 
-/// What the orbits of a portrait show: whether masses move with the slider for a while, and whether they leave it.
+/// The motion of the masses in a portrait: whether they move with the slider for a time, and whether they leave it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Orbits {
     velocity: f64,
-    /// The largest part of an orbit's points in which a mass has the slider's velocity.
+    /// The largest part of an orbit's points at which a mass has the slider's velocity.
     with_slider: f64,
     /// The largest distance of a mass from the slider, m.
     away: f64,
@@ -153,7 +153,7 @@ impl Orbits {
     }
 }
 
-/// `sticks` and `detaches` are what the paper says of this velocity.
+/// The claim on one velocity; `sticks` and `detaches` are the paper's statements for it.
 fn regime(
     paper: &str,
     (velocity, [sticks, detaches]): (f64, [bool; 2]),
@@ -184,7 +184,7 @@ fn regime(
     )
 }
 
-/// The three ranges of the velocity, at each of its values.
+/// The claims on the three ranges of the velocity, at each value.
 fn ranges(cycles: &[Cycle], [detaches, slips]: [f64; 2]) -> Vec<Claim> {
     let within =
         |from: f64, to: f64| cycles.iter().filter(move |c| from < c.velocity && c.velocity < to);
@@ -225,7 +225,7 @@ fn ranges(cycles: &[Cycle], [detaches, slips]: [f64; 2]) -> Vec<Claim> {
     ]
 }
 
-/// The three slopes of Fig. 3(a).
+/// The claims on the three slopes of Fig. 3(a).
 fn slopes(cycles: &[Cycle]) -> Vec<Claim> {
     let points: Vec<[f64; 2]> =
         cycles.iter().map(|cycle| [cycle.velocity, cycle.amplitude]).collect();
@@ -267,7 +267,7 @@ fn slopes(cycles: &[Cycle]) -> Vec<Claim> {
     claims
 }
 
-/// Beyond sticking the motion does not depend on the velocity.
+/// The claim that the motion does not depend on the velocity beyond sticking.
 fn independent(cycles: &[Cycle]) -> Claim {
     let beyond: Vec<&Cycle> = cycles.iter().filter(|cycle| cycle.velocity >= SHOWN[2]).collect();
     let amplitudes = || beyond.iter().map(|cycle| cycle.amplitude);
@@ -292,7 +292,7 @@ fn independent(cycles: &[Cycle]) -> Claim {
 mod tests {
     use super::*;
 
-    /// What the paper says, point by point.
+    /// The motion that the paper describes, at each velocity.
     fn as_printed() -> Vec<Cycle> {
         let cycle = |i: i32| {
             let v = STEP * f64::from(i);
@@ -330,7 +330,7 @@ mod tests {
                 .map(|c| Cycle { amplitude: amplitude(c.velocity), ..c })
                 .collect()
         };
-        // Two pieces, waves, and bends two steps too late.
+        // Curves of two pieces, of waves, and with bends two steps too late.
         assert!(!held(&slopes(&curve(&|v| 4e-3 * v.min(0.15))))[0]);
         assert!(!held(&slopes(&curve(&|v| 1.0 + (40.0 * v).sin())))[0]);
         let late = slopes(&curve(&|v| 4e-3 * v.min(0.12) + 2e-3 * (v.clamp(0.12, 0.22) - 0.12)));

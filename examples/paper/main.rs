@@ -1,10 +1,10 @@
-//! The paper's figures and tables from the built-in scenes, its claims beside what came out:
+//! The paper's figures and tables from the built-in scenes, with its claims beside the computed results:
 //!
 //! ```text
 //! cargo run --release --example paper -- -o report
 //! ```
 //!
-//! It shows what the libraries give besides runs: eigenvalues, studies, their pictures, and a page of all that.
+//! It shows uses of the libraries besides runs: eigenvalues, studies, their pictures, and a page with all of them.
 
 mod branches;
 mod claims;
@@ -41,10 +41,10 @@ struct Arguments {
     output: PathBuf,
 }
 
-/// What makes a section; none where a person has ended it.
+/// Function that computes a section; it returns `None` if the user has ended the work.
 type Work = fn(Watch<'_>) -> Result<Option<Section>, Error>;
 
-/// The sections, and how long each takes, roughly, in seconds.
+/// The sections, each with its approximate computing time in seconds.
 const SECTIONS: [(&str, f64, Work); 5] = [
     ("Eigenvalues (Fig. 2, Tables 1 to 3)", 0.1, eigenvalues::section),
     ("Limit cycles over the slider's velocity (Fig. 3)", 2.0, limit_cycles::section),
@@ -67,7 +67,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     let folder = &arguments.output;
     fs::create_dir_all(folder).map_err(|error| Error::file(folder, &error))?;
     let path = folder.join("index.html");
-    // A folder that cannot be written is known now, not after the work.
+    // An output folder that cannot be written is reported before the work.
     let pending = amontons_analysis::output::Pending::create(&path)?;
     if let Some(partial) = pending.partial() {
         let _ = fs::remove_file(partial);
@@ -119,7 +119,7 @@ const LEAD: [&str; 2] = [
      175 Hz. Motions are exact between events; where the paper's own scheme is used, the page says so.",
 ];
 
-/// A built-in scene with other values, moved as studies move it, and how it is looked at.
+/// A built-in scene with other values and with the method and step of studies, and its observation settings.
 fn scene(name: &str, values: &[(&str, f64)]) -> Result<(Scene, Look), Error> {
     let mut scene = named(name)?.scene();
     for (name, value) in values {

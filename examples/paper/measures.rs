@@ -1,10 +1,10 @@
-//! Measures of a motion that verdicts rest on. Each is a plain function of what was recorded.
+//! Measures of a motion on which verdicts are based. Each is a plain function of recorded data.
 
 use amontons_analysis::spectral::{demodulate, lines};
 use nalgebra::{DMatrix, DVector};
 use std::f64::consts::TAU;
 
-/// Half of what lies between the smallest and the largest value in each of the pieces of so many rows.
+/// Half of the range of the values in each piece of `rows` rows.
 pub fn half_ranges(history: &[f64], rows: usize) -> Vec<f64> {
     let half = |piece: &[f64]| {
         let least = piece.iter().copied().fold(f64::INFINITY, f64::min);
@@ -14,19 +14,19 @@ pub fn half_ranges(history: &[f64], rows: usize) -> Vec<f64> {
     history.chunks_exact(rows).map(half).collect()
 }
 
-/// By which part of their mean values differ from it at most; infinite where nothing moves.
+/// Largest deviation of values from their mean, as part of the mean; infinite unless the mean is positive.
 pub fn spread(values: &[f64]) -> f64 {
     let mean = values.iter().sum::<f64>() / values.len() as f64;
     let part = values.iter().map(|value| (value - mean).abs() / mean).fold(0.0, f64::max);
     if mean > 0.0 { part } else { f64::INFINITY }
 }
 
-/// The place of the first value from which on so many values differ from their mean by no more than a part of it.
+/// Index of the first of `count` successive values that deviate from their mean by no more than the part `part`.
 pub fn first_plateau(values: &[f64], count: usize, part: f64) -> Option<usize> {
     values.windows(count).position(|window| spread(window) <= part)
 }
 
-/// The slope of the line through points, and how far a point is from it at most.
+/// The slope of the line through points, and the largest distance of a point from it.
 pub fn straight(points: &[[f64; 2]]) -> Option<(f64, f64)> {
     if points.len() < 3 {
         return None;
@@ -37,7 +37,7 @@ pub fn straight(points: &[[f64; 2]]) -> Option<(f64, f64)> {
 
 /// A line broken at knots.
 struct Broken {
-    /// The value at 0, the first slope, and by how much the slope changes at each knot.
+    /// The value at 0, the first slope, and the change of the slope at each knot.
     coefficients: Vec<f64>,
     /// The sum of the squares of the points' distances from it.
     squares: f64,
@@ -45,7 +45,7 @@ struct Broken {
     worst: f64,
 }
 
-/// The line broken at the `knots` that is nearest to points by least squares. `None` where it is not determined.
+/// The line broken at the `knots` that fits the points best by least squares; `None` if it is not determined.
 fn broken_line(points: &[[f64; 2]], knots: &[f64]) -> Option<Broken> {
     let base = |x: f64, column: usize| match column {
         0 => 1.0,
@@ -65,19 +65,19 @@ fn broken_line(points: &[[f64; 2]], knots: &[f64]) -> Option<Broken> {
 /// Three straight pieces through points.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ThreePieces {
-    /// Where the slope changes.
+    /// The positions at which the slope changes.
     pub knots: [f64; 2],
-    /// From left to right.
+    /// The slopes from left to right.
     pub slopes: [f64; 3],
-    /// How far a point is from them at most.
+    /// Largest distance of a point from the three pieces.
     pub worst: f64,
-    /// How far a point is at most from the best two pieces.
+    /// Largest distance of a point from the best two pieces.
     pub worst_of_two: f64,
 }
 
-/// The three pieces that come nearest to points, knots between neighbouring values or on them.
+/// Fits three pieces to points by least squares, with knots at the points or midway between neighbours.
 pub fn three_pieces(points: &[[f64; 2]]) -> Option<ThreePieces> {
-    // Two points or more in each piece.
+    // Each piece has two points or more.
     let mut places = Vec::new();
     for pair in points.windows(2).skip(1).take(points.len().saturating_sub(3)) {
         places.extend([pair[0][0], 0.5 * (pair[0][0] + pair[1][0])]);
@@ -100,21 +100,21 @@ pub fn three_pieces(points: &[[f64; 2]]) -> Option<ThreePieces> {
     Some(ThreePieces { knots, slopes, worst: three.worst, worst_of_two: two.worst })
 }
 
-/// How one line of a spectrum grows.
+/// The growth of one line of a spectrum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Growth {
-    /// 1/s.
+    /// Growth rate, 1/s.
     pub rate: f64,
-    /// Hz.
+    /// Frequency, Hz.
     pub frequency: f64,
-    /// How far the logarithm of the amplitude is from a straight line at most.
+    /// Largest distance of the logarithm of the amplitude from a straight line.
     pub bend: f64,
     /// First and last amplitude.
     pub amplitude: [f64; 2],
 }
 
 /// The growth of the line near a frequency (Hz) in a history in steps of `interval` (s), seen through windows of
-/// `window` s, a quarter of it apart. `None` of a history of less than two windows, and of what does not move.
+/// `window` s, a quarter of it apart. `None` for a history of less than two windows, and for one that does not move.
 pub fn growth(history: &[f64], interval: f64, frequency: f64, window: f64) -> Option<Growth> {
     let count = (window / interval).round() as usize;
     let hop = count / 4;
@@ -157,18 +157,18 @@ struct Stuck {
     contact: usize,
 }
 
-/// How contacts stick by turns.
+/// The sticking of contacts by turns.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Turns {
-    /// How often any contact sticks.
+    /// Number of times that any contact sticks.
     pub count: usize,
-    /// How often the same contact sticks again before another one has.
+    /// Number of times that the same contact sticks again before another one has.
     pub repeated: usize,
-    /// In how many rows more than one contact sticks.
+    /// Number of rows in which more than one contact sticks.
     pub together: usize,
 }
 
-/// How contacts stick by turns, from whether each does, row by row.
+/// Evaluates the turns of sticking; `rows` holds `true` for each contact that sticks in a row.
 pub fn turns(rows: &[[bool; 2]]) -> Turns {
     let mut all = Vec::new();
     for contact in 0..2 {

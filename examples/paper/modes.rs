@@ -1,4 +1,4 @@
-//! The modes without friction (Fig. 2c), and how a lower k2 changes them.
+//! The modes without friction (Fig. 2c), and the effect of a lower k2 on them.
 
 use super::claims::claim;
 use super::eigenvalues::ROUNDING;
@@ -10,13 +10,13 @@ use amontons_analysis::stability::candidates::uniform_sliding;
 use amontons_analysis::stability::{Mode, modes};
 use amontons_pictures::report::{Cell, Claim, Table};
 
-/// Fig. 2(c), Hz.
+/// Frequencies in Fig. 2(c), Hz.
 const FREQUENCIES: [f64; 6] = [34.00, 65.99, 163.90, 186.56, 215.24, 225.79];
-/// Displacements of two masses are the same or opposite where they differ by no more than this part of the mode's
-/// largest: symmetry makes them so but for rounding.
+/// Displacements of two masses are the same or opposite if they differ by no more than this part of the mode's largest
+/// displacement: symmetry makes them so up to rounding.
 const SAME: f64 = 1e-6;
-/// Two shapes are very similar where their modal assurance criterion (the square of the cosine of the angle between
-/// them) is not below this, which is the customary bound for shapes of one mode.
+/// Two shapes are very similar if their modal assurance criterion (the square of the cosine of the angle between them)
+/// is not below this value, the customary bound for shapes of one mode.
 const SIMILAR: f64 = 0.9;
 
 pub struct Found {
@@ -27,7 +27,7 @@ pub struct Found {
 /// The claims on Fig. 2(c), and its shapes.
 ///
 /// # Errors
-/// What is wrong with a scene.
+/// Returns an error if a scene is invalid.
 pub fn found() -> Result<Found, Error> {
     let (scene, set1) = real_modes("set1")?;
     let (_, set2) = real_modes("set2")?;
@@ -48,7 +48,7 @@ fn hz(modes: &[Mode]) -> Vec<f64> {
     modes.iter().map(Mode::frequency_hz).collect()
 }
 
-/// The largest displacement is 1, so that nothing is left of a common phase.
+/// The real parts of a mode's shape; its largest displacement is 1, so that no common phase is left.
 fn shape(mode: &Mode) -> Vec<f64> {
     mode.shape.iter().map(|part| part.re).collect()
 }
@@ -66,11 +66,11 @@ fn frequencies(modes: &[Mode]) -> Claim {
     )
 }
 
-/// `Some(true)` where the upper masses of both modules move alike, `Some(false)` where they move oppositely, `None`
-/// where they do neither.
+/// `Some(true)` if the upper masses of both modules move in phase, `Some(false)` if they move in opposition, `None` if
+/// neither holds.
 fn in_phase(mode: &Mode) -> Option<bool> {
     let shape = shape(mode);
-    // x1 and x2 of each module.
+    // Degrees of freedom x1 and x2 of each module.
     let worst =
         |sign: f64| (0..2).map(|i| (shape[i] - sign * shape[4 + i]).abs()).fold(0.0, f64::max);
     if worst(1.0) <= SAME { Some(true) } else { (worst(-1.0) <= SAME).then_some(false) }
@@ -137,7 +137,7 @@ fn moved(set1: &[Mode], set2: &[Mode]) -> Claim {
     )
 }
 
-/// Fig. 2(c): displacements of each mode, the largest 1.
+/// The table of Fig. 2(c): displacements of each mode, the largest 1.
 fn shapes(scene: &Scene, modes: &[Mode]) -> Table {
     let shapes: Vec<Vec<f64>> = modes.iter().map(shape).collect();
     let rows = scene.dof_names().into_iter().enumerate().map(|(dof, name)| -> Vec<Cell> {

@@ -1,4 +1,4 @@
-//! A motion row by row, with what of it falls between the rows.
+//! A motion recorded row by row, with the changes of contact state between rows.
 
 use amontons::Error;
 use amontons::contact::ContactState;
@@ -6,11 +6,12 @@ use amontons::scene::Scene;
 use amontons::simulation::Simulation;
 use amontons_analysis::study::Watch;
 
-/// s between two rows: 200 in a period of the fastest mode, which any sticking of the paper's motions outlasts.
+/// Time between two rows, s: 200 rows in a period of the fastest mode, shorter than any sticking in the paper's
+/// motions.
 pub const INTERVAL: f64 = 2e-5;
-/// Rows between two questions whether the work is to end.
+/// Number of rows between two checks whether the work is to end.
 const ROWS_AT_ONCE: usize = 1000;
-/// A motion is pushed by this part of its largest velocity.
+/// Size of a push, as part of the largest velocity of the motion.
 const PUSH: f64 = 0.01;
 
 /// Rows of a motion of two contacts.
@@ -18,17 +19,17 @@ pub struct Motion {
     simulation: Simulation,
     /// Displacement of the first degree of freedom, m; one row each [`INTERVAL`], from time 0 on.
     pub history: Vec<f64>,
-    /// The contacts' states.
+    /// States of the contacts in each row.
     pub states: Vec<[ContactState; 2]>,
-    /// How often contacts had changed their state up to each row, changes between the rows included.
+    /// Number of changes of contact state up to each row, including changes between rows.
     pub changes: Vec<u64>,
 }
 
 impl Motion {
-    /// At the start of a scene of two contacts.
+    /// Starts the motion of a scene of two contacts.
     ///
     /// # Errors
-    /// What is wrong with the scene.
+    /// Returns an error if the scene is invalid.
     pub fn new(scene: &Scene) -> Result<Self, Error> {
         let simulation = Simulation::new(Scene { step: INTERVAL, ..scene.clone() }, 0.0)?;
         let mut motion =
@@ -37,10 +38,10 @@ impl Motion {
         Ok(motion)
     }
 
-    /// Records up to time `end` (s); `false` where the watch ended it.
+    /// Records up to time `end` (s). Returns `false` if the watch ended the work.
     ///
     /// # Errors
-    /// A run that fails.
+    /// Returns an error if the run fails.
     pub fn record(&mut self, end: f64, watch: Watch<'_>) -> Result<bool, Error> {
         for row in self.history.len()..=Self::row(end) {
             if row % ROWS_AT_ONCE == 0 {
@@ -55,31 +56,31 @@ impl Motion {
         Ok(true)
     }
 
-    /// Pushes the motion a little.
+    /// Adds [`PUSH`] times the largest velocity of the motion to the first velocity.
     pub fn push(&mut self) {
         let fastest =
             self.simulation.velocity().iter().fold(0.0, |most, v| f64::max(most, v.abs()));
         self.simulation.push(0, PUSH * fastest);
     }
 
-    /// The row at a time (s).
+    /// Index of the row at a time (s).
     pub fn row(time: f64) -> usize {
         (time / INTERVAL).round() as usize
     }
 
-    /// The displacements from a time to another, s; fewer where the record ends before.
+    /// The displacements between two times (s); fewer if the record ends before.
     pub fn between(&self, from: f64, to: f64) -> &[f64] {
         let end = Self::row(to).min(self.history.len());
         &self.history[Self::row(from).min(end)..end]
     }
 
-    /// The states from a time to another, s.
+    /// The states between two times (s); fewer if the record ends before.
     pub fn states_between(&self, from: f64, to: f64) -> &[[ContactState; 2]] {
         let end = Self::row(to).min(self.states.len());
         &self.states[Self::row(from).min(end)..end]
     }
 
-    /// How many changes of state between two times (s) no row shows.
+    /// Number of changes of state between two times (s) that the rows do not show.
     pub fn hidden_changes(&self, from: f64, to: f64) -> u64 {
         let rows = self.states_between(from, to);
         let differ = |pair: &[[ContactState; 2]]| {
@@ -95,7 +96,7 @@ impl Motion {
         }
     }
 
-    /// The time (s) of the first change of state; `None` where there is none.
+    /// Time of the first change of state, s; `None` if there is none.
     pub fn first_change(&self) -> Option<f64> {
         let row = self.changes.iter().position(|changes| *changes > 0)?;
         Some(row as f64 * INTERVAL)

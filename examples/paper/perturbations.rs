@@ -18,12 +18,13 @@ use amontons_pictures::report::{Claim, Content, Figure, Section};
 const FIRST: f64 = 1e-4;
 const LAST: f64 = 0.3;
 const COUNT: u32 = 31;
-/// Of what is shown, s.
+/// Duration of the histories that are shown, s.
 const DURATION: f64 = 2.0;
-/// How long a run is looked at for its claim, and how long after a push, s.
+/// Duration of the observation of a run for its claim, and of the observation after a push, s.
 const LONG: f64 = 4.0;
 const AFTER_PUSH: f64 = 2.0;
-/// Half ranges are taken over pieces of so many s; those of a stable orbit differ by no more than a part of their mean.
+/// Length of the pieces of which half ranges are taken, s, and limit of their deviation from the mean for a stable
+/// orbit.
 const PIECE: f64 = 0.1;
 const STEADY: f64 = 0.01;
 
@@ -79,7 +80,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     Ok(Some(section))
 }
 
-/// Fig. 5: the first two seconds after the smallest and after the largest perturbation.
+/// The histories of Fig. 5: the first two seconds after the smallest and after the largest perturbation.
 fn histories_of(
     scene: &Scene,
     direction: &Direction,
@@ -116,24 +117,24 @@ fn histories_of(
     }))
 }
 
-/// What is seen of a run from one of the perturbations.
+/// The quantities measured from a run after one of the perturbations.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Seen {
-    /// Of the upper mass of module 1, m/s.
+    /// Initial velocity of the upper mass of module 1, m/s.
     velocity: f64,
-    /// s until a contact first changes its state; `None` where none does.
+    /// Time at which a contact first changes its state, s; `None` if none does.
     changes: Option<f64>,
-    /// `true` where a contact sticks within the first [`PIECE`] s.
+    /// `true` if a contact sticks within the first [`PIECE`] s.
     sticks: bool,
     /// Half ranges of the first and of the last piece of [`PIECE`] s, m.
     amplitudes: [f64; 2],
-    /// By which part half ranges differ from their mean over the last second.
+    /// Largest deviation of half ranges from their mean over the last second, as part of the mean.
     spread: f64,
-    /// By which part the half range is another one a while after a push.
+    /// Relative change of the half range between the last second before a push and the end of the observation after it.
     after_push: f64,
 }
 
-/// Looks at the run from one of the perturbations; `None` where the watch ended it.
+/// Measures the run after one of the perturbations; `None` if the watch ended the work.
 fn seen(
     scene: &Scene,
     direction: &str,
@@ -143,7 +144,7 @@ fn seen(
     let mut scene = scene.clone();
     assign(&mut scene, direction, velocity)?;
     let mut motion = Motion::new(&scene)?;
-    // The first part of the work is done.
+    // The progress of the section already includes its first part, so these runs report none.
     let quiet = Watch { progress: &|_| {}, ..watch };
     if !motion.record(LONG, quiet)? {
         return Ok(None);
@@ -167,7 +168,7 @@ fn seen(
     }))
 }
 
-/// `rests` and `cycles` are what the study says of the smallest and of the largest perturbation.
+/// The claims on Fig. 5; `rests` and `cycles` are the study's results for the smallest and the largest perturbation.
 fn claims([small, large]: &[Seen; 2], [rests, cycles]: [bool; 2], thresholds: &str) -> Vec<Claim> {
     vec![
         claim(

@@ -1,4 +1,4 @@
-//! What is off costs no instruction.
+//! Tests that effects that are off cost no instruction.
 
 use crate::callgrind::{instructions_per_step, task};
 use crate::oscillator;
@@ -7,7 +7,7 @@ use std::hint::black_box;
 #[test]
 #[cfg_attr(debug_assertions, ignore = "counts optimised code: cargo test --release")]
 fn with_all_effects_off_a_step_has_the_instructions_of_a_plain_oscillator() {
-    // As the program that is started again knows it.
+    // The name by which the restarted program knows the test.
     const NAME: &str =
         "instructions::with_all_effects_off_a_step_has_the_instructions_of_a_plain_oscillator";
     const STEPS: u64 = 1_000_000;

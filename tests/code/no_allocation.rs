@@ -134,7 +134,7 @@ fn is_real(variable: &Variable) -> bool {
     matches!(variable.template.kind, Kind::Real { .. })
 }
 
-/// What an importer does between the communication points of a run: sets all that may be set, steps, reads all.
+/// The calls of an importer between communication points: it sets all variables that may be set, steps, and reads all.
 #[test]
 fn a_run_across_the_c_interface_allocates_nothing() {
     let set1 = builtin("set1").unwrap().text.to_owned();

@@ -125,7 +125,7 @@ proptest! {
         );
     }
 
-    // What lets go loads its neighbours, and they may push it back.
+    // A contact that is released loads its neighbours, and they may push it back.
     #[test]
     fn with_static_friction_it_finds_a_state_that_contradicts_nothing(
         contacts in 2_usize..=3,

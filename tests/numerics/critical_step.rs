@@ -8,7 +8,7 @@ use amontons::stability::{Origin, critical_step};
 use nalgebra::DMatrix;
 use proptest::prelude::*;
 
-/// How much faster than the physics a mode may grow, in parts of |λ|.
+/// Limit by which a mode may grow faster than in the model, in parts of |λ|.
 const INVENTED_GROWTH: f64 = 1e-3;
 
 fn any_module() -> impl Strategy<Value = Module> {

@@ -77,7 +77,7 @@ fn states(simulation: &mut Simulation) -> Vec<ContactState> {
     simulation.contact_forces().unwrap().iter().map(|force| force.state).collect()
 }
 
-/// How far a difference may be from a derivative: by what it leaves out, and by rounding of values of this size.
+/// `true` if a difference agrees with a derivative up to its truncation and the rounding of values of this size.
 fn is_near(derivative: f64, difference: f64, size: f64, h: f64) -> bool {
     (derivative - difference).abs() <= 1e-6 * derivative.abs() + 1e-12 * (size / h + 1.0)
 }

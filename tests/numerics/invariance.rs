@@ -1,5 +1,5 @@
-//! What must hold for any scene: the contact law in what a user reads, the same doubles however a
-//! run is split, inputs that act when they change.
+//! Properties that hold for any scene: the contact law in the outputs, equal doubles however a run is split, inputs
+//! that act when they change.
 
 use amontons::contact::ContactState;
 use amontons::scene::{Method, Module, Scene, builtin};

@@ -71,7 +71,7 @@ fn bits(motion: &Motion) -> (Vec<u64>, Vec<ContactState>, Statistics) {
     (numbers.map(|x| x.to_bits()).collect(), motion.contacts.clone(), motion.statistics)
 }
 
-/// The same without damping, with Rayleigh damping, with single dampers.
+/// The model without damping, with Rayleigh damping, and with discrete dampers as well.
 fn damped(model: &LumpedModel) -> [LumpedModel; 3] {
     let mut none = model.clone();
     none.damping = Damping { alpha: 0.0, beta: 0.0 };
@@ -146,7 +146,7 @@ fn only_contacts_that_share_masses_and_change_their_states_take_more_than_one_sw
     // Two separate pads; then two pads on a disc, whose contacts are solved together.
     let pads = LumpedModel::from(&builtin("set1").unwrap().scene());
     let apart = moved(&mut *sparse(&pads).unwrap(), &pads).statistics;
-    // Where static friction lets go, the contacts are solved once more.
+    // When static friction releases a contact, the contacts are solved once more.
     assert!(apart.state_changes() > 0 && apart.sweeps <= apart.steps + apart.state_changes());
     let brake = of_scene("disc_brake");
     let coupled = moved(&mut *sparse(&brake).unwrap(), &brake).statistics;

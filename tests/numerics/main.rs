@@ -1,4 +1,4 @@
-//! How the integrators compute: orders of convergence, kernels, steps, and what must not change a result.
+//! Tests of the integrators: orders of convergence, kernels, steps, and changes that must not affect a result.
 
 mod convergence;
 mod coupled_contacts;

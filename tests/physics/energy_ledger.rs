@@ -34,7 +34,7 @@ fn variable(scene: &Scene, name: &str) -> Variable {
     variables(scene).into_iter().find(|variable| variable.name == name).unwrap()
 }
 
-/// How much energy has been moved.
+/// Sum of the absolute energies of a ledger.
 fn turnover(energy: &Energy) -> f64 {
     let Energy { damping, friction, impact, slider, forces, kinetic, elastic, .. } = energy;
     [damping, friction, impact, slider, forces, kinetic, elastic]

@@ -93,7 +93,7 @@ fn a_rod_that_falls_on_one_end_is_thrown_on_the_other_by_one_and_a_half_times_it
     }
 }
 
-/// The same structure in coordinates y with x = P y.
+/// The structure in coordinates y with x = P y.
 fn in_coordinates(model: &LumpedModel, p: &DMatrix<f64>) -> LumpedModel {
     let n = model.dofs();
     let transformed = |matrix: &SparseMatrix| {
@@ -173,7 +173,7 @@ fn a_structure_moves_the_same_in_coordinates_that_make_its_mass_matrix_full() {
     }
     for scene in [set1, scene(&pads(2, 2.0, 1e-4))] {
         let n = LumpedModel::from(&scene).dofs();
-        // Of a module or a pad the first two are those of the arm that carries the others.
+        // The first two degrees of freedom of a module or a pad belong to the arm that carries the others.
         let relative =
             DMatrix::from_fn(n, n, |i, j| f64::from(u8::from(i == j || (i % 4 < 2 && j == i + 2))));
         let mixed = DMatrix::from_fn(n, n, |i, j| {

@@ -317,7 +317,7 @@ fn what_an_impact_throws_off_another_contact_stays_off() {
             let phase = omega * run.time();
             let climbed = speed / omega * phase.sin() - pressed * (1.0 - phase.cos());
             let expected = climbed * 0.5_f64.sqrt();
-            // Of the scheme, half a step of the fastest motion at the start, and once more of its change.
+            // The error of the scheme: half a step of the fastest motion at the start, and once more for its change.
             let tolerance = off(method, 2.0 * h * thrown, 1e-14);
             assert_near(run.of_dof("mass.shaft.y")[0], expected, tolerance);
             assert_near(run.of_dof("mass.shaft.x")[0], -expected, tolerance);

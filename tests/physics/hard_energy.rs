@@ -142,7 +142,7 @@ fn masses_and_springs_a_million_times_apart_move_as_their_modes() {
                 let phase = omega * h + (omega * h).powi(2) / 12.0 * omega * time;
                 first += part.abs() * phase.min(2.0);
             }
-            // What rounding of λ leaves of a mode whose frequency is a thousandth of the largest.
+            // The tolerance covers the rounding of λ for a mode whose frequency is a thousandth of the largest.
             let [x, _] = run.of_dof("mass.slow.x");
             assert_near(x, slow, off(method, first, 0.0) + 1e-9);
             assert_eq!(run.simulation.statistics().state_changes(), 0);
@@ -153,8 +153,8 @@ fn masses_and_springs_a_million_times_apart_move_as_their_modes() {
 /// A gap that is none, m: what rounding leaves of those between masses.
 const GAP: f64 = 1e-13;
 
-/// Where the energy of a run went, J. Quadratures are of what is reported at both ends of a step, and
-/// impacts follow their law from the velocities before them: nothing here is what the masses got.
+/// Energies of a run by destination, J. Quadratures use the values reported at both ends of a step, and impacts follow
+/// their law from the velocities before them: no energy is computed from the change of the masses' motion.
 #[derive(Clone, Copy, Debug, Default)]
 struct Work {
     slider: f64,
@@ -164,7 +164,7 @@ struct Work {
 }
 
 impl Work {
-    /// What an impact takes in which these contacts are closed: perfectly inelastic, with friction as long as
+    /// Adds the energy that an impact takes with these contacts closed: perfectly inelastic, with friction as long as
     /// it lasts. A contact gives as much to the one mass as it takes from the other.
     fn add_impact(&mut self, run: &Run, closed: &[usize], before: &DVector<f64>, acting: &Acting) {
         let rows: Vec<DVector<f64>> = closed.iter().flat_map(|&i| directions(run, i)).collect();
@@ -359,8 +359,8 @@ fn assert_balanced(scene: &Scene, end: f64, landings: u64) {
             let statistics = run.simulation.statistics();
             assert!(all_open && statistics.touch_downs >= landings, "{statistics:?}");
             assert!(work.friction >= 0.0 && work.impact > 0.0 && work.damping > 0.0, "{work:?}");
-            // Of all energy E the scheme's own differs by up to ½ ωh E, with ωh = 2 h/h_c of its
-            // fastest mode; each quadrature and each event adds up to as much of what it counts.
+            // The energy of the scheme differs from E by up to ½ ωh E, with ωh = 2 h/h_c of its fastest mode; each
+            // quadrature and each event adds up to as much of the energy that it counts.
             let turned = given + work.slider.abs() + work.friction + work.damping;
             let allowed = off(method, 2.0 * h / limit * turned, 1e-12 * turned);
             assert!(worst <= allowed, "{worst} J of {work:?}, allowed {allowed} J");

@@ -30,8 +30,8 @@ fn with_one_coefficient_of_friction_no_oscillation_on_a_belt_grows() {
                     let [x, v] = run.of_dof("mass.block.x");
                     x.hypot(v / OMEGA)
                 };
-                // Where it slips, h x ẋ of the ellipse is at most ωh/2 of its square. What the spring
-                // and friction leave of each other is some bits of µN.
+                // While the block slips, h x ẋ of the ellipse is at most ωh/2 of its square. The difference of spring
+                // force and friction is some bits of µN.
                 let bits = 4.0 * f64::EPSILON * 0.4 * PRESSING / STIFFNESS;
                 let swing = off(method, 0.25 * OMEGA * h, 1e-12 + bits / reach);
                 let mut largest = part * reach;
@@ -212,7 +212,7 @@ fn where_sliding_jams_a_block_is_refused_and_brought_up_from_rest_it_never_slide
 
 #[test]
 fn on_a_belt_that_hardly_moves_a_block_does_not_change_between_stick_and_slip_without_an_end() {
-    // What was nothing to friction was not to the slip that it makes.
+    // Friction once counted a velocity as zero that was not zero for the slip that it causes.
     let (velocity, h) = (1e-9, 2.5e-3);
     for part in [1.5, 6.0] {
         let text = block(0.4, velocity, h, &start(&format!("x = {:?}", -part * velocity / OMEGA)));

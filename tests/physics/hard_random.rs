@@ -24,7 +24,7 @@ fn every_shipped_scene_obeys_the_law_after_every_step() {
             scene.step *= longer;
             let late = 0.6 * scene.experiment.stop_time / scene.step;
             let mut run = Run::new(scene, method);
-            // As it starts, and when it does what it is there to show.
+            // The run is judged at its start and at the time of the behaviour that it is to show.
             run.judged_until(5_000.0 / longer * run.h());
             run.jump(late as u64);
             run.judged_until(run.time() + 15_000.0 / longer * run.h());
@@ -61,7 +61,7 @@ fn any_module() -> impl Strategy<Value = Module> {
         })
 }
 
-/// What random runs of one kind came to.
+/// Outcomes of the random runs of one kind.
 #[derive(Clone, Copy, Debug, Default)]
 struct Tally {
     runs: u64,

@@ -68,7 +68,8 @@ fn a_mass_on_a_line_stops_where_it_lands_and_slips_by_its_closed_form() {
 
 #[test]
 fn a_stack_that_rests_tells_the_forces_that_hold_it() {
-    // What rounding left of loads that cancel was taken for an acceleration, and the forces of another motion were told.
+    // An earlier version took the rounding error of loads that cancel for an acceleration, and reported the forces of
+    // another motion.
     let scene = hard("loads_cancel_along_a_stack");
     let end = scene.experiment.stop_time;
     judged(Run::new(scene, Method::EventDriven), end);
@@ -103,15 +104,16 @@ fn frozen_friction_of_what_lands_where_its_surface_begins_to_move_has_the_direct
 
 #[test]
 fn contacts_share_a_load_beside_others_whose_forces_are_known() {
-    // Of the four contacts of a chain two hold more than there is. What their shares change at the other two is rounding, and was
-    // measured by rounding: so no share was taken, and they stuck and slipped in turn without an end.
+    // In a chain of four contacts two are redundant. The change of the forces of the other two by a redistribution is
+    // rounding error. An earlier version compared it with rounding error and rejected every redistribution, so the
+    // contacts stuck and slipped in turn without an end.
     judged_part_by_part(hard("chain_shares_with_those_that_do_not")).unwrap();
 }
 
 #[test]
 fn surfaces_that_begin_to_move_have_no_velocity_of_rounding_before() {
-    // The last digit of what a surface gains in a step was taken for a velocity at its beginning, and so for a slip. Two contacts
-    // of one mass then changed in turn without an end.
+    // An earlier version took the last digit of the velocity that a surface gains in a step for a velocity at its
+    // beginning, and so for a slip. Two contacts of one mass then changed in turn without an end.
     judged_part_by_part(hard("corner_begins_to_part")).unwrap();
 }
 
@@ -173,7 +175,7 @@ fn a_mass_on_a_line_above_a_surface_at_rest_stops_and_sticks() {
         let mut run = Run::new(scene.clone(), method);
         while run.time() < 0.05 {
             run.step();
-            // Of forces that are not unique, the judge of exact motion knows only those that are reported.
+            // If forces are not unique, the judge of exact motion can check only the reported ones.
             if method == Method::ForwardIncrement {
                 run.judge_step();
             }

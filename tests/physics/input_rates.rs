@@ -21,7 +21,7 @@ fn block(more: &str) -> Scene {
     block_from(-0.12, more)
 }
 
-/// The same from another place, m.
+/// The block with another initial position, m.
 fn block_from(x: f64, more: &str) -> Scene {
     let text = format!(
         "[slider]\nvelocity = 0.1\nangle = 0.0\n[friction]\ncoefficient = 0.6\n{more}\n\
@@ -211,7 +211,7 @@ fn a_saved_state_brings_its_rates_along() {
         }
         let behind = simulation.save();
         assert_eq!((&resumed.save(), &other.save()), (&behind, &behind));
-        // What was changing up to now is among the forces of now.
+        // The contact forces of this instant include the effect of inputs that were changing until now.
         let forces = simulation.contact_forces().unwrap().to_vec();
         let mut resumed = Simulation::resume(behind).unwrap();
         assert_eq!(resumed.contact_forces().unwrap(), forces);

@@ -71,7 +71,7 @@ fn a_sine_of_force_at_rest_gives_beats_of_both_frequencies() {
     }
 }
 
-/// The same scene by exact motion.
+/// The scene with the event-driven integrator.
 fn exactly(scene: &Scene) -> Scene {
     let step = scene.step;
     scene.with_integrator(Method::EventDriven, step)
@@ -471,7 +471,7 @@ fn a_state_from_before_its_signal_made_friction_impossible_can_be_gone_back_to()
     assert!(simulation.advance_to(0.011).unwrap_err().is_step());
     simulation.write(&friction, 1.96).unwrap();
     simulation.advance_to(0.011).unwrap();
-    // What no signal drives goes back too.
+    // Restoring also resets parameters that no signal drives.
     let damping = variable(simulation.scene(), "damping.beta");
     simulation.write(&damping, 1e-4).unwrap();
     simulation.restore(&saved).unwrap();

@@ -9,17 +9,17 @@ use amontons::model::LumpedModel;
 use amontons::scene::{Damping, Effects, Method, Scene, builtin};
 use amontons::stability::critical_step;
 
-/// How an integrator runs a scene.
+/// Settings of the integrator for a run of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plan {
     pub method: Method,
-    /// s.
+    /// Step, s.
     pub step: f64,
     pub steps: u32,
 }
 
 impl Plan {
-    /// How a scene file has itself run.
+    /// The plan that a scene file itself contains.
     pub fn of(scene: &Scene) -> Self {
         let steps = (scene.experiment.stop_time / scene.step).round() as u32;
         Self { method: scene.method, step: scene.step, steps }
@@ -36,7 +36,7 @@ pub struct Case {
 /// So many scenes are drawn until one has an equilibrium; the last is taken as it is.
 const DRAWS: u32 = 12;
 
-/// How a scene starts to slide.
+/// The way in which a scene begins to slide.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
     /// It is in uniform sliding.
@@ -142,7 +142,7 @@ fn set_damping(random: &mut Random, scene: &mut Scene) {
     scene.damping = Damping { alpha: alpha.unwrap_or(0.0), beta: beta.unwrap_or(0.0) };
 }
 
-/// Is there an equilibrium, of a scene whose values are possible?
+/// `true` if the values of a scene are valid and it has an equilibrium.
 fn has_equilibrium(scene: &Scene) -> bool {
     let acting = drive::at_start(scene);
     acting.check().is_ok() && assembly::equilibrium(&acting, &LumpedModel::from(&acting)).is_ok()

@@ -72,7 +72,7 @@ pub fn added(random: &mut Random, scene: &Scene, length: f64, fastest: f64) -> V
     signals
 }
 
-/// May preloads be driven? Then signals find them among the inputs.
+/// Makes preloads inputs in some scenes, so that signals can drive them.
 pub fn set_roles(random: &mut Random, scene: &mut Scene) {
     if random.chance(0.2) {
         scene.roles.preload = Role::Input;
@@ -95,7 +95,7 @@ fn size(random: &mut Random, scene: &Scene, input: &str) -> f64 {
     }
 }
 
-/// How far kinetic friction is below static friction, of what an input of friction belongs to.
+/// Difference between static and kinetic friction of the contacts to which an input of friction belongs.
 fn room(scene: &Scene, input: &str) -> f64 {
     let common = scene.friction_coefficient;
     let contacts = scene.network().map_or(&[][..], |network| &network.contacts);

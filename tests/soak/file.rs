@@ -60,7 +60,7 @@ fn effects(scene: &Scene) -> Vec<String> {
     let mut lines = vec!["[damping]".to_owned()];
     lines.extend(some("alpha", alpha).into_iter().chain(some("beta", beta)));
     lines.push(format!("[effects]\nenergy = {}", effects.energy));
-    // What is there needs no switch, and of a scene without friction or contacts would be refused one.
+    // Effects that are on need no switch, and a scene without friction or contacts would be refused with one.
     lines.extend((!effects.sticking).then(|| "sticking = false".to_owned()));
     lines.extend((!effects.detachment).then(|| "detachment = false".to_owned()));
     lines

@@ -45,11 +45,11 @@ use std::thread;
 use std::time::{SystemTime, UNIX_EPOCH};
 use tally::Tallies;
 
-/// How many scenes are run unless another number is given.
+/// Number of scenes that are run unless another number is given.
 const SCENES: u64 = 100;
-/// Of so many runs one may end early.
+/// Number of runs of which one may end early.
 const RUNS_TO_ONE_EARLY_END: u64 = 10_000;
-/// So many failures are made small and written to files, each of another class.
+/// Limit of the number of failures that are minimised and written to files, each of another class.
 const FILES: usize = 20;
 
 /// The number that a variable of the environment gives.
@@ -71,7 +71,7 @@ struct Failure {
     outcome: Outcome,
 }
 
-/// What all threads add to.
+/// State that all threads share.
 struct Soak {
     seed: u64,
     next: AtomicU64,

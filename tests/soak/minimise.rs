@@ -42,7 +42,7 @@ const COMMON: usize = 8;
 /// Values of a module or mass that may be zero: displacements and velocities.
 const VALUES: usize = 8;
 
-/// How many ways there are to make a scene smaller.
+/// Number of changes that can make a scene smaller.
 fn change_count(scene: &Scene) -> usize {
     COMMON + scene.signals.len() + parts(scene).into_iter().sum::<usize>()
 }

@@ -7,7 +7,7 @@ use amontons::contact::Law;
 use amontons::scene::{Damper, Mass, Network, RubbingPlace, Scene, Spring, Structure, direction};
 use std::f64::consts::FRAC_PI_2;
 
-/// What rubs on what.
+/// Arrangement of the contacts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Kind {
     /// Each mass has a surface of its own.
@@ -22,7 +22,7 @@ enum Kind {
     Groove,
 }
 
-/// What the parts of one network have in common.
+/// Properties that the parts of one network share.
 struct Style {
     kind: Kind,
     sizes: Sizes,
@@ -30,7 +30,7 @@ struct Style {
     has_dampers: bool,
     has_own_values: bool,
     has_preloads: bool,
-    /// How far tangents lean.
+    /// Size of the inclination of tangents.
     leaning: f64,
     /// The chance that a mass has its axes along its contact.
     aligned: f64,
@@ -111,7 +111,7 @@ fn add_mass(
     let mut locked = [false; 2];
     let mut angle = if random.chance(style.aligned) { tangent } else { random.between(-3.0, 3.0) };
     if is_locked {
-        // What it can move along still leads off its surface.
+        // The free axis still leads off the surface.
         let axis = random.whole(0, 1);
         locked[axis] = true;
         angle = tangent + random.signed(0.05, 1.4) + if axis == 1 { FRAC_PI_2 } else { 0.0 };

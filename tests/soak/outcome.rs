@@ -20,7 +20,7 @@ pub const LONGEST: Duration = Duration::from_secs(10);
 /// A run whose judge takes longer than this is judged no further.
 const LONGEST_JUDGED: Duration = Duration::from_secs(30);
 
-/// What a run came to.
+/// Outcome of a run.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Outcome {
     /// Every step obeys the law.
@@ -36,7 +36,7 @@ pub enum Outcome {
 }
 
 impl Outcome {
-    /// What is alike in outcomes of one kind: the reason without names and numbers.
+    /// Class of outcomes of one kind: the reason without names and numbers.
     pub fn class(&self) -> String {
         match self {
             Self::Kept => "kept the law".to_owned(),
@@ -50,7 +50,7 @@ impl Outcome {
         matches!(self, Self::Early(_) | Self::Broke(_))
     }
 
-    /// Is the other one a failure of the same kind?
+    /// `true` if the other outcome is a failure of the same class.
     pub fn is_like(&self, other: &Self) -> bool {
         std::mem::discriminant(self) == std::mem::discriminant(other)
             && self.class() == other.class()
@@ -95,7 +95,7 @@ impl Report {
 }
 
 thread_local! {
-    /// What the last panic of this thread said.
+    /// Message of the last panic of this thread.
     static SAID: RefCell<String> = const { RefCell::new(String::new()) };
 }
 
@@ -121,7 +121,7 @@ pub fn run(case: &Case, plan: Plan) -> Report {
     report
 }
 
-/// What a run came to that ended in a panic with these words.
+/// Outcome of a run that ended in a panic with this message.
 fn panicked(said: String) -> Outcome {
     // The judge takes parts of steps again, and one of them may end.
     if said.contains("`Err` value: Step(") { end_of(said) } else { Outcome::Broke(said) }
@@ -129,7 +129,7 @@ fn panicked(said: String) -> Outcome {
 
 fn judged(case: &Case, plan: Plan, report: &mut Report) -> Outcome {
     let scene = case.planned(plan);
-    // What a failure is written to has to be the scene that failed.
+    // The file of a failure must hold the scene that failed.
     let read = match parse("case", &file::text(&scene)) {
         Ok(read) => read,
         Err(error) => return Outcome::Refused(refusal(&scene, &error)),
@@ -183,7 +183,7 @@ fn steps(run: &mut Run, plan: Plan, report: &mut Report) -> Outcome {
     Outcome::Kept
 }
 
-/// What a run that ended in an error came to.
+/// Outcome of a run that ended in an error.
 fn ended(error: &Error) -> Outcome {
     let said = error.to_string();
     if error.is_step_too_large() {
@@ -213,7 +213,7 @@ fn judge_energy(run: &Run, turned: &mut f64) {
     if run.method == Method::EventDriven {
         let missing = energy.residual.abs();
         assert!(missing <= ENERGY * *turned, "energy is missing: {energy:?}");
-        // Of an impact the two directions take their parts together.
+        // In an impact both directions take their parts of the energy together.
         let taken = energy.damping.min(energy.friction + energy.impact);
         let is_whole = run.model.law.sticking;
         assert!(!is_whole || taken >= -ENERGY * *turned, "friction gives energy: {energy:?}");

@@ -49,7 +49,7 @@ impl Sizes {
     }
 }
 
-/// How the masses of a scene start.
+/// Initial motion of the masses of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Initial {
     /// At rest in the equilibrium.

@@ -6,7 +6,7 @@ use amontons::scene::Method;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// What the runs of one integrator came to.
+/// Outcomes of the runs of one integrator.
 #[derive(Clone, Debug, Default)]
 pub struct Tally {
     runs: u64,

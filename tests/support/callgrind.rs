@@ -6,7 +6,7 @@ use std::process::Command;
 /// The variable that tells the program under callgrind what to do: a name and a number of steps.
 const TASK: &str = "AMONTONS_COUNTED_RUN";
 
-/// What this program has been started to do, if it is one whose instructions are counted.
+/// Task and number of steps for which this program was started; `None` if no instructions are counted.
 pub fn task() -> Option<(String, u64)> {
     let task = env::var(TASK).ok()?;
     let (name, steps) = task.rsplit_once(' ')?;

@@ -9,7 +9,7 @@ use amontons_pictures::report::{
 };
 use std::f64::consts::TAU;
 
-/// What HTML would take for markup.
+/// A text that HTML would take for markup.
 pub const HOSTILE: &str = "a < b & \"c\" 'd' </script><script>alert(1)</script> <!-- e";
 
 fn curve(label: &str, colour: usize, points: impl Iterator<Item = [f64; 2]>) -> Series {

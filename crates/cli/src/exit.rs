@@ -1,4 +1,4 @@
-//! Exit codes say what kind of thing went wrong; clap, too, ends with 2 where arguments are wrong.
+//! The exit codes of the programs; clap also uses 2 for wrong arguments.
 
 use crate::interrupt::Interrupted;
 
@@ -10,10 +10,10 @@ pub const ARGUMENTS: u8 = 2;
 pub const SCENE: u8 = 3;
 /// The run of a scene has failed.
 pub const RUN: u8 = 4;
-/// A person has ended the command, as shells have it for Ctrl-C.
+/// The user has ended the command; shells use this code for Ctrl-C.
 pub const INTERRUPTED: u8 = 130;
 
-/// The exit code for an error of the libraries, or [`Interrupted`]; that of all others is [`FAILED`].
+/// The exit code for an error of the libraries or [`Interrupted`]; other errors give [`FAILED`].
 #[must_use]
 pub fn code(error: &(dyn std::error::Error + 'static)) -> u8 {
     if error.is::<Interrupted>() {

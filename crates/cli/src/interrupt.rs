@@ -1,4 +1,4 @@
-//! Ctrl-C ends a long command with what is done.
+//! Handling of Ctrl-C, which ends a long command with the results so far.
 
 use crate::progress::Progress;
 use amontons_analysis::watch::Watch;
@@ -9,7 +9,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 static STOP: AtomicBool = AtomicBool::new(false);
 
-/// A person has ended a command before its end.
+/// The error that the user has ended a command.
 #[derive(Debug)]
 pub struct Interrupted;
 
@@ -21,18 +21,18 @@ impl fmt::Display for Interrupted {
 
 impl Error for Interrupted {}
 
-/// From now on Ctrl-C does not end the program; [`stopped`] tells it.
+/// Makes Ctrl-C set a flag, which [`stopped`] reads, instead of ending the program.
 pub fn listen() {
-    // Without a handler Ctrl-C ends the program at once, as ever.
+    // Without a handler Ctrl-C ends the program at once.
     let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
 }
 
-/// `Break` as soon as a person has pressed Ctrl-C.
+/// Returns `Break` as soon as the user has pressed Ctrl-C.
 pub fn stopped() -> ControlFlow<()> {
     if STOP.load(Ordering::Relaxed) { Break(()) } else { Continue(()) }
 }
 
-/// Does work under a bar that shows how far it is, until it is done or a person ends it.
+/// Runs work under a bar that shows its progress, until the work is done or the user ends it.
 pub fn watched<T>(bar: &Progress, work: impl FnOnce(Watch<'_>) -> T) -> T {
     listen();
     let result = work(Watch { go_on: &stopped, progress: &|part| bar.set_part(part) });

@@ -1,7 +1,6 @@
-//! How far a long command is: a bar for a person, a line now and then for a file.
+//! The progress of a long command: a bar on a terminal, lines at intervals elsewhere.
 //!
-//! Both are told by a thread of their own, so that work which takes long between two calls of [`Progress::set`] is not
-//! silent either.
+//! A thread of its own updates both, so that work that takes long between two calls of [`Progress::set`] is shown too.
 
 use indicatif::{HumanDuration, ProgressBar, ProgressState, ProgressStyle};
 use std::fmt;
@@ -11,17 +10,17 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::{JoinHandle, spawn};
 use std::time::{Duration, Instant};
 
-/// When the first line stands where no person sees a bar.
+/// Time of the first line if standard error is no terminal.
 const FIRST: Duration = Duration::from_secs(2);
-/// How long after a line the next one stands.
+/// Time between two lines.
 const EVERY: Duration = Duration::from_secs(10);
-/// Of work of which one knows what part is done.
+/// Total for work whose done part is known.
 const PARTS: u64 = 1000;
-/// How often a bar is drawn anew.
+/// Interval between two updates of a bar.
 const TICK: Duration = Duration::from_millis(200);
 
-/// How far a piece of work is, on standard error: a bar on a terminal, elsewhere a line after two seconds and then every
-/// ten. It ends with [`Progress::finish`], or when it is dropped.
+/// The progress of a piece of work on standard error: a bar on a terminal, elsewhere a line after two seconds and then
+/// every ten. It ends with [`Progress::finish`] or when dropped.
 pub struct Progress {
     shown: Shown,
 }
@@ -32,29 +31,29 @@ enum Shown {
 }
 
 impl Progress {
-    /// Shows that `what` begins: work of `total` pieces, or of an unknown number where `total` is 0.
+    /// Shows the beginning of the work `what`, of `total` pieces, or of an unknown number if `total` is 0.
     ///
     /// # Panics
-    /// Where the system has no thread left.
+    /// Panics if the system cannot start another thread.
     #[must_use]
     pub fn new(what: &str, total: u64) -> Self {
         Self::shown(what, total, true)
     }
 
-    /// Shows that `what` begins: work of which one knows what part is done ([`Progress::set_part`]).
+    /// Shows the beginning of the work `what`, whose done part is known ([`Progress::set_part`]).
     ///
     /// # Panics
-    /// Where the system has no thread left.
+    /// Panics if the system cannot start another thread.
     #[must_use]
     pub fn in_parts(what: &str) -> Self {
         Self::new(what, PARTS)
     }
 
-    /// Shows that `what` begins: work of which one knows what part is done, but whose parts take unequal times, so that no
-    /// time that is left is shown.
+    /// Shows the beginning of the work `what`, whose done part is known but whose parts take unequal times, so that no
+    /// remaining time is shown.
     ///
     /// # Panics
-    /// Where the system has no thread left.
+    /// Panics if the system cannot start another thread.
     #[must_use]
     pub fn in_uneven_parts(what: &str) -> Self {
         Self::shown(what, PARTS, false)
@@ -88,7 +87,7 @@ impl Progress {
         Self { shown: Shown::Lines(lines, Mutex::new(Some(thread))) }
     }
 
-    /// So many pieces are done now. Any thread may call it.
+    /// Sets the number of pieces done. Any thread may call it.
     pub fn set(&self, done: u64) {
         match &self.shown {
             Shown::Bar(bar) => bar.set_position(done),
@@ -96,7 +95,7 @@ impl Progress {
         }
     }
 
-    /// This part of all pieces is done now, from 0 to 1.
+    /// Sets the part of the work done, from 0 to 1.
     #[allow(clippy::cast_possible_truncation, clippy::cast_precision_loss, clippy::cast_sign_loss)]
     pub fn set_part(&self, part: f64) {
         let total = match &self.shown {
@@ -106,7 +105,7 @@ impl Progress {
         self.set((part * total as f64) as u64);
     }
 
-    /// From now on the work is this.
+    /// Changes the name of the current work.
     pub fn say(&self, what: &str) {
         match &self.shown {
             Shown::Bar(bar) => bar.set_message(what.to_owned()),
@@ -114,7 +113,7 @@ impl Progress {
         }
     }
 
-    /// The work is over: takes the bar away, or ends the lines.
+    /// Ends the progress: removes the bar, or stops the lines.
     pub fn finish(&self) {
         match &self.shown {
             Shown::Bar(bar) => bar.finish_and_clear(),
@@ -122,7 +121,7 @@ impl Progress {
                 lines.state().is_over = true;
                 lines.over.notify_all();
                 let thread = thread.lock().unwrap_or_else(PoisonError::into_inner).take();
-                // A reader of standard error who has gone does not end the work.
+                // An error of the thread does not end the work.
                 let _ = thread.map(JoinHandle::join);
             }
         }
@@ -144,7 +143,7 @@ fn bar(what: &str, total: u64, is_even: bool) -> ProgressBar {
         total => (ProgressBar::new(total), "{bar:40} {percent:>3} %  {left}  {msg}"),
     };
     let style = ProgressStyle::with_template(template).expect("the template is fixed");
-    // Nothing is known of what is left before anything is done.
+    // Before anything is done the remaining time is unknown.
     let style = style.with_key("left", |state: &ProgressState, out: &mut dyn fmt::Write| {
         if state.pos() > 0 {
             let _ = write!(out, "{:#} left", HumanDuration(state.eta()));
@@ -155,10 +154,10 @@ fn bar(what: &str, total: u64, is_even: bool) -> ProgressBar {
     bar
 }
 
-/// What the thread that writes lines shares with the work.
+/// The state that the thread that writes lines shares with the work.
 struct Lines {
     total: u64,
-    /// `true` where what has passed says what is left.
+    /// `true` if the time so far predicts the remaining time.
     is_even: bool,
     done: AtomicU64,
     begun: Instant,
@@ -190,16 +189,16 @@ impl Lines {
             let passed = self.begun.elapsed().as_secs_f64();
             let done = [self.done.load(Ordering::Relaxed), self.total];
             let line = line(&what, done, passed, self.is_even) + "\n";
-            // In one piece, so that nothing else comes between a line and its end. Who reads has read enough; the work is
-            // for another file.
+            // One write for each line, so that no other output divides it. A closed standard error is ignored; the
+            // result of the work goes elsewhere.
             let _ = out.write_all(line.as_bytes());
             wait = every;
         }
     }
 }
 
-/// How far work is after `passed` seconds. What is left is guessed from what has passed, where pieces take about as long
-/// as each other.
+/// The progress after `passed` seconds, in words. The remaining time is estimated from the time so far if the pieces
+/// take similar times.
 #[allow(clippy::cast_precision_loss)]
 fn line(what: &str, [done, total]: [u64; 2], passed: f64, is_even: bool) -> String {
     if done == 0 || total == 0 {
@@ -213,7 +212,7 @@ fn line(what: &str, [done, total]: [u64; 2], passed: f64, is_even: bool) -> Stri
     format!("{what}: {:.0} %, about {left} left", (100.0 * part).floor())
 }
 
-/// A time in the unit that a person takes for it.
+/// Formats a time in a unit that suits its size.
 fn duration(seconds: f64) -> String {
     match seconds {
         s if s < 100.0 => format!("{s:.0} s"),
@@ -274,7 +273,7 @@ mod tests {
         assert_eq!(line("basin", [1, 1000], 23.5, true), "basin: 0 %, about 7 h left");
         assert_eq!(line("basin", [0, 100], 23.5, true), "basin: 24 s so far");
         assert_eq!(line("check", [3, 0], 23.5, true), "check: 24 s so far");
-        // Of pieces that take their own time it does not.
+        // The remaining time is not shown for pieces of unequal duration.
         assert_eq!(line("study", [37, 100], 23.5, false), "study: 37 %, 24 s so far");
     }
 }

@@ -1,5 +1,5 @@
-//! The command line of the checker. The program `fmu-check` is this command alone; `amontons check` is the same command
-//! as one of several.
+//! The command line of the checker. The program `fmu-check` consists of this command; `amontons check` is the same
+//! command among others.
 
 use crate::{Error, Glibc, Options, Rule, Run, Watch, check, run_library};
 use clap::Args;
@@ -49,7 +49,7 @@ pub struct LibraryRun {
     supervisor: Option<u32>,
 }
 
-/// Why the command does not end with exit code 0.
+/// Reasons for which the command ends with another exit code than 0.
 #[derive(Debug, thiserror::Error)]
 pub enum Failed {
     /// The FMU breaks rules: the number of findings.
@@ -67,7 +67,7 @@ pub enum Failed {
 }
 
 impl Failed {
-    /// The exit code of a program that ends so.
+    /// The exit code of a program that ends for this reason.
     #[must_use]
     pub fn exit_code(&self) -> u8 {
         match self {
@@ -82,7 +82,7 @@ impl Failed {
 /// subcommand [`COMMAND`](crate::COMMAND); the program must hand that to [`run_in_process`].
 ///
 /// # Errors
-/// The FMU breaks a rule or cannot be read, or `watch` has ended the examination.
+/// Returns an error if the FMU breaks a rule or cannot be read, or if `watch` has ended the examination.
 pub fn run(arguments: &Arguments, watch: Watch<'_>) -> Result<(), Failed> {
     let Some(file) = &arguments.file else {
         stdout().lock().write_all(rules().as_bytes())?;
@@ -114,16 +114,16 @@ pub fn run(arguments: &Arguments, watch: Watch<'_>) -> Result<(), Failed> {
     Ok(())
 }
 
-/// Runs the library of an unpacked FMU: the subcommand [`COMMAND`](crate::COMMAND) of the program.
+/// Runs the library of an unpacked FMU, as the subcommand [`COMMAND`](crate::COMMAND) of the program does.
 ///
 /// # Errors
-/// The journal of the run cannot be written, or its process cannot be started.
+/// Returns an error if the journal of the run cannot be written or the process cannot be started.
 pub fn run_in_process(arguments: &LibraryRun) -> Result<(), Error> {
     let LibraryRun { folder, library, timeout, supervisor } = arguments;
     run_library(folder, library, Duration::from_secs(*timeout), *supervisor)
 }
 
-/// All rules, a line each.
+/// Returns all rules as text, one per line.
 fn rules() -> String {
     let width = Rule::ALL.iter().map(|rule| rule.id().len()).max().unwrap_or(0);
     Rule::ALL.iter().fold(String::new(), |mut text, rule| {

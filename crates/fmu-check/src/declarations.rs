@@ -1,5 +1,5 @@
-//! What stands before the variables: the model, its abilities, units, types, log categories, the
-//! default experiment.
+//! Rules on the model description before its variables: the model, its capabilities, units, types, log categories and
+//! the default experiment.
 
 use super::archive::Archive;
 use super::description::{Description, Kind, is_identifier};
@@ -77,7 +77,7 @@ fn abilities(simulation: &Element, archive: &Archive, report: &mut Report) {
     }
 }
 
-/// Every name once.
+/// Reports names that are declared more than once.
 fn unique(elements: &[Element], rule: Rule, what: &str, report: &mut Report) {
     let mut seen = HashSet::new();
     for element in elements {

@@ -1,10 +1,11 @@
-//! The model description in types, as far as it can be read; what cannot is told where the schema is.
+//! The model description as typed values. Parts that cannot be read are left out; the check against the schema reports
+//! them.
 
 use super::xml::Element;
 use super::xml::values::{boolean, count, double};
 use std::collections::HashMap;
 
-/// What a variable's value is.
+/// The type of a variable.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Kind {
     Real,
@@ -26,25 +27,26 @@ impl Kind {
         })
     }
 
-    /// The type whose functions read and write it, which is also that of its reference.
+    /// The type whose functions read and write the variable; a reference identifies a value within that type.
     pub(super) fn base(self) -> Self {
         if self == Self::Enumeration { Self::Integer } else { self }
     }
 }
 
-/// A variable of one kind; others are left out.
+/// A variable with a readable kind, name and reference; others are left out.
 pub(super) struct Variable<'a> {
-    /// From 1, as the structure counts.
+    /// Index of the variable, counted from 1 as in `ModelStructure`.
     pub(super) index: usize,
     pub(super) name: &'a str,
     pub(super) reference: u32,
     pub(super) causality: &'a str,
     pub(super) variability: &'a str,
     pub(super) states_initial: bool,
-    /// As stated, or else what the standard makes of it; none of inputs and the independent one.
+    /// The stated `initial`, or else the standard's default; `None` for inputs and the independent variable unless
+    /// stated.
     pub(super) initial: Option<&'a str>,
     pub(super) kind: Kind,
-    /// The element of the kind.
+    /// The child element that states the kind.
     pub(super) element: &'a Element,
     pub(super) declared: Option<&'a Element>,
     pub(super) start: Option<&'a str>,
@@ -78,7 +80,7 @@ impl<'a> Variable<'a> {
         })
     }
 
-    /// An attribute of its own or of its type.
+    /// Returns an attribute of the variable, or else of its declared type.
     pub(super) fn attribute(&self, name: &str) -> Option<&'a str> {
         let inherited = || self.declared?.children.first()?.attribute(name);
         self.element.attribute(name).or_else(inherited)
@@ -88,18 +90,18 @@ impl<'a> Variable<'a> {
         self.attribute(name).and_then(double)
     }
 
-    /// Can its value be set from outside at some time?
+    /// `true` if importers may set the value at some time.
     pub(super) fn is_settable(&self) -> bool {
         self.variability != "constant"
             && (self.start.is_some() || matches!(self.causality, "input" | "parameter"))
     }
 }
 
-/// What the rules ask of a model description.
+/// The parts of a model description on which the rules depend.
 pub(super) struct Description<'a> {
     pub(super) root: &'a Element,
     pub(super) variables: Vec<Variable<'a>>,
-    /// The element for co-simulation, where there is one.
+    /// The `CoSimulation` element; `None` if the FMU has none.
     pub(super) simulation: Option<&'a Element>,
 }
 
@@ -116,28 +118,28 @@ impl<'a> Description<'a> {
         Self { root, variables, simulation: root.child("CoSimulation") }
     }
 
-    /// How many variables there are, with those that could not be read.
+    /// Number of variables, including those that cannot be read.
     pub(super) fn count(&self) -> usize {
         self.root.below("ModelVariables").len()
     }
 
-    /// A capability of the co-simulation; false where it is not stated.
+    /// `true` if a capability flag of the co-simulation is stated as true.
     pub(super) fn can(&self, flag: &str) -> bool {
         self.simulation.and_then(|simulation| boolean(simulation.attribute(flag)?)).unwrap_or(false)
     }
 
-    /// The name of the library for co-simulation, if it is one that a file can have.
+    /// The name of the library for co-simulation; `None` if it is no C identifier.
     pub(super) fn identifier(&self) -> Option<&'a str> {
         self.simulation?.attribute("modelIdentifier").filter(|name| is_identifier(name))
     }
 
-    /// A number of the default experiment.
+    /// A number of the default experiment; `None` if it is not stated.
     pub(super) fn experiment(&self, name: &str) -> Option<f64> {
         self.root.child("DefaultExperiment")?.attribute(name).and_then(double)
     }
 }
 
-/// Is it an identifier of C?
+/// `true` if a name is a C identifier.
 pub(super) fn is_identifier(name: &str) -> bool {
     let first = |c: char| c.is_ascii_alphabetic() || c == '_';
     name.starts_with(first) && name.chars().all(|c| first(c) || c.is_ascii_digit())

@@ -1,10 +1,10 @@
-//! Reasons why an examination cannot be carried out. What is wrong with an FMU is a [`Finding`](crate::Finding)
+//! The reasons for which an examination cannot be carried out. Mistakes in an FMU are [`Finding`](crate::Finding)s
 //! instead.
 
 use std::io;
 use std::path::Path;
 
-/// Why an examination cannot be carried out, in words for the user: what is wrong, and where.
+/// The reason for which an examination cannot be carried out, in words for the user: the mistake and its place.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("{0}")]
 pub struct Error(String);

@@ -15,7 +15,7 @@
 //! # Ok::<(), fmu_check::Error>(())
 //! ```
 //!
-//! [`command`] is the command line as a module, for a program that has it among others.
+//! [`command`] holds the command line as a module, for a program that offers it among other commands.
 //!
 //! ## How an examination proceeds
 //!
@@ -52,17 +52,17 @@ use std::fs::File;
 use std::io::Read as _;
 use std::path::Path;
 
-/// A larger file is not read.
+/// Limit of the size of an FMU that is read, bytes.
 const MOST_BYTES: u64 = 2 << 30;
 
-/// Examines an FMU; none where `watch` has ended it.
+/// Examines an FMU. Returns `None` if `watch` has ended the examination.
 ///
 /// # Errors
-/// The file cannot be read, or is no zip archive.
+/// Returns an error if the file cannot be read or is not a zip archive.
 pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<Report>, Error> {
     let failed = |error| Error::file(path, &error);
     let mut bytes = Vec::new();
-    // What a file says of its size need not be what can be read of it.
+    // The file may hold more bytes than its metadata states.
     File::open(path)
         .and_then(|file| file.take(MOST_BYTES + 1).read_to_end(&mut bytes))
         .map_err(failed)?;
@@ -87,7 +87,7 @@ pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<
     Ok(Some(report))
 }
 
-/// Why there is nothing for this host, whose folder this is.
+/// Returns the reason why the archive has no library to run on this host, whose folder is `folder`.
 fn missing(archive: &Archive, folder: &str) -> String {
     let folders: BTreeSet<&str> = (archive.entries.iter())
         .filter_map(|entry| Some(entry.name.strip_prefix("binaries/")?.split_once('/')?.0))
@@ -99,10 +99,10 @@ fn missing(archive: &Archive, folder: &str) -> String {
     format!("there is no library for this host ({folder}); those that there are: {folders}")
 }
 
-/// Examines the model description and the libraries; the library to run.
+/// Examines the model description and the libraries. Returns the path of the library to run.
 fn files(archive: &Archive, floor: Option<Glibc>, report: &mut Report) -> Option<String> {
     let entry = archive.find(xml::PATH)?;
-    // What is damaged has been told.
+    // Damaged entries have been reported with the archive.
     let content = archive.content(entry, xml::MOST_BYTES).ok()?;
     let root = xml::read(&content, report)?;
     let description = Description::new(&root);

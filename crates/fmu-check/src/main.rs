@@ -1,4 +1,4 @@
-//! `fmu-check`: finds what an FMU breaks.
+//! The program `fmu-check`, which finds the rules of FMI 2.0 that an FMU breaks.
 
 use clap::{Parser, Subcommand};
 use fmu_check::command::{self, Arguments, Failed, LibraryRun};
@@ -37,7 +37,7 @@ static STOP: AtomicBool = AtomicBool::new(false);
 fn main() -> ExitCode {
     match run(&Program::parse()) {
         Ok(()) => ExitCode::SUCCESS,
-        // The reader of standard output has read enough (`| head`).
+        // The reader of standard output has closed it (`| head`).
         Err(Failed::Output(error)) if error.kind() == std::io::ErrorKind::BrokenPipe => {
             ExitCode::SUCCESS
         }
@@ -61,11 +61,11 @@ fn run(program: &Program) -> Result<(), Failed> {
 /// Examines an FMU. A spinner shows the stage of the run where standard error is a terminal.
 fn examine(arguments: &Arguments) -> Result<(), Failed> {
     let spinner = ProgressBar::new_spinner();
-    // Until the run has files to clear away, Ctrl-C ends the program at once.
+    // Until the run has files to remove, Ctrl-C ends the program at once.
     let listen = Once::new();
     let result = command::run(arguments, &mut |stage| {
         listen.call_once(|| {
-            // Where no handler can be set, Ctrl-C goes on ending the program at once.
+            // If no handler can be set, Ctrl-C keeps ending the program at once.
             let _ = ctrlc::set_handler(|| STOP.store(true, Ordering::Relaxed));
             spinner.enable_steady_tick(Duration::from_millis(200));
         });

@@ -1,4 +1,4 @@
-//! What an examination is asked to do.
+//! Settings of an examination.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -10,7 +10,7 @@ use std::time::Duration;
 pub struct Glibc(pub u32, pub u32);
 
 impl Default for Glibc {
-    /// What hosts still in use have at least (CentOS 7 and the tools built for it).
+    /// The version that every host still in use has at least (CentOS 7 and the tools built for it).
     fn default() -> Self {
         Self(2, 17)
     }
@@ -33,21 +33,21 @@ impl FromStr for Glibc {
     }
 }
 
-/// What to examine, and against what.
+/// Settings of an examination: the glibc that libraries may need, and the run of the library.
 #[derive(Clone, Debug, Default)]
 pub struct Options {
     /// The newest glibc that a library for Linux may need; without one, a newer glibc than [`Glibc::default`] is a
     /// hint.
     pub glibc: Option<Glibc>,
-    /// How to run the library for this host; none examines files only.
+    /// Settings of the run of the library for this host; `None` examines files only.
     pub run: Option<Run>,
 }
 
-/// How to run a library.
+/// Settings of the run of a library.
 #[derive(Clone, Debug)]
 pub struct Run {
-    /// This crate's program, which runs the library in a process of its own.
+    /// The program that runs the library in a process of its own, as the subcommand [`COMMAND`](crate::COMMAND).
     pub program: PathBuf,
-    /// How long that process may take.
+    /// Time limit of that process.
     pub timeout: Duration,
 }

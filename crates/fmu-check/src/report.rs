@@ -1,20 +1,20 @@
-//! What was found, what may be meant so, and what could not be examined.
+//! The result of an examination: findings, hints, and notes on parts that could not be examined.
 
 use super::rules::Rule;
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Of one rule so many findings are told; what else there is, is counted.
+/// Limit of the findings of one rule that a report lists; further findings are only counted.
 const TOLD: usize = 20;
 
-/// A rule that an FMU breaks, and where.
+/// A rule that an FMU breaks, with the place and the mistake.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Finding {
     /// The rule.
     pub rule: Rule,
-    /// A file of the archive, with a line where there is one.
+    /// A file of the archive, with a line number if there is one.
     pub place: String,
-    /// What is wrong, and what would be right.
+    /// The mistake and what would be right.
     pub message: String,
 }
 
@@ -24,20 +24,20 @@ impl fmt::Display for Finding {
     }
 }
 
-/// What came out of an examination.
+/// The result of an examination.
 #[derive(Clone, Debug, Default)]
 pub struct Report {
-    /// Rules that are broken.
+    /// Broken rules.
     pub findings: Vec<Finding>,
-    /// Rules that are broken where the FMU may well be right: it depends on the hosts that it is for.
+    /// Broken rules that may be intended: whether the FMU is right depends on the hosts for which it is made.
     pub hints: Vec<Finding>,
-    /// What could not be examined, and why.
+    /// Parts that could not be examined, each with its reason.
     pub notes: Vec<String>,
     more: BTreeMap<Rule, usize>,
 }
 
 impl Report {
-    /// How many findings there are, with those that are only counted and without hints.
+    /// Number of findings, including those that are only counted and excluding hints.
     #[must_use]
     pub fn count(&self) -> usize {
         self.findings.len() + self.more.values().sum::<usize>()
@@ -68,7 +68,7 @@ impl Report {
 }
 
 impl fmt::Display for Report {
-    /// A line a finding, then a line a hint, then a line a note.
+    /// Writes one line for each finding, then one for each hint, then one for each note.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         for finding in &self.findings {
             writeln!(f, "{finding}")?;
@@ -86,7 +86,7 @@ impl fmt::Display for Report {
     }
 }
 
-/// A text of an FMU in one line, without what a terminal would obey, and not longer than can be read.
+/// Returns a text of an FMU as one line of limited length, without characters that control a terminal.
 pub(super) fn printable(text: &str) -> String {
     const LONGEST: usize = 600;
     let mut line = String::with_capacity(text.len().min(LONGEST));
@@ -95,7 +95,7 @@ pub(super) fn printable(text: &str) -> String {
             line.push('…');
             break;
         }
-        // Direction marks reorder what a terminal shows.
+        // Direction marks change the order in which a terminal shows text.
         let turns = matches!(c, '\u{200e}' | '\u{200f}' | '\u{202a}'..='\u{202e}' | '\u{2066}'..='\u{2069}');
         if c.is_control() || turns || matches!(c, '\u{2028}' | '\u{2029}') {
             line.extend(c.escape_default());

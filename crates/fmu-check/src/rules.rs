@@ -1,9 +1,9 @@
-//! Every rule, in one table: its name, which stays what it is, and what it asks for.
+//! All rules in one table: the name of each, which later versions keep, and its requirement.
 
-/// Makes the table: an enumeration, and what each member is called and asks for.
+/// Defines the enumeration of the rules, with the name and the requirement of each.
 macro_rules! rules {
     ($($rule:ident $id:literal $line:literal;)*) => {
-        /// What an FMU is held to.
+        /// A rule that an FMU must follow.
         #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
         #[allow(missing_docs)]
         pub enum Rule { $($rule),* }
@@ -18,7 +18,7 @@ macro_rules! rules {
                 match self { $(Self::$rule => $id),* }
             }
 
-            /// What the rule asks for, in one line.
+            /// The requirement of the rule, in one line.
             #[must_use]
             pub const fn line(self) -> &'static str {
                 match self { $(Self::$rule => $line),* }
@@ -51,7 +51,7 @@ rules! {
     AttributeMissing "attribute-missing" "required attributes are there";
     AttributeValue "attribute-value" "values are of their attribute's type";
     NotFinite "not-finite" "no number is NaN or infinite";
-    // What the model description says.
+    // The model description's contents.
     ModelIdentifier "model-identifier" "modelIdentifier is a C identifier";
     GuidEmpty "guid-empty" "the guid is not empty";
     GenerationDate "generation-date" "generationDateAndTime is a date and time that ends in Z";
@@ -124,7 +124,7 @@ rules! {
 }
 
 impl Rule {
-    /// The rule of this name.
+    /// Returns the rule of this name.
     #[must_use]
     pub fn named(id: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|rule| rule.id() == id)

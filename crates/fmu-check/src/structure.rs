@@ -1,4 +1,4 @@
-//! `ModelStructure`: outputs, derivatives and what is computed at the start.
+//! Rules on `ModelStructure`: the lists of outputs, derivatives and initial unknowns.
 
 use super::description::{Description, Variable};
 use super::report::Report;
@@ -51,13 +51,13 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
 }
 
 struct Lists<'a> {
-    /// How many variables there are.
+    /// Number of variables.
     count: usize,
     variables: HashMap<usize, &'a Variable<'a>>,
 }
 
 impl Lists<'_> {
-    /// The indices of a list; those that are wrong by themselves are told and left out.
+    /// Reads the indices of a list; invalid indices are reported and left out.
     fn read(&self, structure: &Element, name: &str, report: &mut Report) -> Vec<usize> {
         let mut indices = Vec::new();
         let mut seen = BTreeSet::new();
@@ -127,7 +127,7 @@ impl Lists<'_> {
     ) {
         let found: BTreeSet<usize> = found.iter().copied().collect();
         for index in wanted.symmetric_difference(&found) {
-            // What could not be read is told elsewhere.
+            // Variables that could not be read are reported by other rules.
             let Some(variable) = self.variables.get(index) else { continue };
             let verb = if wanted.contains(index) { "lacks" } else { "should not list" };
             let message = format!("{list} {verb} variable {index}, {}", variable.name);

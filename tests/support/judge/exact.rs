@@ -4,10 +4,10 @@
 //! beginning by the exponential of a matrix that is built here from M, C, K, the directions of the
 //! contacts and their states. No series, no root and no Delassus block of the integrator is used.
 //!
-//! Where something changes in a step, the integrator is asked for steps of other lengths from where the last change was, and
-//! the interval that holds the next one is halved until it is next to nothing. On both of its sides the law must hold,
-//! of forces on velocities and, where those vanish, of forces on accelerations; what happens in it is nothing, or an
-//! impact under the law.
+//! If the state changes in a step, the integrator is asked for steps of other lengths from the last change, and the
+//! interval that holds the next change is halved until it is negligible. On both of its sides the law must hold, of
+//! forces on velocities and, where those vanish, of forces on accelerations; within it nothing happens, or an impact
+//! under the law.
 
 mod law;
 mod motion;
@@ -24,12 +24,12 @@ use nalgebra::DVector;
 
 /// A step asked for that is shorter than this part of the internal step is not taken.
 const SHORTEST: f64 = 1.01e-6;
-/// How near a change of state is looked at, as a part of the step.
+/// Accuracy with which a change of state is located, as a part of the step.
 const NEAR: f64 = 1e-13;
 /// A slip or gap may hide in rounding for this long, against the time of the fastest mode (rad).
 const HIDDEN: f64 = 1e-3;
-/// The way that is judged and the step that was taken have come apart if their velocities differ by more than this part of
-/// the fastest.
+/// The motion that is judged and the step that was taken have diverged if their velocities differ by more than this
+/// part of the fastest.
 const FORK: f64 = 1e-9;
 /// Contacts that throw each other off may be left with this part of the fastest velocity, or not.
 const SLOW: f64 = 1e-10;
@@ -58,8 +58,8 @@ struct Look {
 }
 
 impl Look {
-    /// Has nothing happened between the two? Whether a slip that just touches zero is an event is a matter of rounding, so
-    /// counts alone do not tell.
+    /// `true` if nothing has happened between the two. Rounding decides whether a slip that just touches zero is an
+    /// event, so counts alone do not suffice.
     fn is_same(&self, other: &Self) -> bool {
         let [a, b] = [self, other].map(|look| look.statistics);
         (a.entered, a.touch_downs, a.events, a.ended_hops)
@@ -80,10 +80,11 @@ impl Run {
         (place, probe.contact_forces().unwrap().to_vec())
     }
 
-    /// Where the integrator goes from a time of the step to time `t` (s) of it, in one step.
+    /// Lets the integrator advance from a time of the step to time `t` (s) of it, in one step.
     ///
     /// # Errors
-    /// It finds no forces, as may be on a way that the step itself does not take.
+    /// Returns an error if the integrator finds no forces, which may happen on a way that the step itself does not
+    /// take.
     fn go(&mut self, span: &Span, from: &Look, t: f64) -> Result<Look, StepFailure> {
         let rest =
             span.force(from.t) - &self.stiffness * self.total(&DVector::zeros(self.model.dofs()));
@@ -103,9 +104,9 @@ impl Run {
 
     /// Judges the last step of an integrator whose motion is exact.
     ///
-    /// Where impacts follow each other closely, rounding decides what follows, so two steps of different lengths from one
-    /// state differ after a few impacts. So the way is followed from change to change: behind each the integrator begins
-    /// anew, and what is judged is one motion of its own.
+    /// If impacts follow each other closely, rounding decides the sequence, so two steps of different lengths from one
+    /// state differ after a few impacts. So the motion is followed from change to change: after each the integrator
+    /// begins anew, and the judged motion is one of its own.
     #[track_caller]
     pub(super) fn judge_exact_step(&mut self) {
         self.changes.clear();
@@ -121,7 +122,7 @@ impl Run {
         let (_, states, statistics) = self.start.as_ref().unwrap();
         let (statistics, states) = (*statistics, states.clone());
         if end.statistics.ended_hops > statistics.ended_hops {
-            // What ends a hop is no impulse that a contact can give.
+            // The end of a hop is no impulse that a contact can give.
             self.let_off.ended += 1;
             return;
         }
@@ -189,7 +190,8 @@ impl Run {
         Ok(None)
     }
 
-    /// Does a surface turn round within the step that gives frozen friction its direction? It has that of the whole step.
+    /// `true` if a surface that gives frozen friction its direction turns round within the step. The friction keeps the
+    /// direction of the whole step.
     fn turns(&self, span: &Span) -> bool {
         let contacts = 0..span.steady.len();
         let turns = |i| span.slider(i, 0.0) * span.slider(i, self.h()) < 0.0;
@@ -222,15 +224,15 @@ impl Run {
         sum
     }
 
-    /// How near a change of state is looked at, s.
+    /// Accuracy with which a change of state is located, s.
     fn near(&self) -> f64 {
         (NEAR * self.h()).max(8.0 * f64::EPSILON * self.time())
     }
 
     /// The last time known to be before the next change of state, and the first known to be after it.
     ///
-    /// Where a contact just touches, a way that ends at one time may miss it that one which ends earlier has found: the earliest
-    /// is looked for.
+    /// If a contact just touches, a way that ends at one time may miss the touch that one which ends earlier has found:
+    /// the earliest touch is searched for.
     fn bracket(&mut self, span: &Span, from: &Look, goal: &Look) -> Result<[Look; 2], StepFailure> {
         let (mut before, mut after) = (from.clone(), goal.clone());
         let near = self.near();
@@ -250,9 +252,9 @@ impl Run {
         Ok([before, after])
     }
 
-    /// `true` if a change that is found between two times happens where the way began, `from`.
-    ///
-    /// Where other contacts push a contact that has just begun to slip the wrong way, or press one that has just opened, its
+    /// If other contacts push a contact that has just begun to slip the wrong way, or press one that has just opened,
+    /// its slip or gap is only rounding error at first: shorter steps do not see it. A longer one does, and its motion
+    /// is that of the new states from the beginning, without an impact.
     /// slip or gap is nothing but rounding at first: shorter steps do not see it. A longer one does, and its motion is that of
     /// the new states from the beginning, without an impact.
     fn turned_at_once(&mut self, span: &Span, from: &Look, before: &Look, after: &Look) -> bool {
@@ -261,7 +263,7 @@ impl Run {
         if before.t == from.t || moved <= allowed || passed[1] * self.fastest > HIDDEN {
             return false;
         }
-        // What lands with a velocity is an impact of its own.
+        // A contact that lands with a velocity makes an impact of its own.
         let fast = from.place[1].amax().max(self.scales.velocity);
         let lands = (0..after.states.len()).any(|i| {
             let opening = self.directions.column(2 * i).dot(&from.place[1]);
@@ -353,10 +355,11 @@ impl Run {
         }
         *last = states;
         if self.fit.is_none() && to.t - from.t < SHORTEST * self.internal_step() {
-            // How soon a contact is seen to leave a surface that begins to move depends on how long the step is that is asked for.
+            // The length of the requested step determines how soon a contact is seen to leave a surface that begins to
+            // move.
             return Ok(());
         }
-        // Either end is known as near as a change is looked at.
+        // Either end is known up to the accuracy of a change.
         self.lasts = to.t - from.t - 2.0 * self.near();
         self.judge_instant(span, from, held, false);
         if from.t > 0.0 {

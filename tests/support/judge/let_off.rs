@@ -1,10 +1,10 @@
-//! What a judge could not judge, counted.
+//! Counts of the events that a judge could not judge.
 
 use super::Run;
 use std::ops::AddAssign;
 
-/// How much of a run was judged, and how much was let off. A run that lets anything off fails, unless whoever
-/// made it takes the counts and holds them to a bound.
+/// Counts of the judged parts of a run and of those that were let off. A run that lets anything off fails, unless its
+/// caller takes the counts and holds them to a bound.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct LetOff {
     /// Steps that were judged.

@@ -31,8 +31,8 @@ use std::f64::consts::TAU;
 /// The integrators; every case is run with each of them, unless it says why not.
 pub const METHODS: [Method; 2] = [Method::ForwardIncrement, Method::EventDriven];
 
-/// What a result may be off: the paper's scheme, of first order, by `first`, which is proportional to
-/// its step and derived beside each case; the event-driven integrator by `rounding`.
+/// Tolerance of a result: for the paper's scheme, of first order, `first`, which is proportional to its step and
+/// derived beside each case; for the event-driven integrator `rounding`.
 pub fn off(method: Method, first: f64, rounding: f64) -> f64 {
     match method {
         Method::ForwardIncrement => first,
@@ -72,20 +72,20 @@ pub struct Run {
     /// Missing the law by less than this part of the scales is forgiven: rounding of masses and stiffnesses that
     /// differ by many orders of magnitude.
     forgiven: f64,
-    /// What was reported when the last step began.
+    /// Forces that were reported when the last step began.
     reported: Option<Vec<ContactForce>>,
-    /// Do closed contacts have a gap of exactly zero?
+    /// `true` if closed contacts have a gap of exactly zero.
     is_exact: bool,
-    /// Else, how much is forgiven as a part of the scales, and the gap of it, m.
+    /// Tolerance of contacts that are not exact, as a part of the scales, and that of the gap, m.
     drift: f64,
     gap_drift: f64,
     /// The step that was judged last.
     judged: u64,
-    /// Where the last step began.
+    /// State of the simulation when the last step began.
     start: Option<(Snapshot, Vec<ContactState>, Statistics)>,
-    /// The instant at hand, against the end of the step, s, and whether a contact state ends there.
+    /// The present instant, measured from the end of the step, s, and `true` if a contact state ends there.
     at: (f64, bool),
-    /// For how long the contact states go on from there, s, where that is known.
+    /// Time for which the contact states continue from there, s, if it is known.
     lasts: f64,
     /// The highest frequency of the masses on their own springs, 1/s.
     fastest: f64,
@@ -94,17 +94,17 @@ pub struct Run {
     /// the beginning of the step; known for exact motion.
     pub changes: Vec<Change>,
     segments: Vec<[f64; 2]>,
-    /// What could not be judged so far.
+    /// Counts of the events that could not be judged so far.
     pub let_off: LetOff,
 }
 
-/// What acts at one time.
+/// The actions on the masses at one time.
 pub struct Acting {
-    /// N, one a degree of freedom: the load and the external forces.
+    /// Load and external forces, N, one value for each degree of freedom.
     pub force: DVector<f64>,
-    /// m/s, one a contact.
+    /// Velocities of the sliders, m/s, one value for each contact.
     pub slider_velocity: Vec<f64>,
-    /// Friction coefficients, one pair a contact.
+    /// Friction coefficients, one pair for each contact.
     pub friction: Vec<Friction>,
 }
 
@@ -222,7 +222,7 @@ impl Run {
         self.scales.length = self.scales.length.max(x.amax()).max(strained);
     }
 
-    /// How long the last step was, s: an internal one, or a part of one.
+    /// Length of the last step, s: an internal one, or a part of one.
     pub fn h(&self) -> f64 {
         self.length
     }
@@ -235,7 +235,7 @@ impl Run {
         self.acting.step
     }
 
-    /// How near to an edge of a signal a time is the edge, s, as the simulation has it.
+    /// Distance from an edge of a signal below which a time counts as the edge, s, as in the simulation.
     fn slack(&self) -> f64 {
         (1e-6 * self.internal_step()).min(1e-9)
     }
@@ -326,19 +326,19 @@ impl Run {
         self.simulation.contact_forces().unwrap().to_vec()
     }
 
-    /// What acts in the step that begins at `time`, as the paper's scheme takes it: the velocity of a
-    /// slider is that of the step's end.
+    /// The actions in the step that begins at `time`, as the paper's scheme takes them: the velocity of a slider is
+    /// that of the step's end.
     pub fn acting(&mut self, time: f64) -> Acting {
         self.acting_at([time, time + self.h()])
     }
 
-    /// What acts: the velocities of sliders at the second time, all else at the first.
+    /// The actions: the velocities of sliders at the second time, all else at the first.
     fn acting_at(&mut self, times: [f64; 2]) -> Acting {
         let slack = self.slack();
         let is_exact = self.method == Method::EventDriven;
         self.drive(|signal, is_velocity| {
             let t = times[usize::from(is_velocity)];
-            // Exact motion goes on to an edge as it did before.
+            // Up to an edge, exact motion continues as before the edge.
             signal.shape.onward(if is_exact { times[0] } else { t }, t, slack)
         });
         let force = self.outer_force();
@@ -364,7 +364,8 @@ impl Run {
         DVector::from_iterator(force.len(), force.iter().zip(external).map(|(a, b)| a + b))
     }
 
-    /// How fast the external forces and the velocities of the sliders change from `time` on, N/s and m/s², sines apart.
+    /// Rates of the external forces and of the velocities of the sliders from `time` on, N/s and m/s², without those of
+    /// sines.
     fn rates(&mut self, time: f64) -> [DVector<f64>; 2] {
         let contacts = self.model.contacts.len();
         let slack = self.slack();
@@ -520,7 +521,7 @@ impl Run {
         }
     }
 
-    /// What the loads put into the stiffest spring, J.
+    /// Energy that the loads put into the stiffest spring, J.
     #[allow(dead_code, reason = "random scenes alone are measured by it")]
     pub fn energy_at_rest(&self) -> f64 {
         let force = self.scales.force.max(self.outer_force().amax());

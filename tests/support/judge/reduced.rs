@@ -1,16 +1,17 @@
-//! The law of contact where a scene leaves parts of it out, and friction that depends on the slip velocity.
+//! The law of contact for scenes that leave parts of it out, and friction that depends on the slip velocity.
 //!
-//! What cannot open has no gap, and friction by the size of its normal force, or with its sign where its direction is
-//! frozen. What cannot stick has the direction of its surface's velocity, whatever its slip.
+//! A contact that cannot open has no gap, and its friction follows the size of its normal force, or the signed force if
+//! the direction of friction is frozen. A contact that cannot stick has the direction of its surface's velocity,
+//! whatever its slip.
 
 use super::Run;
 use amontons::contact::residual::{Instant, Scales, Violation, residual};
 use amontons::contact::{ContactLaw, Friction, Law};
 
-/// A slip that is beyond all scales, in parts of that of velocities.
+/// A slip velocity beyond all scales, in parts of the scale of velocities.
 const FAST: f64 = 1e30;
 
-/// How far a contact is from the parts of the law that there are, on a surface with this velocity, m/s.
+/// Violation by a contact of those parts of the law that the scene has, on a surface with this velocity, m/s.
 pub(super) fn residual_under(
     law: ContactLaw,
     surface: f64,
@@ -35,7 +36,7 @@ pub(super) fn residual_under(
 }
 
 impl Run {
-    /// Does the scene have the whole law of contact?
+    /// `true` if the scene has the whole law of contact.
     pub(super) fn has_whole_law(&self) -> bool {
         !self.model.law.is_reduced()
     }
@@ -54,7 +55,7 @@ impl Run {
         Friction::from(kinetic + (static_ - kinetic) * decay)
     }
 
-    /// What contacts may give in a direction of friction, or between two, as the edges of their cones.
+    /// Edges of the cone of forces for a direction of friction, or for a range between two.
     pub(super) fn edges(&self, [from, to]: [f64; 2], surface: f64) -> [f64; 2] {
         if !self.model.law.has_frozen_direction() {
             return [from, to];

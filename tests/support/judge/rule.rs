@@ -1,9 +1,9 @@
-//! What depends on how a contact came to where it is: static and kinetic friction.
+//! The part of the law that depends on the history of a contact: static and kinetic friction.
 //!
-//! The law at one instant allows a contact that slips its kinetic friction, whether or not it should have let
-//! go. So here a contact that slips and did not before is asked what it would have needed to hold, and one
-//! that holds what could have brought it to a stop: one that stuck is held by up to µ_s N either way, one
-//! that slipped by up to µ N against its slip, and µ_s N against slipping back; one that lands, by µ N.
+//! The law at one instant allows a contact that slips its kinetic friction, whether or not the contact should have been
+//! released. So for a contact that has begun to slip the force needed to hold it is computed, and for one that holds
+//! the force that could have stopped it: one that stuck is held by up to µ_s N either way, one that slipped by up to µ
+//! N against its slip, and µ_s N against slipping back; one that lands, by µ N.
 
 use super::Run;
 use super::singular::nearest;
@@ -11,7 +11,7 @@ use amontons::contact::ContactState::{self, Detached, ReverseSlide, Slide, Stick
 use amontons::contact::Friction;
 use nalgebra::DVector;
 
-/// How a contact was before.
+/// State of a contact before the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Before {
     Open,
@@ -20,14 +20,14 @@ pub(super) enum Before {
     Slipped(f64),
 }
 
-/// What a contact does, and what that is measured against.
+/// Forces and slip of a contact, with the sizes that count as zero.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Doing {
     /// (N, T), or impulses.
     pub force: [f64; 2],
     /// The slip, slider against mass, that the forces leave: a velocity, of impulses, or an acceleration.
     pub slip: f64,
-    /// What is nothing for the slip and for the forces.
+    /// Values of the slip and of the forces that count as zero.
     pub nothing: [f64; 2],
 }
 
@@ -77,7 +77,7 @@ impl Run {
         if normal <= nothing[1] || !was_stopped {
             return (0.0, true);
         }
-        // What it takes to hold: a force along the tangent that takes the slip away.
+        // The force needed to hold the contact: a force along the tangent that removes the slip.
         let (mut states, mut friction) = (states.to_vec(), friction.to_vec());
         (states[contact], friction[contact]) = (Slide, Friction::from(0.0));
         let place = self.held(&states, &friction);
@@ -90,7 +90,7 @@ impl Run {
         (limit * normal - direction * tangential - (1.0 + limit) * nothing[1], true)
     }
 
-    /// Does another contact share masses with this one?
+    /// `true` if another contact shares masses with this one.
     pub(super) fn shares_masses(&self, contact: usize) -> bool {
         let rows = self.directions.columns(2 * contact, 2);
         let delassus = rows.transpose() * &self.inverse_mass * &self.directions;
@@ -98,11 +98,11 @@ impl Run {
         others.fold(0.0, |most: f64, column| most.max(delassus.column(column).amax())) > 0.0
     }
 
-    /// The distance of a vector, as forces on the masses, from what contacts can give that are not open and slip as
-    /// told, each with the limits of its friction backward and forward: a distance from a cone, by the active set of
-    /// Lawson and Hanson (Solving Least Squares Problems, 1974, ch. 23).
+    /// Distance of a vector, as forces on the masses, from the forces that closed contacts can give, each with the
+    /// limits of its friction backward and forward: a distance from a cone, by the active set of Lawson and Hanson
+    /// (Solving Least Squares Problems, 1974, ch. 23).
     ///
-    /// What cannot open pulls as well.
+    /// Contacts that cannot open also pull.
     pub(super) fn distance_from_cone(
         &self,
         vector: &DVector<f64>,

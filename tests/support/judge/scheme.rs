@@ -32,8 +32,8 @@ impl Run {
         (terms.into_iter().sum(), ROUNDING * lost)
     }
 
-    /// What the tolerance of the multipliers leaves, a part of 1e-13 of the largest in the last sweep,
-    /// where contacts between masses share one: a velocity each step, and the gaps that add up.
+    /// Adds the error that the tolerance of the multipliers leaves, a part of 1e-13 of the largest in the last
+    /// iteration, where contacts between masses share one: a velocity each step, and the gaps that add up.
     fn add_drift(&mut self, forces: &DVector<f64>) {
         if !self.is_exact {
             let lightest = self.mass.diagonal().iter().copied().fold(f64::MAX, f64::min);
@@ -61,7 +61,7 @@ impl Run {
         };
         let forces = fit * &needed;
         let time = self.time();
-        // What no contact can have given.
+        // The part of the forces that no contact can give.
         let rest = (&needed - &self.directions * &forces).amax();
         let allowed = 10.0 * rounding + self.forgiven * self.scales.force;
         assert!(rest <= allowed, "at {time} s the masses miss Newton's law by {rest} N");
@@ -127,13 +127,13 @@ impl Run {
         self.friction_at(acting.friction[contact], slip, sticks)
     }
 
-    /// How a contact was before the last step, at the end of which its slider had this velocity.
+    /// State of a contact before the last step, at the end of which its slider had this velocity.
     fn was(&self, contact: usize, slider: f64) -> Before {
         let slip = slider - self.directions.column(2 * contact + 1).dot(&self.before[1]);
         let rounding = (1e-12 + self.drift) * self.scales.velocity;
         let nothing = rounding + self.forgiven * self.scales.velocity;
         let (_, states, _) = self.start.as_ref().unwrap();
-        // A slip far below the fastest velocity may be a slip all the same; the state says it.
+        // A slip far below the fastest velocity may still be a slip; the contact state decides.
         let slipped =
             slip.abs() > rounding && states[contact].sliding_direction() == Some(slip.signum());
         // A start may have it leave the slider.
@@ -165,7 +165,7 @@ impl Run {
             let range = if slip.abs() <= nothing * self.scales.velocity {
                 [-friction.static_, friction.static_]
             } else {
-                // Of contacts that are redundant no motion tells which of them stuck.
+                // For redundant contacts the motion does not show which of them stuck.
                 let limits = [slipping.kinetic, friction.kinetic].map(|mu| slip.signum() * mu);
                 [limits[0].min(limits[1]), limits[0].max(limits[1])]
             };
@@ -180,8 +180,8 @@ impl Run {
         );
     }
 
-    /// Where nothing happened in the last step, what the integrator reported at its beginning is what
-    /// Newton's law needs.
+    /// Checks that the forces that the integrator reported at the beginning of the last step are those that Newton's
+    /// law needs, if nothing happened in the step.
     #[track_caller]
     fn compare_with_report(&mut self, needed: &DVector<f64>, rounding: f64) {
         let Some(reported) = self.reported.take() else { return };
@@ -221,8 +221,8 @@ impl Run {
             return;
         }
         let rest = missing.amax();
-        // Where masses share contacts the multipliers stop at 1e-13 of the largest in a step, and what
-        // that leaves, up to a hundred times as much where they converge slowly, comes in the next.
+        // If masses share contacts, the multipliers stop at 1e-13 of the largest in a step, and the remaining error, up
+        // to a hundred times as much where they converge slowly, appears in the next.
         let allowed = if self.is_exact {
             10.0 * rounding + 1e-12 * forces.amax()
         } else {

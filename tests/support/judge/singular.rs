@@ -77,7 +77,7 @@ pub(super) fn pseudo_inverse(matrix: &DMatrix<f64>, least: f64) -> DMatrix<f64> 
     parts.fold(DMatrix::zeros(matrix.ncols(), matrix.nrows()), |sum, part| sum + part)
 }
 
-/// How much of each of these columns of length 1 makes the sum that is nearest to a vector; `None` where they depend on
+/// Coefficients of these columns of length 1 in the sum that is nearest to a vector; `None` if the columns depend on
 /// each other.
 pub(super) fn nearest(columns: &[&DVector<f64>], vector: &DVector<f64>) -> Option<Vec<f64>> {
     let count = columns.len();

@@ -56,7 +56,7 @@ fn make(environment: &Path, interpreter: &Path) {
     );
 }
 
-/// What `python3` says its version is.
+/// The version that `python3` states.
 fn version() -> String {
     run(
         Command::new("python3").arg("--version"),

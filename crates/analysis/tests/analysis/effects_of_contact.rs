@@ -88,7 +88,7 @@ fn growth() -> f64 {
 #[test]
 fn friction_that_falls_faster_than_the_damper_brakes_lets_vibration_grow_as_the_closed_form_says() {
     let mut scene = parse("effect", STRIBECK).unwrap();
-    // As long as the amplitude is small: 1e-7 m/s of 0.1 m/s.
+    // The formula holds for small amplitudes: 1e-7 m/s at 0.1 m/s.
     let Some(network) = scene.network().cloned() else { panic!("a network") };
     let mut network = network;
     network.masses[0].velocity = [1e-7, 0.0];
@@ -104,7 +104,7 @@ fn friction_that_falls_faster_than_the_damper_brakes_lets_vibration_grow_as_the_
         });
         worst
     });
-    // Of first order: friction, as damping, lags by a step.
+    // The error is of first order: friction, as damping, lags by a step.
     let [coarse, fine] = worst_with;
     assert!(fine < 2e-2 && (8.0..12.0).contains(&(coarse / fine)), "{coarse} {fine}");
 }

@@ -19,7 +19,7 @@ struct Block {
     damping: f64,
     /// m and m/s.
     start: [f64; 2],
-    /// Of the force along the belt, such as `sine = { amplitude = 1.0, frequency = 5.0 }`.
+    /// Signals of the force along the belt, such as `sine = { amplitude = 1.0, frequency = 5.0 }`.
     signals: &'static [&'static str],
 }
 
@@ -56,7 +56,7 @@ impl Block {
     }
 }
 
-/// What a scene ends in, looked at through windows of so many seconds or as long as the scene asks for.
+/// The end of a scene's motion, observed through windows of `window` seconds or of the scene's default length.
 fn ending(scene: &Scene, window: Option<f64>) -> Ending {
     let wish = Wish { window, ..Wish::default() };
     let prepare = |scene: &mut Scene| Look::paced(scene, &wish);
@@ -131,8 +131,8 @@ fn a_motion_that_comes_back_after_several_periods_of_its_drive_is_periodic() {
     }
 }
 
-/// What a block ends in does not know of a sine that is over. Once the sine was judged while it went on, and a window with its
-/// end in it counted for the end.
+/// The end of a block's motion does not depend on a sine that is over. An earlier version judged the motion while the
+/// sine was acting, and counted a window that contained its end as the end of the motion.
 #[test]
 fn a_sine_that_ends_leaves_no_trace_in_what_a_scene_ends_in() {
     let block = |signals| Block {
@@ -406,8 +406,8 @@ const SWINGING_BELT: &str = r#"
     experiment = { stop_time = 30.0, output_interval = 2e-3 }
 "#;
 
-/// Where friction holds a block on a swinging belt, short slips first move it to the middle: they get shorter like 1/√t. They were
-/// taken for a state that stays, so that slip vanished and came again as friction grew.
+/// If friction holds a block on a swinging belt, short slips first move it to the middle: their length decreases like
+/// 1/√t. An earlier version took them for a state that stays, so that slip vanished and came again as friction grew.
 #[test]
 fn slips_that_get_ever_shorter_are_none_in_the_end() {
     let signal =

@@ -17,7 +17,7 @@ fn pressed(contact: &str, more: &str) -> (Scene, LumpedModel) {
     turned(0.0, contact, more)
 }
 
-/// The same with its axes turned, which couples them.
+/// The mass of [`pressed`] with its axes turned, which couples them.
 fn turned(angle: f64, contact: &str, more: &str) -> (Scene, LumpedModel) {
     let load = [-10.0 * angle.sin(), -10.0 * angle.cos()];
     let text = format!(

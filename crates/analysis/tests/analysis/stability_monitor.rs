@@ -39,7 +39,8 @@ fn states(simulation: &mut Simulation) -> Vec<ContactState> {
     forces.iter().map(|force| force.state).collect()
 }
 
-/// The same by the whole quadratic problem. What is real there is so up to rounding.
+/// Expected growth rate, frequency and number of modes, by the whole quadratic problem. Its real eigenvalues are real
+/// up to rounding.
 fn expected(scene: &Scene, states: &[ContactState]) -> (f64, f64, f64) {
     let model = LumpedModel::from(scene);
     let all = quadratic::eigenvalues(&model, states, scene.friction_coefficient);
@@ -70,7 +71,7 @@ fn sliding_at_first_it_has_the_paper_s_growth_rate_and_frequency() {
     let printed = table["states"]["Sl-Sl"].as_array().unwrap().iter();
     let pairs = printed.map(|pair| [pair[0].as_f64().unwrap(), pair[1].as_f64().unwrap()]);
     let [growth, frequency] = pairs.reduce(|a, b| if b[0] > a[0] { b } else { a }).unwrap();
-    // As tests/physics/tables.rs; printed in Hz.
+    // The tolerance is that of tests/physics/tables.rs; the values are printed in Hz.
     assert!((found.0 / TAU - growth).abs() < 0.006 && (found.1 - frequency).abs() < 0.006);
     assert!(found.0 > 0.0);
 }
@@ -170,7 +171,8 @@ fn friction_that_falls_with_the_slip_velocity_grows_as_its_closed_form_and_as_th
     };
     let (first, last) = (most_in(0.0), most_in(16.0));
     let found = (last / first).ln() / (16.0 * period);
-    // Of it the scheme takes h σ², 1e-5 of σ; and at 1e-3 of v the slope is that at v to the square of it.
+    // The scheme reduces the growth rate σ by h σ², 1e-5 of σ; at an amplitude of 1e-3 of v the slope differs by the
+    // square of that from the slope at v.
     assert!((found / sigma - 1.0).abs() < 1e-4, "{found} {sigma}");
 }
 

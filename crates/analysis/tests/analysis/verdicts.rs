@@ -34,7 +34,7 @@ fn paced(scene: &mut Scene) -> Result<Look, Error> {
     Look::paced(scene, &Wish::default())
 }
 
-/// The same over any parameter, of motion that is computed and looked at as wished.
+/// The limit cycles over any parameter; `prepare` sets the integrator and the observation settings.
 fn cycles_over(scene: &Scene, prepare: Prepare<'_>, name: &str, values: &[f64]) -> LimitCycles {
     let question = Question {
         name: name.to_owned(),
@@ -58,7 +58,7 @@ fn followed(scene: &Scene, values: &[f64], resolution: f64) -> Continuation {
     continuation(&plan, &Journal::forgotten(), Watch::IDLE).unwrap().unwrap()
 }
 
-/// Where a mode of uniform sliding begins to grow, by the eigenvalues.
+/// Friction coefficient at which a mode of uniform sliding begins to grow, by the eigenvalues.
 fn onset(scene: &Scene, range: [f64; 2]) -> f64 {
     let found = bistability(scene, range, &|_| {}).unwrap();
     found.uniform.iter().find(|crossing| crossing.becomes_unstable).unwrap().value
@@ -254,7 +254,7 @@ fn an_undamped_motion_of_any_size_is_one_motion_over_friction() {
     assert!(found.unknown.is_empty(), "{:?}", found.unknown);
 }
 
-/// The same block beside a damped one whose surface moves the other way: contacts in two states that never change.
+/// An undamped block beside a damped one whose surface moves the other way: contacts in two states that never change.
 #[test]
 fn an_undamped_motion_is_linear_with_contacts_that_slide_both_ways() {
     let block = |name: &str, mass: f64, along: f64| {

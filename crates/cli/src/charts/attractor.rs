@@ -1,4 +1,4 @@
-//! Attractors as legends have them.
+//! Attractors formatted for legends.
 
 use amontons::decimal::to_significant;
 use amontons::scene::Scene;
@@ -6,7 +6,7 @@ use amontons::simulation::variables;
 use amontons_analysis::study::{Ending, Kind, unit};
 use amontons_pictures::picture::prefixed;
 
-/// "quasi-periodic, 0.12 mm, 167.3 Hz"; "rest".
+/// Describes a motion: "quasi-periodic, 0.12 mm, 167.3 Hz"; "rest".
 #[must_use]
 pub fn words(ending: &Ending, unit: &str) -> String {
     if ending.kind == Kind::Equilibrium {

@@ -6,10 +6,10 @@ use amontons_analysis::stability::candidates::Bistability;
 use amontons_analysis::study::{Bistable, Continuation, Ending, Jump, Kind, Look, Point, Way};
 use amontons_pictures::picture::{Band, Chart, Mark, Panel, Series, Style};
 
-/// Colours of ranges with two motions: first those of rest and a cycle and of two cycles, then those of other pairs.
+/// Colours of ranges with two motions: rest and a cycle, two cycles, then other pairs.
 const BANDS: [usize; 6] = [2, 4, 5, 3, 6, 7];
 
-/// Amplitude and frequency of both ways, jumps as marks, ranges with two motions shaded.
+/// Amplitude and frequency of both ways, with jumps as marks and ranges with two motions shaded.
 #[must_use]
 pub fn chart(
     scene: &Scene,
@@ -78,7 +78,7 @@ pub fn chart(
     }
 }
 
-/// The values whose runs have not failed, with what they have ended in.
+/// The values whose runs have not failed, with the motions in which they end.
 fn endings(points: &[Point]) -> Vec<(f64, &Ending)> {
     points.iter().filter_map(|point| Some((point.friction, point.ending.as_ref().ok()?))).collect()
 }
@@ -110,7 +110,7 @@ fn curve(found: &Continuation, way: Way, value: fn(&Ending) -> f64) -> Vec<[f64;
     curve
 }
 
-/// Does the nearest value beyond a jump rest?
+/// `true` if the motion at the nearest value beyond a jump is rest.
 fn rests_beyond(points: &[Point], jump: &Jump) -> bool {
     let nearest = match jump.way {
         Way::Rising => points.iter().find(|point| point.friction > jump.at()),
@@ -119,7 +119,7 @@ fn rests_beyond(points: &[Point], jump: &Jump) -> bool {
     nearest.and_then(|point| point.ending.as_ref().ok()).is_some_and(Ending::rests)
 }
 
-/// What a crossing of uniform sliding is called.
+/// The label of a crossing of uniform sliding.
 #[must_use]
 pub fn turn(becomes_unstable: bool) -> &'static str {
     if becomes_unstable {
@@ -129,7 +129,7 @@ pub fn turn(becomes_unstable: bool) -> &'static str {
     }
 }
 
-/// What a motion does at a jump, where it may take too long to settle.
+/// Describes the motion at a jump, which may not have settled.
 #[must_use]
 pub fn describe(ending: &Ending) -> &'static str {
     match ending.kind {

@@ -1,9 +1,9 @@
-//! Marks of motions by their kinds.
+//! Marks of motions by kind.
 
 use amontons_analysis::study::{Ending, Kind};
 use amontons_pictures::picture::{Marker, Series, Style};
 
-/// The mark of each kind of motion that has a size.
+/// The mark of each kind of motion that has an amplitude.
 const MARKS: [(Kind, Marker); 6] = [
     (Kind::Equilibrium, Marker::Disc),
     (Kind::Periodic, Marker::Ring),
@@ -13,7 +13,8 @@ const MARKS: [(Kind, Marker); 6] = [
     (Kind::Unsettled, Marker::Cross),
 ];
 
-/// A mark for each value of each curve, at the amplitude of its motion and by the kind of that; the legend has each kind once.
+/// A mark for each value of each curve, at the amplitude of its motion and by its kind; the legend lists each kind
+/// once.
 pub fn marks(curves: &[Vec<(f64, &Ending)>]) -> Vec<Series> {
     let mut series: Vec<Series> = Vec::new();
     for (colour, curve) in curves.iter().enumerate() {
@@ -36,7 +37,7 @@ pub fn marks(curves: &[Vec<(f64, &Ending)>]) -> Vec<Series> {
     series
 }
 
-/// The amplitude that a picture shows: none of what rests or decays to rest.
+/// The amplitude that a picture shows: zero for motions at rest or decaying to rest.
 pub fn amplitude(ending: &Ending) -> f64 {
     if ending.rests() { 0.0 } else { ending.amplitude }
 }

@@ -10,25 +10,25 @@ use amontons_analysis::study::{
 use amontons_analysis::sweep::axis;
 use amontons_pictures::picture::{Chart, Mark, Panel, Series, Style};
 
-/// A study of limit cycles: its question and what was found.
+/// A study of limit cycles: its question and its results.
 pub struct Results<'a> {
     /// The scene that was studied.
     pub scene: &'a Scene,
-    /// The output that is looked at.
+    /// The output whose amplitude and frequency are computed.
     pub of: &'a str,
     /// The parameter and its values.
     pub question: &'a Question,
-    /// The limit cycles, an outcome for each value.
+    /// The limit cycles, with an outcome for each value.
     pub found: &'a LimitCycles,
 }
 
 impl Results<'_> {
-    /// The values of the parameter, each with what came of it.
+    /// The values of the parameter, each with its outcome.
     pub fn outcomes(&self) -> impl Iterator<Item = (f64, &Outcome)> {
         self.question.values.iter().copied().zip(&self.found.outcomes)
     }
 
-    /// The unit of the output that is looked at, in brackets.
+    /// The unit of the observed output, in brackets.
     #[must_use]
     pub fn unit(&self) -> String {
         let unit = output(self.scene, self.of).map_or("1", |output| unit(&output));
@@ -54,7 +54,7 @@ impl Results<'_> {
         let settled = self.outcomes().filter_map(|(value, found)| Some((value, found.settled()?)));
         amplitude.extend(kinds::marks(&[settled.collect()]));
         let mut frequency = self.curve(None, 0, |ending| {
-            // Of a decay no one asks.
+            // The frequency of a decaying motion is of no interest.
             ending.frequency.filter(|_| !ending.rests())
         });
         // Another line may become the strongest one between two values.
@@ -84,7 +84,7 @@ impl Results<'_> {
         }
     }
 
-    /// A quantity over the parameter: a curve of the values that have settled, broken where the motion comes to
+    /// The series of a quantity over the parameter: a curve of the values that have settled, broken where the motion is
     /// rest, and dots for those that have not.
     fn curve(
         &self,
@@ -132,7 +132,7 @@ impl Results<'_> {
         let style = |colour| match (is_point, colour) {
             (true, _) => Style::Dots,
             (false, 0) => Style::Line,
-            // Modules may move alike.
+            // Modules may have the same motion.
             (false, _) => Style::Dashed,
         };
         let mut series: Vec<Series> = Vec::new();
@@ -157,7 +157,7 @@ impl Results<'_> {
                 colour: 2,
                 ..Series::default()
             });
-            // Below the orbits, which stick to it.
+            // The slider's line is drawn first, below the orbits, which stick to it.
             series = slider.chain(series).collect();
         }
         let kind = portrait.ending.kind.name();
@@ -178,7 +178,7 @@ impl Results<'_> {
     }
 }
 
-/// The changes of a motion between two values, in words.
+/// Describes the changes of a motion between two values.
 #[must_use]
 pub fn changes(threshold: &MotionBracket) -> String {
     threshold.changes.iter().map(ToString::to_string).collect::<Vec<_>>().join(", ")

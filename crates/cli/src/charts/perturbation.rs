@@ -1,4 +1,4 @@
-//! The pictures of perturbations and of what they end in.
+//! The pictures of a study of perturbations: final amplitudes and histories.
 
 use super::attractor::{four_digits, unit_of, words};
 use amontons::numerics::range;
@@ -7,7 +7,7 @@ use amontons_analysis::study::perturbation::{Direction, Perturbations, Run, Thre
 use amontons_analysis::study::{Look, history};
 use amontons_pictures::picture::{Chart, Mark, Marker, Panel, Series, Style};
 
-/// Final amplitude over the perturbation.
+/// Final amplitude over the initial perturbation.
 #[must_use]
 pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbations) -> Chart {
     let unit = unit_of(scene, &look.of);
@@ -59,7 +59,7 @@ pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Pertur
     }
 }
 
-/// The runs on both sides of a threshold over time; `None` if they were ended.
+/// The runs on both sides of a threshold over time; `None` if the work was ended.
 pub fn histories(
     scene: &Scene,
     direction: &Direction,
@@ -79,7 +79,7 @@ pub fn histories(
         let Some(rows) = rows else { return Ok(None) };
         curves.push(thinned(&rows, look.interval));
     }
-    // A motion is followed long after one sees where it goes.
+    // The runs last much longer than it takes to see their end, so only the beginning is shown.
     let shown = 1.5 * curves.iter().map(|curve| seen_to_settle(curve)).fold(0.0, f64::max);
     let unit = unit_of(scene, &look.of);
     let panel = |(place, curve): (usize, Vec<[f64; 2]>)| {
@@ -105,7 +105,7 @@ pub fn histories(
     }))
 }
 
-/// A history as a picture can show it: of each of some thousand stretches its smallest value and then its largest.
+/// A history thinned for a picture: the smallest and then the largest value of each of some thousand stretches.
 #[allow(clippy::cast_precision_loss)]
 #[must_use]
 pub fn thinned(rows: &[f64], interval: f64) -> Vec<[f64; 2]> {

@@ -7,19 +7,19 @@ use amontons_analysis::study::transient::{Band, Finding, Phase, Transient};
 use amontons_pictures::picture::{Chart, Class, Lane, Panel, Raster, Series, Stretch, Style};
 use std::f64::consts::TAU;
 
-/// A curve of many values is drawn by the smallest and the largest of each of so many pieces.
+/// Number of pieces of a curve with many values; each is drawn by its extrema.
 const PIECES: usize = 1200;
-/// The most bands that are drawn, and lanes.
+/// Limits of the number of bands and of lanes that are drawn.
 const MOST_BANDS: usize = 5;
 const MOST_LANES: usize = 16;
-/// What is less than this part of the largest value is rounding, and is not drawn.
+/// Values below this part of the largest one are rounding errors and are not drawn.
 const ROUNDING: f64 = 1e-12;
-/// A line that begins after this part of the run begins late.
+/// A line that begins after this part of the run is labelled at its beginning.
 const LATE: f64 = 0.1;
-/// Less than this below the largest power is not told from nothing, dB.
+/// Lower limit of the powers drawn, relative to the largest, dB.
 const DEEPEST: f64 = -80.0;
 
-/// The history, the logarithms of its amplitudes, its spectrogram, and the contacts' states.
+/// The history, the logarithms of its amplitudes, its spectrogram, and the contact states.
 #[must_use]
 pub fn chart(scene: &Scene, found: &Transient) -> Chart {
     let panels = [Some(history(found)), amplitudes(found), spectrogram(found), states(found)];
@@ -31,10 +31,10 @@ pub fn chart(scene: &Scene, found: &Transient) -> Chart {
     }
 }
 
-/// The most findings that are printed, and drawn.
+/// Limit of the number of findings that are printed and drawn.
 const MOST_LISTED: usize = 12;
 
-/// The findings that change most, in order of time: growth before decay, and no combinations before others.
+/// The findings with the largest changes, in order of time: growth is preferred to decay, and combinations come last.
 #[must_use]
 pub fn most_telling(findings: &[Finding]) -> Vec<&Finding> {
     let change = |finding: &Finding| {
@@ -72,7 +72,7 @@ fn history(found: &Transient) -> Panel {
     }
 }
 
-/// Logarithms to base ten, with the fitted lines.
+/// The panel of the logarithms of amplitudes to base ten, with the fitted lines.
 fn amplitudes(found: &Transient) -> Option<Panel> {
     let floor = ROUNDING * max_norm(&found.history);
     let logarithms = |points: &[[f64; 2]]| {
@@ -95,7 +95,7 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
         colour,
         ..Series::default()
     });
-    // Beside a growth the modes that decay would only reach far down.
+    // If there is growth, decaying modes would only extend the axis far down.
     let grows = found.findings.iter().any(|finding| finding.phase.rate > 0.0);
     let own = most_telling(&found.findings).into_iter().filter(|finding| {
         let Phase { combination, displacement, amplitude, band, rate, .. } = &finding.phase;
@@ -119,7 +119,7 @@ fn amplitudes(found: &Transient) -> Option<Panel> {
     })
 }
 
-/// The growth rate at one end of its line: the end, or where it begins late, where less is in the way, the beginning.
+/// The labels of the growth rate, of which one is empty: at the end of the line, or at its beginning if that is late.
 fn labels(phase: &Phase, end: f64) -> Vec<String> {
     let Phase { rate, frequency, span, .. } = phase;
     let label =
@@ -127,7 +127,7 @@ fn labels(phase: &Phase, end: f64) -> Vec<String> {
     if span[0] > LATE * end { vec![label, String::new()] } else { vec![String::new(), label] }
 }
 
-/// The strongest band, and those in which something grows or decays by itself.
+/// The strongest band, and those with growth or decay of their own.
 fn shown(found: &Transient) -> Vec<&Band> {
     let is_shown = |place: usize| {
         place == 0
@@ -139,14 +139,14 @@ fn shown(found: &Transient) -> Vec<&Band> {
     bands.filter(|(place, _)| is_shown(*place)).map(|(_, band)| band).take(MOST_BANDS).collect()
 }
 
-/// The largest of each of so many pieces.
+/// The largest value of each piece of a curve.
 fn thinned(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let largest =
         |piece: &[[f64; 2]]| piece.iter().copied().reduce(|a, b| if b[1] > a[1] { b } else { a });
     points.chunks(points.len().div_ceil(PIECES).max(1)).filter_map(largest).collect()
 }
 
-/// A curve that breaks where points are missing, which else stand at equal distances.
+/// A curve that breaks where points are missing; otherwise the points are equidistant.
 fn broken(points: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let distance = points.windows(2).map(|two| two[1][0] - two[0][0]).fold(f64::INFINITY, f64::min);
     let mut curve: Vec<[f64; 2]> = Vec::new();
@@ -174,7 +174,7 @@ fn spectrogram(found: &Transient) -> Option<Panel> {
     })
 }
 
-/// The outer edges of cells about values at equal distances; `None` of less than two.
+/// The outer edges of cells around values at equal distances; `None` for fewer than two values.
 fn edges(values: &[f64]) -> Option<[f64; 2]> {
     let [first, second, ..] = values else { return None };
     let half = 0.5 * (second - first);

@@ -1,4 +1,5 @@
-//! What accuracy costs: the table's numbers against independent ones, and the command as its user meets it.
+//! Tests of `amontons accuracy`: the numbers of the table against independent ones, and the command as its user meets
+//! it.
 
 use crate::program::{assert_refused, folder, run, text};
 use amontons::contact::ContactState;
@@ -15,7 +16,7 @@ fn amontons(folder: &Path, arguments: &[&str]) -> Output {
     run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
 }
 
-/// What a command that must succeed prints.
+/// Output of a command that must succeed.
 fn printed(folder: &Path, arguments: &[&str]) -> String {
     let output = amontons(folder, arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));

@@ -75,7 +75,7 @@ impl Case {
         match kind {
             "equilibrium" => assert!(end.rests, "{what}"),
             "unbounded" => assert!(!end.rests && end.amplitude > 1.0, "{what}"),
-            // Of a motion that neither grows nor decays each size is one.
+            // The amplitude of a motion that neither grows nor decays is arbitrary.
             _ if end.is_neutral => {}
             "periodic" | "quasi-periodic" | "irregular" | "undecided" => {
                 // Over a window the extent of a motion without a period varies.
@@ -201,7 +201,7 @@ fn swept(case: &Case, folder: &Path) -> Result<Answer, String> {
         let mu = number(&row[0]);
         let end = case.oracle(folder, &[("friction.coefficient", mu)]).end(case.time, case.step);
         let amplitude = number(&row[1]);
-        // What grows for ever is larger the later one looks.
+        // A motion that grows without bound is the larger the later it is observed.
         if end.amplitude > 1.0 {
             assert!(row[settled] == "no" && amplitude > 1.0, "{}: {row:?} {end:?}", case.name);
         } else if !end.rests {
@@ -369,7 +369,7 @@ fn transient(case: &Case, folder: &Path) -> Result<Answer, String> {
     let oracle = case.oracle(folder, &[]);
     let all = oracle.eigenvalues(&oracle.sliding());
     let findings = study["results"]["findings"].as_array().unwrap();
-    // Where contacts change their states a growth is that of a cycle, which eigenvalues do not have.
+    // If contacts change their states, a growth is that of a cycle, which eigenvalues do not describe.
     let is_linear = |finding: &&Value| {
         finding["taken"].as_array().is_some_and(|taken| taken.len() == 1)
             && finding["band"].is_null()
@@ -423,7 +423,7 @@ fn continuation(case: &Case, folder: &Path) -> Result<Answer, String> {
     let mut falling = Motion::of(&at(high), case.step);
     let first = falling.end(case.time);
     compare("falling, first", row("falling", high), first);
-    // What has grown without bound has no state to go on from.
+    // A motion that has grown without bound has no state from which to continue.
     if first.amplitude > 1.0 {
         let mut again = at(low);
         again.start.iter_mut().for_each(|start| start.fill(0.0));

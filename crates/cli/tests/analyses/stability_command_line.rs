@@ -11,7 +11,7 @@ fn stability(folder: &Path, arguments: &[&str]) -> Output {
     run(env!("CARGO_BIN_EXE_amontons-stability"), folder, arguments)
 }
 
-/// What a command that must succeed prints.
+/// Output of a command that must succeed.
 fn printed(arguments: &[&str]) -> String {
     let folder = folder();
     let output = stability(folder.path(), arguments);
@@ -130,7 +130,7 @@ fn the_candidates_in_the_readme_are_those_printed() {
     }
 }
 
-/// Where friction jams a scene its modes diverge: no oscillation, and no equilibrium beyond.
+/// A scene that friction jams diverges: its modes do not oscillate, and beyond there is no equilibrium.
 #[test]
 fn a_divergence_is_called_one_and_the_lost_equilibrium_is_noted() {
     let arguments = ["locus", "set2", "--set", "slider.angle=-0.5", "--friction", "0:6:0.1"];
@@ -325,7 +325,7 @@ fn friction_that_falls_with_the_slip_velocity_drives_with_its_slope() {
     assert!((stribeck_growth_rate(0.1) - 0.679).abs() < 5e-4);
 }
 
-/// Where the damping force of scenes/effects/stribeck.toml, d + N dµ/dv, is zero.
+/// Velocity at which the damping of scenes/effects/stribeck.toml, d + N dµ/dv, is zero.
 fn stribeck_critical_velocity() -> f64 {
     let (n, d, mu, mu_s, v_s) = (10.0, 6.0, 0.2, 0.4, 0.1);
     v_s * f64::ln(n * (mu_s - mu) / (v_s * d))
@@ -445,7 +445,7 @@ fn each_command_says_what_it_leaves_out_of_signals_and_when_it_looks() {
     assert_eq!(driven["states"], plain["states"]);
     assert_eq!((&driven["at"], plain["at"].is_null()), (&1.0.into(), true));
     assert_ne!(driven["states"], state("states ramp.toml --format json")["states"]);
-    // What a signal drives is not gone through.
+    // A quantity that a signal drives cannot be varied.
     for command in [
         "bistable ramp.toml --friction 0:1",
         "locus ramp.toml --friction 0:1:0.5",

@@ -145,7 +145,7 @@ fn exchanging_the_modules_of_set_2_mirrors_the_plane() {
     }
 }
 
-/// What has no other way to move than to rest.
+/// A scene in which every motion ends at rest.
 #[test]
 fn a_plane_without_a_cycle_is_all_rest() {
     let mut scene = set2();
@@ -209,7 +209,7 @@ fn an_interrupted_plane_is_finished_as_if_it_had_not_been() {
         (csv.lines().next(), csv.lines().count()),
         (Some("x,y,attractor,kind,decided"), 1 + 24 * 24)
     );
-    // What is not run is told, and every point is run where that is asked for.
+    // The number of points that are not run is printed; on request every point is run.
     let filled_in = csv.lines().filter(|line| line.ends_with(",filled in")).count();
     let said =
         |output: &Output| text(&output.stdout).contains(&format!("{filled_in} were not run"));

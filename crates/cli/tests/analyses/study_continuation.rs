@@ -1,4 +1,4 @@
-//! What scenes end in over µ, followed both ways: the paper's Figs. 6 and 7.
+//! Tests of the motions in which scenes end over µ, followed both ways: the paper's Figs. 6 and 7.
 
 use crate::driven_block::driven_block;
 use crate::program;
@@ -51,9 +51,9 @@ fn only(jumps: &[Jump], way: Way) -> &Jump {
     jump
 }
 
-/// Where a sine drives a block that slides, both ways end in that small motion, and neither meets the larger one of sticking
-/// and slipping, to which the scene's own start leads. Both were once said to be all there is, since only rest was left
-/// by the scene's own start.
+/// If a sine drives a block that slides, both ways end in that small motion, and neither meets the larger one of
+/// sticking and slipping, to which the scene's own start leads. An earlier version reported both as the only motion,
+/// since it tried the scene's own start only beside rest.
 #[test]
 fn the_scenes_own_start_is_tried_beside_a_driven_motion_as_it_is_beside_rest() {
     let mut scene = driven_block(0.15, 1.2687);
@@ -235,7 +235,7 @@ fn a_jump_between_cycles_that_look_alike_is_found_where_both_ways_have_their_own
     }
 }
 
-/// Are there no jumps of falling µ?
+/// `true` if no jump is one of falling µ.
 fn only_way(jumps: &[Jump]) -> bool {
     jumps.iter().all(|jump| jump.way == Way::Rising)
 }
@@ -261,7 +261,7 @@ fn set_2_has_rest_and_a_cycle_side_by_side_up_to_where_its_eigenvalues_say() {
     // So near to its end it may take longer to settle than it is given; but it moves on, and sticks.
     assert!(!jump.endings[0].rests() && jump.endings[0].taken[2] && jump.endings[1].rests());
     assert_eq!(rest.range[0], jump.at());
-    // Where it squeals a contact sticks, as the candidates' states do; the paper's reason for it.
+    // In the squealing motion a contact sticks, as in the candidates' states; this is the paper's explanation.
     let at = found.falling.iter().find(|point| point.friction == 1.96).unwrap();
     assert!(at.ending.as_ref().unwrap().taken[2]);
 }
@@ -300,11 +300,11 @@ fn a_range_narrower_than_two_resolutions_is_told() {
     let [range] = &found.bistable[..] else { panic!("{:?}", found.bistable) };
     let [from, to] = range.range;
     assert!(to - from < 2.0 * resolution && range.bounded == [true; 2], "{range:?}");
-    // As with a resolution of 1e-4.
+    // The bounds found with a resolution of 1e-4.
     assert!((from - 2.0372).abs() < resolution && (to - 2.0421).abs() < resolution, "{range:?}");
 }
 
-/// What `amontons accuracy` says of the amplitude with the paper's scheme at a step, s, relative.
+/// Relative error of the amplitude with the paper's scheme at a step (s), as `amontons accuracy` states it.
 fn said_error(scene: &Scene, step: f64) -> f64 {
     let mut scene = scene.clone();
     scene.experiment.stop_time = 1.0;
@@ -326,7 +326,7 @@ fn both_integrators_have_the_jump_of_set_2_but_for_the_error_of_the_step() {
     let [coarse, fine] = [2e-5, 1e-5].map(|step| jump(Some(step)) - exact);
     let said = said_error(&builtin("set2").unwrap().scene(), 1e-5);
     assert!(fine.abs() <= said * exact, "{fine} {said}");
-    // Of first order: half the step, half the distance.
+    // The error is of first order: half the step gives half the difference.
     assert!((1.6..2.6).contains(&(coarse / fine)), "{coarse} {fine}");
 }
 

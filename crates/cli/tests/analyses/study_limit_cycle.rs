@@ -114,7 +114,7 @@ fn the_papers_scheme_has_them_too() {
     let scheme = study(&set1(), "slider.velocity", &[0.05, 0.15, 0.25], Some(1e-5));
     // A step is a 70th of the way round, too long to tell a motion that comes back from one that nearly does.
     assert_three_regimes(&scheme, Kind::Undecided);
-    // Of first order: 1e-5 s is 1.4 % of a radian of 219 Hz.
+    // The error is of first order: 1e-5 s is 1.4 % of a radian of 219 Hz.
     for (exact, scheme) in endings(&exact).iter().zip(endings(&scheme)) {
         assert_near(scheme.amplitude, exact.amplitude, 0.05);
         assert_near(scheme.frequency.unwrap(), exact.frequency.unwrap(), 1e-3);

@@ -1,4 +1,5 @@
-//! What perturbations end in, and the thresholds between: those of closed forms, and the paper's (Fig. 5).
+//! Tests of the motions in which perturbations end, and of the thresholds between them: closed forms, and the paper's
+//! Fig. 5.
 
 use crate::driven_block::driven_block;
 use crate::program::{assert_refused, folder, run, text};
@@ -217,7 +218,7 @@ fn the_threshold_of_the_papers_scheme_comes_to_that_of_exact_motion_with_order_1
     };
     let [coarse, fine] = [miss(5e-6), miss(2.5e-6)];
     let order = (coarse / fine).log2();
-    // What is left of order 2 is a tenth of the whole at these steps.
+    // At these steps the remaining part of order 2 is a tenth of the whole.
     assert!((order - 1.0).abs() < 0.15, "{order}: {coarse:e} and {fine:e}");
     assert!(fine.abs() < 2e-4 * exact);
 }

@@ -14,7 +14,7 @@ use std::path::Path;
 use std::process::{Command, Output, Stdio};
 use std::time::Duration;
 
-/// How far a printed eigenvalue of the paper may be off, Hz.
+/// Tolerance for a printed eigenvalue of the paper, Hz.
 const PRINTED: f64 = 0.006;
 
 fn scene(name: &str) -> Scene {
@@ -92,7 +92,7 @@ fn a_second_growth_near_168_hz_is_found_under_the_orbit_of_set_1() {
         assert!(second.resting.unwrap().rate < 0.0 && second.phase.rate > 0.0, "{second:?}");
         second
     };
-    // What grows is one motion of all masses: each output has the same rate and frequency.
+    // The growing motion is one motion of all masses: each output has the same rate and frequency.
     let outputs = [None, Some("module[1].x1"), Some("module[1].x2"), Some("module[2].v1")];
     let all = outputs.map(second);
     for other in &all[1..] {
@@ -215,7 +215,7 @@ fn each_mode_of_the_paper_s_scheme_is_told_once_whatever_its_step() {
     }
 }
 
-/// Of a growth that a knock wakes, and that is less than tenfold by the end of the run, nothing was once said.
+/// An earlier version did not report a growth that a knock starts and that is less than tenfold at the end of the run.
 #[test]
 fn a_growth_after_a_knock_asks_for_a_longer_run() {
     let knock =
@@ -232,7 +232,7 @@ fn a_growth_after_a_knock_asks_for_a_longer_run() {
         assert!((phase.rate - GROWING[0]).abs() < 1e-4, "{phase:?}");
         assert!((phase.frequency - GROWING[1]).abs() < 1e-3, "{phase:?}");
         assert!((0.3..0.32).contains(&phase.span[0]) && *longer < 1.0, "{phase:?} {longer}");
-        // What grows beside a decay may end it before it is tenfold.
+        // A growth beside a decay may end the decay before it is tenfold.
         let beside = |open: &Open| matches!(open, Open::LessThanTenfold { phase, is_beside_growth: true, .. } if phase.rate < 0.0);
         assert!(found.open.iter().any(beside), "{:?}", found.open);
     }
@@ -321,7 +321,7 @@ fn assert_is(finding: &Finding, [rate, frequency]: [f64; 2]) {
 #[test]
 fn the_brake_s_squeal_grows_alike_however_long_and_often_it_is_looked_at() {
     let mut spans = Vec::new();
-    // Of the last, contacts no longer change their states before the end: it grows all the time.
+    // In the last run, contacts no longer change their states before the end: the motion grows all the time.
     for (stop_time, interval) in
         [(0.3, 5e-5), (0.04, 5e-5), (0.3, 1e-3), (1.0, 2e-5), (0.025, 5e-5)]
     {
@@ -588,7 +588,7 @@ fn a_decay_that_does_not_oscillate_is_found() {
         panic!("{:?}", short.open)
     };
     assert!(*stop_time > 2.3 / -slow && *stop_time < 2.7 / -slow, "{stop_time}");
-    // What it has come to at the end is that of the end, not of the last row that the line goes through.
+    // The factor is that at the end of the run, not that at the last row through which the line is fitted.
     let factor = phase.amplitude[1] / phase.amplitude[0];
     assert!((factor / (0.05 * slow).exp() - 1.0).abs() < 1e-4, "{phase:?}");
     assert!((phase.span[1] - 0.05).abs() < 1e-9, "{phase:?}");

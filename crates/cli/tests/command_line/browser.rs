@@ -15,7 +15,7 @@ pub struct Browser {
     from: BufReader<ChildStdout>,
     session: String,
     count: u64,
-    /// What the page wrote to its console or threw, and what its policy kept it from.
+    /// Messages that the page wrote to its console, its exceptions, and requests that its policy refused.
     pub complaints: Vec<String>,
     _profile: TempDir,
 }
@@ -109,7 +109,7 @@ impl Browser {
         let size =
             json!({ "width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600 });
         self.call("Emulation.setDeviceMetricsOverride", &size);
-        // What was shown before may be there for a while.
+        // The previous page may still be shown for a time.
         self.eval("document.documentElement.dataset.old = 1");
         self.call("Page.navigate", &json!({ "url": format!("file://{}", path.display()) }));
         let state = "document.documentElement?.dataset.old ? 'old' : document.readyState";

@@ -22,7 +22,7 @@ fn every_built_in_scene_passes_by_every_integrator() {
             }
             let output = run(PROGRAM, folder.path(), &["check", "a.fmu"]);
             let (code, printed) = (output.status.code().unwrap(), text(&output.stdout));
-            // What is built on this machine may need its glibc; a release is for an old one too.
+            // A library built on this machine may need its glibc; that of a release must run with an old one too.
             let expected =
                 if is_of_a_release { "note: binaries/win64/" } else { "hint: glibc-floor " };
             let findings: Vec<&str> =

@@ -435,8 +435,8 @@ fn a_limit_cycle_skips_friction_above_the_static_one_with_a_note() {
     program::assert_refused(&range("friction.coefficient=0.5:0.6:0.1"), 3, &["friction.static"]);
 }
 
-/// What is said of a scene file that must be refused with 200 MB of memory, within some seconds (most of them for
-/// machines that do other things).
+/// Message about a scene file that must be refused with 200 MB of memory within some seconds, most of which are allowed
+/// for machines under load.
 #[cfg(unix)]
 fn refused_with_little(folder: &Path, scene: &str, input: Stdio) -> String {
     let program = env!("CARGO_BIN_EXE_amontons");
@@ -475,7 +475,7 @@ fn what_is_larger_than_any_scene_is_refused_before_it_takes_memory() {
         fs::write(folder.path().join(file), keys.concat()).unwrap();
         refused(file, "more than 100000 different keys, and a scene knows some hundred");
     }
-    // What does not end.
+    // An input without an end.
     let mut endless = Command::new("yes").stdout(Stdio::piped()).spawn().unwrap();
     let lines = endless.stdout.take().unwrap();
     let message = refused_with_little(folder.path(), "/dev/stdin", lines.into());

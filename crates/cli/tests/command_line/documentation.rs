@@ -1,4 +1,4 @@
-//! What every FMU says of itself: its page, its icon, and the reference run beside it.
+//! Tests of the documentation of every FMU: its page, its icon, and the reference run beside it.
 
 use crate::program::{assert_refused, folder, run, text};
 use amontons::scene::{BUILTIN, Scene, builtin, parse};
@@ -57,7 +57,7 @@ fn page_of(scene: &str) -> String {
     export(folder.path(), "mine.toml", &[]).page()
 }
 
-/// What stands in the cells of the rows of a table.
+/// Texts of the cells of a table, row by row.
 fn cells(page: &str, table: &str) -> Vec<Vec<String>> {
     let start =
         page.find(&format!("<caption id=\"{table}\">")).unwrap_or_else(|| panic!("{table}"));
@@ -268,8 +268,8 @@ fn the_page_says_whether_a_scene_squeals_and_from_which_friction_on() {
     has(&page("corner"), &["nothing can move"]);
 }
 
-/// What `examples/coupled.rs` joins; its drive's velocity counts from a nut that moves, so its slip is what a slider
-/// takes.
+/// The connections that `examples/coupled.rs` makes; the velocity of its drive is relative to a nut that moves, so the
+/// slip of the drive is the velocity that a slider takes.
 #[test]
 fn the_page_says_what_to_couple_and_what_contact_states_mean() {
     let folder = folder();
@@ -385,7 +385,7 @@ fn a_long_experiment_is_run_as_far_as_a_count_goes_and_that_is_said() {
     let intervals = (5e8 / (2.1 * 8.0 / 1e-6) / 2e-3_f64).floor();
     assert_eq!(long.rows.len(), intervals as usize + 1);
     assert_eq!(long.rows.last().unwrap().0, intervals * 2e-3);
-    // As far as both go they are one run.
+    // Both runs are equal over their common time.
     let short = over("6.0", "2e-3");
     assert!(short.whole && short.experiment.stop_time == 6.0 && short.rows.len() == 3001);
     assert_eq!(long.rows[..3001], short.rows[..]);

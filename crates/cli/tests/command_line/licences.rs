@@ -8,7 +8,7 @@ use std::process::Command;
 
 const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 const KEPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../licenses/THIRD-PARTY.txt");
-/// What licence files are called: how their names begin, one a line. A release goes by the same.
+/// Beginnings of the names of licence files, one per line; a release uses the same list.
 const NAMES: &str = include_str!("../../../../licenses/names.txt");
 /// Notes by hand, on what is no crate.
 const NOTES: [&str; 2] = [
@@ -179,7 +179,7 @@ fn every_crate_is_listed_with_its_version_its_licence_and_a_text() {
     }
 }
 
-/// What people may do with an FMU: none of these asks that a program which it is linked with is given out as source.
+/// Licences under which an FMU may be used: none of them requires the source of a program that is linked with it.
 #[test]
 fn every_licence_is_one_that_asks_for_no_more_than_its_notice() {
     const FREE: [&str; 7] =
@@ -192,7 +192,7 @@ fn every_licence_is_one_that_asks_for_no_more_than_its_notice() {
     }
 }
 
-/// What Python prints that runs a line among a release's own scripts, or the error that it ends with.
+/// Output of a line of Python that runs among the scripts of a release, or the error with which it ends.
 fn release(code: &str) -> Result<String, String> {
     let mut python = Command::new("python3");
     python.args(["-B", "-c", &format!("import build, licences, pathlib\n{code}")]);
@@ -216,7 +216,7 @@ fn a_release_brings_a_text_for_every_crate_in_its_programs_and_the_notes_on_what
         for one in listed {
             assert!(with_text.contains(&one), "{one} has no text");
         }
-        // Of the font that plots are lettered with; its package is licensed otherwise.
+        // The licence of the font of the plots; its package has another licence.
         assert!(whole.contains("SIL OPEN FONT LICENSE"), "{platform}");
         for note in NOTES {
             assert!(sections.iter().any(|section| section.trim() == note.trim()), "{note}");

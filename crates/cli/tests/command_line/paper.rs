@@ -6,7 +6,8 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Output};
 
-/// What the paper says and does not come out; each has its reason on the page, or says that it is not known.
+/// Statements of the paper that the results do not confirm; the page gives the reason for each, or says that it is not
+/// known.
 const DIFFERING: [&str; 6] = [
     "k2 = 53 kN/m",
     "an unstable mode at approximately 215 Hz",
@@ -15,7 +16,7 @@ const DIFFERING: [&str; 6] = [
     "about 170 and 215 Hz appear together",
     "one transition between two unstable branches",
 ];
-/// What nothing computed can decide.
+/// Statements that no computed result can decide.
 const UNKNOWN: [&str; 1] = ["The band at about 220 Hz begins at 0.6 s"];
 /// Claims of the paper that have been judged too loosely once, or not at all.
 const HOLDING: [&str; 12] = [

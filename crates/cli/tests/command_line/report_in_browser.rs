@@ -33,7 +33,7 @@ fn every_figure_is_drawn_wide_and_on_a_phone() {
         // Not `innerWidth`: a phone's grows with what is too wide.
         let page = browser.number("document.documentElement.scrollWidth");
         assert!(page <= f64::from(width), "the page is {page} px wide at {width}");
-        // What is wider than the window scrolls in a box that the keyboard reaches.
+        // Content that is wider than the window scrolls in a box that the keyboard reaches.
         let lost = browser.text(
             "[...document.querySelectorAll('body *')].filter(e => e.getBoundingClientRect().right > innerWidth + 1 \
              && !e.closest('[tabindex=\"0\"]')).map(e => e.outerHTML.slice(0, 80)).join()",

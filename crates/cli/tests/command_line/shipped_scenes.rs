@@ -46,7 +46,7 @@ fn history(simulation: &mut Simulation, name: &str, end: f64) -> Vec<(f64, f64)>
     points
 }
 
-/// When a contact takes another state, and which.
+/// Times at which a contact changes its state, with the new states.
 fn state_changes(simulation: &mut Simulation, contact: &str, end: f64) -> Vec<(f64, f64)> {
     let name = format!("contact.{contact}.state");
     let mut now = read(simulation, &name);
@@ -97,7 +97,7 @@ fn every_scene_is_explained_with_a_drawing_of_what_it_is_now() {
     let scenes = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenes");
     let readme = std::fs::read_to_string(scenes.join("README.md")).unwrap();
     let folder = folder();
-    // What the picture shows, in words; where it shows it may change with how pictures are drawn.
+    // The description of the picture in words; the positions of its parts may change with the layout.
     let words =
         |svg: &str| svg.split("<desc>").nth(1).unwrap().split("</desc>").next().unwrap().to_owned();
     for builtin in BUILTIN {
@@ -305,7 +305,7 @@ fn hoffmanns_mass_grows_at_the_rate_of_its_closed_form() {
         let after = ["x", "y"].map(|axis| read(&mut simulation, &format!("mass.block.{axis}")));
         assert_eq!(simulation.statistics().state_changes(), 0);
         let expected = (rate * 5.0 * TAU / omega).exp();
-        // What is left of the decaying mode: e^{−2·20·rate}.
+        // The remaining part of the decaying mode: e^{−2·20·rate}.
         let tolerance = expected * 4.0 * (-40.0 * rate).exp();
         for (before, after) in before.into_iter().zip(after) {
             assert_near(after / before, expected, tolerance);
@@ -395,7 +395,7 @@ fn a_brakes_wobbling_modes_merge_at_three_minus_the_root_of_six() {
     // Re λ = −β σ / 2.
     let sigma = 0.5 * trace;
     let omega = (sigma - (0.5e-6 * sigma).powi(2)).sqrt();
-    // As √ of what the merging is off.
+    // The error is the square root of that of the merging.
     assert_near(merges.frequency_hz, omega / TAU, 1e-3);
 }
 

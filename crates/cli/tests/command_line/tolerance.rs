@@ -15,7 +15,7 @@ fn amontons(folder: &Path, arguments: &[&str]) -> Output {
     run(env!("CARGO_BIN_EXE_amontons"), folder, arguments)
 }
 
-/// What a command that must succeed prints.
+/// Output of a command that must succeed.
 fn printed(folder: &Path, arguments: &[&str]) -> String {
     let output = amontons(folder, arguments);
     assert!(output.status.success(), "{}", text(&output.stderr));
@@ -156,7 +156,7 @@ fn driven(input: &str, shape: &str, selection: Selection) -> Scene {
 
 #[test]
 fn presets_keep_what_they_promise_on_signals_of_every_shape() {
-    // Of velocities (m/s), and thirty times as large of forces (N).
+    // Signals of velocities (m/s), and thirty times as large ones of forces (N).
     for (input, size) in [("slider.velocity", 1.0), ("mass.block.fx", 30.0)] {
         let [a, b, c, d] = [0.2, 0.25, 0.4, 0.5].map(|value| size * value);
         let shapes = [
@@ -231,7 +231,7 @@ fn a_preset_in_a_file_and_on_the_command_line_runs_what_it_chooses() {
     assert_eq!(expected, run(&["mine.toml"]));
     assert_eq!(expected, run(&["ring12", "--preset", "preview"]));
     assert_ne!(expected, run(&["ring12"]));
-    // What chooses both gives way to both.
+    // The choice of both by a preset or a tolerance gives way if both the integrator and the step are given.
     assert_eq!(expected, run(&["mine.toml", "--integrator", &method, "--step", &step]));
 }
 
@@ -249,7 +249,7 @@ fn what_contradicts_itself_is_refused() {
     refused(&["simulate", "auto.toml", "--step", "1e-6"], &["method = \"auto\"", "--integrator"]);
     refused(&["simulate", "auto.toml", "--integrator", "event-driven"], &["--step"]);
     refused(&["simulate", "auto.toml", "--set", "integrator.step=1e-6"], &["chooses it", "auto"]);
-    // Where nothing can be written, nothing is measured.
+    // If the output cannot be written, nothing is measured.
     let nowhere = ["export", "set1", "--with-accuracy", "-o", "nowhere/set1.fmu"];
     assert_refused(&amontons(folder.path(), &nowhere), 1, &["there is no folder nowhere"]);
 }

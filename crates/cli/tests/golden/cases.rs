@@ -11,7 +11,7 @@ pub struct Case {
     file: &'static str,
     /// s, of the paper's scheme and of exact motion.
     steps: [f64; 2],
-    /// How often one looks at a motion: the more doubles it has, the less often.
+    /// Number of observations of a motion: the more doubles it has, the fewer.
     pub looks: u32,
     /// The end of the run, s, where it is not the scene's own.
     stop: Option<f64>,
@@ -55,7 +55,7 @@ pub fn all() -> impl Iterator<Item = &'static Case> {
 }
 
 impl Case {
-    /// As the file has it.
+    /// Reads the scene from the file.
     pub fn read(&self) -> (Scene, Source) {
         read(&Path::new(env!("CARGO_MANIFEST_DIR")).join("../..").join(self.file)).unwrap()
     }

@@ -191,9 +191,9 @@ fn end(program: &str, folder: &Path, arguments: &[&str]) -> (String, String) {
     let output = run(program, folder, arguments);
     let mut end = String::new();
     for line in text(&output.stderr).lines() {
-        // How far it is may stand between.
+        // Lines of progress may stand between.
         if ["error: ", "warning: ", "note: "].iter().any(|word| line.starts_with(word)) {
-            // Why a file cannot be used is told by the system.
+            // The reason why a file cannot be used is the system's message.
             let is_of_system = line.contains("(os error");
             let told = line.rsplit_once(": ").filter(|_| is_of_system).map_or(line, |it| it.0);
             let _ = writeln!(end, "{told}");
@@ -265,7 +265,7 @@ fn without_times(line: &str) -> String {
     kept.collect::<Vec<_>>().join(" ")
 }
 
-/// As many digits of a number are kept where machines differ in the last ones.
+/// Number of digits that are kept of a number, since machines differ in the last ones.
 const DIGITS: usize = 6;
 /// Below, a number is nothing but rounding errors.
 const NOTHING: f64 = 1e-9;

@@ -4,7 +4,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// How a page is written anew.
+/// Command that writes the pages anew.
 const RENEW: &str = "AMONTONS_WRITE=1 cargo test --release --locked --test golden";
 
 pub fn folder() -> PathBuf {
@@ -28,9 +28,9 @@ pub fn compare(pages: &[(String, String)]) {
     assert!(wrong.is_empty(), "{wrong}Where that is meant, `{RENEW}` writes the files anew.");
 }
 
-/// Where two texts part, and how many of their lines differ.
+/// Describes the first difference between two texts, with the number of different lines.
 fn difference(before: &str, now: &str) -> Option<String> {
-    // Whoever checks files out may have other line ends.
+    // A checkout may have other line ends.
     let mut lines = [before.lines(), now.lines()];
     let (mut first, mut count) = (None, 0);
     for number in 1.. {

@@ -103,7 +103,7 @@ fn end(push: f64, steps: u32, rates: bool) -> End {
         .map(|name| values[names.iter().position(|(known, _)| known == name).unwrap()])
 }
 
-/// How far the table's velocity is off with so many steps, twice, four times and eight times as many.
+/// Errors of the table's velocity with `steps` steps, and with twice, four and eight times as many.
 fn errors(push: f64, steps: u32, rates: bool) -> [f64; 4] {
     let ([table, _], _) = truth(push);
     [1, 2, 4, 8].map(|times| (end(push, times * steps, rates)[0] - table).abs())

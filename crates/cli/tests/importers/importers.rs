@@ -12,8 +12,8 @@ use std::process::{Command, Output};
 use tempfile::TempDir;
 
 const AMONTONS: &str = env!("CARGO_BIN_EXE_amontons");
-/// Which scenes are run, to which time and with which communication step (s), and with which start value: contacts stick and
-/// slip then. 3e-4 s is less than 300,000 ns by rounding.
+/// Scenes to be run, each with its end and communication step (s) and a start value that makes contacts stick and slip.
+/// 3e-4 s is less than 300,000 ns by rounding.
 const RUNS: [[&str; 4]; 2] = [
     ["set1", "0.1", "1e-4", "initial.module[1].v2=0.3"],
     ["ring12", "0.018", "3e-4", "initial.module[7].v1=-0.5"],
@@ -34,7 +34,7 @@ const HELD: &[Way] = &[Way::Alone, Way::Coupled];
 /// FMUs, and runs without an importer, in a folder of their own.
 struct Bench {
     folder: TempDir,
-    /// When the coupled run without an importer reads outputs.
+    /// The time at which the coupled run without an importer reads outputs: before or after inputs.
     rows: &'static str,
 }
 
@@ -118,7 +118,7 @@ fn rust(bench: &Bench, arguments: &[String]) -> Option<usize> {
     tried(bench, arguments).unwrap()
 }
 
-/// As [`rust`], with what the example has to say where it cannot run.
+/// Runs the example as [`rust`] does, or returns its message if it cannot run.
 fn tried(bench: &Bench, arguments: &[String]) -> Result<Option<usize>, String> {
     // Its paths are relative to the folder of the other examples' runs.
     let path = |argument: &String| match Path::new(argument).extension() {
@@ -232,7 +232,7 @@ importer!(libcosimpy, script("libcosimpy_example.py"), HELD, rows: "before", unr
 // Shows outputs with the inputs of the step that begins; reads no enumerations.
 importer!(ecospy, script("ecospy_example.py"), HELD, rows: "after", unread: 0, states: false);
 
-/// What a user can mend is told in a sentence, by each example.
+/// Each example reports mistakes that a user can mend in a sentence.
 #[test]
 #[ignore = "some seconds: importers of other houses"]
 fn what_is_wrong_is_told() {

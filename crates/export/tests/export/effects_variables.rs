@@ -1,4 +1,4 @@
-//! What a scene goes without has no variables, and what it has is what the scene calls it.
+//! Tests of the variables of a scene: an effect that is off has none, and parts have the names of the scene.
 
 use amontons::contact::Law;
 use amontons::scene::{Scene, builtin, parse, read};
@@ -84,7 +84,7 @@ direction = \"x\"
 damping = 1.0
 ";
 
-/// Where in a file a line switches something on, and the variables that come with it.
+/// A line that switches an effect on, its place in a file, and the variables that it adds.
 struct Switch {
     text: &'static str,
     place: &'static str,
@@ -202,7 +202,7 @@ fn a_law_of_friction_has_the_variables_of_its_own_numbers_and_no_other() {
         for (place, (friction, own)) in LAWS.iter().enumerate() {
             let text = with(friction);
             let mut own: BTreeSet<String> = own.iter().map(|name| (*name).to_owned()).collect();
-            // Where nothing rubs, who moves the slider of a network feels nothing.
+            // Without contacts a network has no variables of the reaction on its slider.
             if place > 0 && text.contains("[[mass]]") {
                 own.extend(["tangential", "normal"].map(|part| format!("slider.{part}_reaction")));
             }

@@ -8,8 +8,8 @@ const ROOT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../..");
 /// The longest that one input may take, s, on a machine that is busy with other things.
 const LONGEST: u32 = 120;
 
-/// Runs a target over what lies in these folders; what it finds goes into a folder that is deleted.
-/// What it runs beyond that is the same each time: so many runs from one seed.
+/// Runs a target over the files in these folders, and on further inputs from one seed, up to `runs` runs; findings are
+/// written to a folder that is deleted.
 fn fuzz(target: &str, runs: u32, folders: &[&str], more: &[&str]) {
     let scratch = tempfile::tempdir_in(env!("CARGO_TARGET_TMPDIR")).unwrap();
     let found = scratch.path().join("found");
@@ -28,7 +28,7 @@ fn fuzz(target: &str, runs: u32, folders: &[&str], more: &[&str]) {
         // An artifact would be lost with the folder: what failed is printed.
         .arg(format!("-artifact_prefix={}/", scratch.path().display()))
         .env("CARGO_TARGET_DIR", built)
-        // What watches the branches is not stable; a stable compiler has it all the same.
+        // The instrumentation of branches is unstable; this variable enables it in a stable compiler.
         .env("RUSTC_BOOTSTRAP", "1")
         .env_remove("RUSTFLAGS")
         .env_remove("CARGO_ENCODED_RUSTFLAGS");

@@ -1,10 +1,10 @@
-//! What is drawn: calls by function and kind of argument, with the phase that they are made in.
+//! The randomly drawn calls: function, kind of argument, and the phase in which the call is made.
 
 use crate::standard::{PHASES, Phase};
 use proptest::prelude::*;
 use std::fmt;
 
-/// Kinds of argument. What each means for a function stands where the call is made.
+/// Kinds of argument. The code of each call defines their meaning for its function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Kind {
     Good,
@@ -144,21 +144,21 @@ pub const CALLS: &[(&str, &[Kind])] = &[
     ("fmi2GetStringStatus", QUERY),
 ];
 
-/// How many instances a sequence has; the last one is of another scene.
+/// Number of instances in a sequence; the last one is of another scene.
 pub const SLOTS: u8 = 4;
 
-/// One call, and what goes before it.
+/// A call and its preparation.
 #[derive(Clone, Copy)]
 pub struct Op {
-    /// Which instance; it is made if there is none.
+    /// Index of the instance, which is created if it does not exist.
     pub slot: u8,
-    /// It is brought into this phase first.
+    /// Phase into which the instance is brought first.
     pub phase: Option<Phase>,
-    /// It is reset and made strict, or lenient, before.
+    /// Mode of the instance after a reset before the call, `true` for strict; `None` if it is not reset.
     pub strict: Option<bool>,
     pub function: &'static str,
     pub kind: Kind,
-    /// What the arguments are drawn from.
+    /// Seed from which the arguments are drawn.
     pub seed: u64,
 }
 

@@ -189,7 +189,7 @@ fn a_million_random_calls_are_answered_as_the_standard_has_it_and_nothing_leaks(
 
 fn random_calls(calls: u64) -> Bench {
     let bench = Bench::new();
-    // What the library and the C library set up once is there after the first calls.
+    // Memory that the library and the C library allocate once is allocated by the first calls.
     bench.random_sequences(calls / 10);
     let before = memory::foreign_bytes();
     bench.random_sequences(calls);

@@ -1,4 +1,4 @@
-//! What the library holds of the heap: all that is live, less what the test itself holds.
+//! Memory of the heap that the library holds: all live blocks except those of the test itself.
 
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicIsize, Ordering};
@@ -8,7 +8,7 @@ pub struct Counting;
 /// Bytes that the test holds, as the heap counts them.
 static HELD: AtomicIsize = AtomicIsize::new(0);
 
-/// What the heap takes for a block besides what can be used of it.
+/// Overhead of the heap for each block besides its usable bytes.
 const HEADER: usize = 8;
 
 fn count(pointer: *mut u8, sign: isize) {

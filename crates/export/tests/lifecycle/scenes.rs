@@ -24,7 +24,7 @@ pub struct Scene {
     pub bounded: Vec<u32>,
     /// The internal step, a parameter.
     pub step: u32,
-    /// Which of the others a state cannot come from.
+    /// Index of the scene whose states this one must refuse.
     pub other: usize,
 }
 
@@ -73,7 +73,7 @@ impl Scene {
     }
 }
 
-/// How often each is drawn: the first one's step is checked at length when it is initialized.
+/// Relative frequencies with which the scenes are drawn: initialization checks the step of the first one at length.
 pub const WEIGHTS: [u32; 6] = [1, 6, 6, 6, 6, 6];
 
 /// Set 1, a stick-slip belt, and a block that is dropped, with static friction, a signal and an energy ledger; of each

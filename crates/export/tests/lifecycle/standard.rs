@@ -1,9 +1,9 @@
-//! What FMI 2.0.4 says of each call (section 4.2.4, co-simulation), what this FMU promises besides, and an instance's
-//! life by both. Nothing here is the library's.
+//! The rules of FMI 2.0.4 for each call (section 4.2.4, co-simulation), the further promises of this FMU, and the life
+//! of an instance by both. Nothing here uses the library.
 
 use std::collections::BTreeMap;
 
-/// Where an instance stands. A poisoned one cannot be had from outside: no call panics.
+/// State of an instance. The poisoned state cannot be reached from outside, since no call panics.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Phase {
     Instantiated,
@@ -69,7 +69,7 @@ const TABLE: &str = "
     fmi2GetStringStatus                 h              h               x             x        h
 ";
 
-/// How the FMU groups its warnings: one of a kind is told once.
+/// Group in which the FMU counts its warnings: one of a kind is reported once.
 fn kind(row: &str) -> &str {
     match row {
         "fmi2GetReal" | "fmi2GetInteger" | "fmi2GetBoolean" | "fmi2GetString" => "reads",
@@ -104,7 +104,7 @@ impl Standard {
     }
 }
 
-/// What the arguments of a call are worth.
+/// Validity of the arguments of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Fit {
     Good,
@@ -114,27 +114,27 @@ pub enum Fit {
     NoAnswer,
 }
 
-/// What an instance is by the calls that were made on it.
+/// State of an instance that follows from the calls made on it.
 #[derive(Clone, Debug)]
 pub struct Life {
     pub phase: Phase,
     pub strict: bool,
     pub is_set_up: bool,
-    /// Of parameters and inputs by value reference; an output's means nothing.
+    /// Values of parameters and inputs by value reference; those of outputs have no meaning.
     pub values: Vec<f64>,
-    /// How fast inputs will change over the next step, per second, by value reference.
+    /// Rates at which inputs will change over the next step, per second, by value reference.
     pub rates: BTreeMap<u32, f64>,
     pub start: f64,
-    /// Up to which all steps succeeded, s.
+    /// Time until which all steps succeeded, s.
     pub time: f64,
     pub stop: Option<f64>,
-    /// Is there a logger, and does it get warnings?
+    /// `true` if there is a logger; `warns` is `true` if it gets warnings.
     pub has_logger: bool,
     pub warns: bool,
     told: Vec<&'static str>,
 }
 
-/// What a call is to bring.
+/// Expected result of a call.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Expected {
     pub status: i32,
@@ -159,7 +159,7 @@ impl Life {
         }
     }
 
-    /// What a call with these rows of the table comes to now; `None` for no instance.
+    /// Expected result of a call with these rows of the table; `None` for no instance.
     pub fn expect(&self, standard: &Standard, rows: &[&str], fit: Fit) -> Expected {
         let entries = || rows.iter().map(|row| standard.entry(row, self.phase));
         let is_habit = entries().any(|entry| entry == 'h');

@@ -1,4 +1,4 @@
-//! The archive: how it is packed, and what is in it.
+//! Rules on the archive: its headers, its names, its size when unpacked and its top level.
 
 mod reader;
 
@@ -10,13 +10,13 @@ use rawzip::CompressionMethod;
 use std::collections::HashMap;
 use std::io;
 
-/// What an archive may unpack to, in bytes.
+/// Limit of the unpacked size of an archive, bytes.
 const MOST_BYTES: u64 = 4 << 30;
-/// Above so many bytes the archive must not unpack to more than [`MOST_RATIO`] times its size.
+/// Unpacked size above which the archive must not unpack to more than [`MOST_RATIO`] times its packed size, bytes.
 const FREE_BYTES: u64 = 256 << 20;
 const MOST_RATIO: u64 = 200;
 
-/// What FMI 2.0 and its layered standards put at the top level.
+/// Names that FMI 2.0 and its layered standards define at the top level of an FMU.
 const TOP_LEVEL: [&str; 8] = [
     "modelDescription.xml",
     "model.png",
@@ -32,7 +32,7 @@ const UNIX_TYPE: u32 = 0o170_000;
 const UNIX_FILE: u32 = 0o100_000;
 const UNIX_FOLDER: u32 = 0o040_000;
 
-/// Examines headers, names and contents; whether the contents may be unpacked for more.
+/// Examines headers, names and contents. Returns `true` if the contents may be unpacked for further examination.
 pub(super) fn examine(archive: &Archive, report: &mut Report) -> bool {
     for entry in &archive.entries {
         header(entry, report);
@@ -49,7 +49,7 @@ pub(super) fn examine(archive: &Archive, report: &mut Report) -> bool {
         report.add(Rule::ZipBomb, "the archive", message);
         return false;
     }
-    // What lies in one place is unpacked as often as it is named.
+    // Entries that overlap would unpack the same bytes several times.
     let packed = archive.entries.iter().fold(0_u64, |sum, entry| sum.saturating_add(entry.packed));
     if packed > archive.len() {
         let message = format!(
@@ -126,7 +126,7 @@ fn name(entry: &Entry, report: &mut Report) {
     report.add(Rule::ZipPath, name, format!("the name {problem}"));
 }
 
-/// Whether an entry may become a file below a folder of ours.
+/// `true` if an entry may be unpacked as a file or folder below a private folder.
 pub(super) fn is_safe(entry: &Entry) -> bool {
     let mut none = Report::default();
     name(entry, &mut none);
@@ -167,7 +167,7 @@ fn top_level(archive: &Archive, report: &mut Report) {
             Some(_) => entry.name.starts_with(known),
             None => entry.name == *known,
         });
-        // What is no path inside the archive is told as that.
+        // Names that are not safe paths are reported by the rule on names.
         if !known && is_safe(entry) {
             let message = "is nothing that FMI 2.0 has at the top level; files for the model belong in resources/";
             report.add(Rule::ZipUnknownEntry, &entry.name, message);

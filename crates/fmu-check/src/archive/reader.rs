@@ -1,5 +1,5 @@
-//! A zip archive header by header: what most libraries smooth over (names twice, local headers that
-//! say something else) is what is looked for here. rawzip tells of both headers as they are.
+//! Reads a zip archive header by header. Most libraries hide the mistakes that the rules look for, such as a name that
+//! occurs twice or a local header that differs from the central directory; rawzip gives both headers unchanged.
 
 use crate::Error;
 use flate2::read::DeflateDecoder;
@@ -11,25 +11,25 @@ use rawzip::{
 use std::collections::HashMap;
 use std::io::{self, Read, Write};
 
-/// More entries than any FMU has.
+/// Limit of the number of entries; no FMU has more.
 const MOST_ENTRIES: u64 = 200_000;
 
-/// One entry as the central directory has it, and what its local header says.
+/// An entry as the central directory describes it, with the result of reading its local header.
 pub(crate) struct Entry {
-    /// Its name; bytes that are not UTF-8 are replaced.
+    /// Name of the entry; bytes that are not UTF-8 are replaced.
     pub(crate) name: String,
     pub(super) is_utf8: bool,
     pub(super) is_encrypted: bool,
     pub(super) has_data_descriptor: bool,
     pub(super) method: CompressionMethod,
-    /// The greater one of both headers, in tenths.
+    /// Version of zip needed to extract the entry, in tenths: the greater value of both headers.
     pub(super) version: u8,
-    /// Unix's file type and permissions, where a Unix made the archive.
+    /// Unix file type and permissions; `None` if the archive was not made on a Unix system.
     pub(super) mode: Option<u32>,
     pub(super) zip64: bool,
     pub(super) packed: u64,
     pub(crate) size: u64,
-    /// Where the content is, or what is wrong with the local header.
+    /// Position of the content in the archive, or the mistake in the local header.
     content: Result<ZipArchiveEntryWayfinder, String>,
 }
 
@@ -94,12 +94,13 @@ impl Entry {
     }
 }
 
-/// The version of zip that an entry needs, which rawzip reads and does not tell.
+/// Version of zip that an entry needs, in tenths; rawzip reads the field but does not return it.
 fn version(archive: &ZipSliceArchive<Vec<u8>>, at: u64) -> u8 {
     bytes_at(archive, at).map_or(0, |[version]| version)
 }
 
-/// `false` where the directory has another size than is stated. rawzip accepts that, importers do not.
+/// `true` if the directory has the stated size, which is not checked for zip64. rawzip accepts another size; importers
+/// do not.
 fn is_directory_as_stated(archive: &ZipSliceArchive<Vec<u8>>) -> bool {
     let end = archive.eocd_offset();
     let is_zip64 = bytes_at(archive, end.wrapping_sub(20)) == Some(*b"PK\x06\x07");
@@ -115,19 +116,19 @@ fn is_zip64(mut fields: ExtraFields<'_>) -> bool {
     fields.any(|(id, _)| id == ExtraFieldId::ZIP64)
 }
 
-/// An archive in memory.
+/// A zip archive in memory.
 pub(crate) struct Archive {
     archive: ZipSliceArchive<Vec<u8>>,
     pub(crate) entries: Vec<Entry>,
-    /// The first entry of each name.
+    /// Index of the first entry of each name.
     places: HashMap<String, usize>,
 }
 
 impl Archive {
-    /// Reads the headers.
+    /// Reads the headers of an archive.
     ///
     /// # Errors
-    /// It is not a zip archive, or its directory cannot be read.
+    /// Returns an error if the bytes are not a zip archive or the directory cannot be read.
     pub(crate) fn read(bytes: Vec<u8>) -> Result<Self, Error> {
         let damaged =
             || Error::new("not an FMU: the zip archive's directory is damaged or cut off");
@@ -153,20 +154,21 @@ impl Archive {
         Ok(Self { archive, entries, places })
     }
 
-    /// The archive's own size in bytes.
+    /// Size of the packed archive, bytes.
     pub(super) fn len(&self) -> u64 {
         self.archive.get_ref().len() as u64
     }
 
-    /// The entry of this name.
+    /// Returns the first entry of this name.
     pub(crate) fn find(&self, name: &str) -> Option<&Entry> {
         self.places.get(name).map(|&place| &self.entries[place])
     }
 
-    /// Unpacks an entry.
+    /// Unpacks an entry into `to`.
     ///
     /// # Errors
-    /// Its size, checksum or local header do not fit; what was unpacked until then is written.
+    /// Returns an error if the size, the checksum or the local header is wrong; bytes that were unpacked before the
+    /// error are written.
     pub(crate) fn unpack(&self, entry: &Entry, to: &mut dyn Write) -> Result<(), String> {
         let place = entry.content.clone()?;
         let content = self.archive.get_entry(place).map_err(|error| error.to_string())?;
@@ -177,16 +179,16 @@ impl Archive {
                 return Err(format!("its compression (method {}) is not known", method.as_u16()));
             }
         };
-        // The reader fails as soon as there is more than the stated size.
+        // The reader fails as soon as the content exceeds the stated size.
         io::copy(&mut content.verifying_reader(&mut unpacked), to)
             .map_err(|error| explain(&error))?;
         Ok(())
     }
 
-    /// The content of an entry of at most `limit` bytes.
+    /// Returns the content of an entry of at most `limit` bytes.
     ///
     /// # Errors
-    /// As of [`Self::unpack`]; it is larger.
+    /// Returns an error if the entry is larger, or as described for [`Self::unpack`].
     pub(crate) fn content(&self, entry: &Entry, limit: u64) -> Result<Vec<u8>, String> {
         if entry.size > limit {
             return Err(format!("it has {} bytes; the limit is {limit}", entry.size));

@@ -1,4 +1,4 @@
-//! What only ELF libraries have: versions of symbols, search paths, a stack.
+//! Rules on ELF libraries alone: versions of symbols, search paths, executable stack.
 
 use super::library::is_usual;
 use super::platforms::Platform;
@@ -10,7 +10,7 @@ use object::read::elf::{ElfFile, FileHeader, ProgramHeader, Sym};
 use object::{Endianness, File};
 use std::collections::{BTreeMap, HashSet};
 
-/// More undefined symbols than these are not looked up.
+/// Limit of the number of undefined symbols that are looked up.
 const MOST_SYMBOLS: usize = 100_000;
 
 type Exports<'a> = &'a dyn Fn(&str) -> Option<HashSet<String>>;
@@ -39,7 +39,7 @@ pub(super) fn examine<Elf: FileHeader<Endian = Endianness>>(
     undefined(file, platform, path, &versions, beside, report);
 }
 
-/// Where the loader looks for other libraries, from the folder of this one.
+/// Folders in which the loader searches for other libraries, relative to the folder of this library.
 pub(super) fn search_folders(file: &File<'_>) -> Vec<String> {
     let entries = match file {
         File::Elf32(file) => entries(file),
@@ -53,7 +53,7 @@ pub(super) fn search_folders(file: &File<'_>) -> Vec<String> {
         .collect()
 }
 
-/// The rest of a folder that is stated from where the library lies.
+/// Returns the part of a search path after `$ORIGIN`; `None` if the path does not begin with it.
 fn below_origin(folder: &str) -> Option<&str> {
     let rest = folder.strip_prefix("$ORIGIN").or_else(|| folder.strip_prefix("${ORIGIN}"))?;
     (rest.is_empty() || rest.starts_with('/')).then_some(rest)
@@ -64,7 +64,7 @@ enum Tag {
     RunPath,
 }
 
-/// The entries of the dynamic section that are names.
+/// Entries of the dynamic section that hold names.
 fn entries<Elf: FileHeader<Endian = Endianness>>(file: &ElfFile<'_, Elf>) -> Vec<(Tag, String)> {
     let Ok(table) = file.elf_dynamic_table() else { return Vec::new() };
     let name = |entry| Some(String::from_utf8_lossy(table.string(entry).ok()?).into_owned());
@@ -93,14 +93,15 @@ fn stack<Elf: FileHeader<Endian = Endianness>>(
     report.add(Rule::ExecutableStack, path, message);
 }
 
-/// Versions that are needed: by index, with the library that has them and the symbols that want them.
+/// Versions of symbols that a library needs: by index, the needed library and the version's name; and the undefined
+/// symbols, each with the index of its version.
 struct Versions {
     needed: BTreeMap<u16, (String, String)>,
     symbols: Vec<(String, Option<u16>)>,
 }
 
 impl Versions {
-    /// The undefined symbols that are not weak, and their versions.
+    /// Reads the undefined symbols that are not weak, and their versions.
     fn read<Elf: FileHeader<Endian = Endianness>>(file: &ElfFile<'_, Elf>) -> Self {
         let (endian, data) = (file.endian(), file.data());
         let sections = file.elf_section_table();
@@ -140,11 +141,12 @@ impl Versions {
     }
 }
 
-/// A newer glibc than the floor that was asked for is a finding; without one, than that of old hosts, a hint.
+/// Reports a newer glibc than the floor asked for as a finding; if no floor is asked for, one newer than the default as
+/// a hint.
 fn glibc(versions: &Versions, path: &str, asked: Option<Glibc>, report: &mut Report) {
     let floor = asked.unwrap_or_default();
     let version = |name: &str| match name {
-        // Relative relocations, which glibc reads since then.
+        // Relative relocations, which glibc reads since version 2.36.
         "GLIBC_ABI_DT_RELR" => Some(Glibc(2, 36)),
         _ => name.strip_prefix("GLIBC_").and_then(|name| name.parse().ok()),
     };
@@ -187,11 +189,11 @@ fn undefined<Elf: FileHeader<Endian = Endianness>>(
         if platform.has(&library) {
             continue;
         }
-        // What a library has that is not here cannot be known.
+        // The exports of a library that is not in the archive are unknown, so undefined symbols cannot be judged.
         let Some(exports) = beside(&library) else { return };
         provided.extend(exports);
     }
-    // Every symbol of a system's library carries a version.
+    // Every symbol of a system library carries a version.
     let lacking: Vec<_> = versions
         .symbols
         .iter()

@@ -1,6 +1,7 @@
 //! The functions that an FMI 2.0 library for co-simulation exports.
 
-/// Importers load all of them, also those that answer "not supported" (FMI 2.0, sections 2.1 and 4.2).
+/// Functions that importers load; a library exports all of them, including those that answer "not supported" (FMI 2.0,
+/// sections 2.1 and 4.2).
 pub(super) const FUNCTIONS: [&str; 34] = [
     "fmi2GetTypesPlatform",
     "fmi2GetVersion",

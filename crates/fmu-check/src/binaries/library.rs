@@ -1,4 +1,4 @@
-//! A library of any format: is it of its platform, what does it export, what does it need?
+//! Rules on a library of any format: platform and file format, exported functions, needed libraries.
 
 use super::functions::FUNCTIONS;
 use super::platforms::Platform;
@@ -12,20 +12,20 @@ use object::read::{File, FileKind, NameOrOrdinal};
 use object::{BinaryFormat, Object, ObjectKind, ObjectSegment};
 use std::collections::{BTreeSet, HashSet};
 
-/// Of one library for several processors; more are not read.
+/// Limit of the number of processors for which one library file is read.
 const MOST_PARTS: usize = 16;
 
-/// A library of a platform, and what comes with it.
+/// A library of a platform and the other files of its folder.
 pub(super) struct PlatformLibrary<'a> {
     pub(super) path: &'a str,
     pub(super) platform: &'static Platform,
     pub(super) archive: &'a Archive,
-    /// What else lies in its folder.
+    /// Other entries in the library's folder.
     pub(super) beside: &'a [&'a Entry],
 }
 
 impl PlatformLibrary<'_> {
-    /// Whether it is a library of its platform.
+    /// Examines the library. Returns `true` if it is a shared library of its platform.
     pub(super) fn examine(
         &self,
         content: &[u8],
@@ -156,13 +156,13 @@ impl PlatformLibrary<'_> {
         }
     }
 
-    /// Another library in the same folder.
+    /// Returns another library in the same folder.
     fn beside(&self, name: &str) -> Option<&Entry> {
         let path = format!("binaries/{}/{name}", self.platform.folder);
         self.beside.iter().find(|entry| entry.name.eq_ignore_ascii_case(&path)).copied()
     }
 
-    /// Another library where the loader looks for it.
+    /// Returns another library at the places where the loader searches.
     fn found(&self, file: &File<'_>, name: &str) -> Option<&Entry> {
         elf::search_folders(file).iter().find_map(|folder| {
             self.archive
@@ -170,7 +170,7 @@ impl PlatformLibrary<'_> {
         })
     }
 
-    /// What another library exports that comes with this one.
+    /// Names that another library in the archive exports; `None` if it is not there or cannot be read.
     fn other_exports(&self, file: &File<'_>, name: &str) -> Option<HashSet<String>> {
         let entry = self.found(file, name).or_else(|| self.beside(name))?;
         let content = self.archive.content(entry, MOST_BYTES).ok()?;
@@ -185,7 +185,7 @@ impl PlatformLibrary<'_> {
     }
 }
 
-/// A path without `.` and `..`; none where it leaves the archive.
+/// Returns a path without `.` and `..`; `None` if it leaves the archive.
 fn resolved(path: &str) -> Option<String> {
     let mut parts = Vec::new();
     for part in path.split('/') {
@@ -198,12 +198,12 @@ fn resolved(path: &str) -> Option<String> {
     Some(parts.join("/"))
 }
 
-/// The length of names that compilers make; an endless one could be told of each symbol.
+/// `true` if a name is no longer than the names that compilers make; longer names are ignored.
 pub(super) fn is_usual(name: &[u8]) -> bool {
     name.len() <= 4096
 }
 
-/// The names that a library exports, as far as its table can be read.
+/// Calls `each` with every name that a library exports, as far as its table can be read.
 fn for_each_export(file: &File<'_>, mut each: impl FnMut(&[u8])) -> Result<(), object::Error> {
     let underscore = file.format() == BinaryFormat::MachO;
     for export in file.exports()? {
@@ -214,7 +214,7 @@ fn for_each_export(file: &File<'_>, mut each: impl FnMut(&[u8])) -> Result<(), o
     Ok(())
 }
 
-/// The libraries in a file: one, or one per processor.
+/// Returns the libraries in a file: one, or one for each processor.
 fn parts(content: &[u8]) -> Result<Vec<File<'_>>, String> {
     fn fat<'a, Arch: FatArch>(arches: &[Arch], content: &'a [u8]) -> Vec<File<'a>> {
         let part = |arch: &Arch| File::parse(arch.data(content).ok()?).ok();

@@ -1,4 +1,4 @@
-//! The libraries of every platform, read and not loaded.
+//! Rules on the libraries of every platform, which are read as files and not loaded.
 
 mod elf;
 mod functions;
@@ -16,10 +16,10 @@ use library::PlatformLibrary;
 use platforms::Platform;
 use std::collections::BTreeMap;
 
-/// A library of more bytes is not read.
+/// Limit of the size of a library that is read, bytes.
 const MOST_BYTES: u64 = 512 << 20;
 
-/// Examines the libraries of all platforms; the name of the one for this host, if it may be loaded.
+/// Examines the libraries of all platforms. Returns the path of the library for this host if it may be loaded.
 pub(super) fn examine(
     description: &Description<'_>,
     archive: &Archive,
@@ -59,7 +59,7 @@ pub(super) fn examine(
         };
         let content = match archive.content(entry, MOST_BYTES) {
             Ok(content) => content,
-            // What is damaged is told as that.
+            // Damaged entries are reported by the rules on the archive.
             Err(error) => {
                 report.note(format!("{path} is not examined: {error}"));
                 continue;
@@ -80,7 +80,7 @@ pub(super) fn examine(
 }
 
 fn foreign_folder(folder: &str, report: &mut Report) {
-    // FMI 3.0's names, as x86_64-linux, stand for platforms that FMI 2.0 has no name for.
+    // Folders named as in FMI 3.0, such as x86_64-linux, are for platforms that FMI 2.0 does not name.
     if folder
         .split_once('-')
         .is_some_and(|(processor, system)| !processor.is_empty() && !system.is_empty())

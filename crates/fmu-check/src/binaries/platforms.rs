@@ -1,4 +1,4 @@
-//! The platforms of FMI 2.0, what their libraries are, and what every system of them has.
+//! The platforms of FMI 2.0: their folders, the format of their libraries, and the libraries of every such system.
 
 use object::{Architecture, BinaryFormat};
 
@@ -34,7 +34,7 @@ pub(super) static PLATFORMS: &[Platform] = &[
         format: BinaryFormat::Pe,
         processors: &[Architecture::I386],
     },
-    // FMI 2.0 does not say which processor; today's are of two kinds.
+    // FMI 2.0 does not name the processor of darwin64; current ones are of two kinds.
     Platform {
         folder: "darwin64",
         extension: "dylib",
@@ -137,7 +137,7 @@ impl Platform {
         PLATFORMS.iter().find(|platform| platform.folder == folder)
     }
 
-    /// Does every system of this platform have this library?
+    /// `true` if every system of this platform has this library.
     pub(super) fn has(&self, library: &str) -> bool {
         match self.format {
             BinaryFormat::Elf => LINUX.contains(&library),

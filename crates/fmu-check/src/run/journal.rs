@@ -1,4 +1,5 @@
-//! What the processes of a run tell the one that asked for it: a file of lines.
+//! The journal of a run: a file of lines through which the processes of the run report to the process that asked for
+//! it.
 
 use crate::report::{Report, printable};
 use crate::rules::Rule;
@@ -7,7 +8,7 @@ use std::fs::{self, File};
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Written by the worker, which runs the library, and by its supervisor.
+/// The journal, written by the worker, which runs the library, and by its supervisor.
 pub(super) struct Journal(RefCell<File>);
 
 impl Journal {
@@ -16,11 +17,12 @@ impl Journal {
     }
 
     fn line(&self, kind: &str, text: &str) {
-        // One write a line: whatever happens next, it is there. Nobody is left to tell of a full disk.
+        // Each line is one write, so that it is kept if the process crashes next. An error, such as a full disk, cannot
+        // be reported.
         let _ = self.0.borrow_mut().write_all(format!("{kind}\t{}\n", printable(text)).as_bytes());
     }
 
-    /// What comes next.
+    /// Records the stage that begins now.
     pub(super) fn at(&self, stage: &str) {
         self.line("at", stage);
     }
@@ -33,20 +35,20 @@ impl Journal {
         self.line("note", note);
     }
 
-    /// The worker has come to its end.
+    /// Records that the worker has ended regularly.
     pub(super) fn done(&self) {
         self.line("done", "");
     }
 }
 
-/// How far a worker is.
+/// Progress of a worker.
 pub(super) struct State {
-    /// The last stage that was begun.
+    /// The stage that began last.
     pub(super) stage: String,
     pub(super) done: bool,
 }
 
-/// What a journal says; nothing where there is none yet.
+/// The text of a journal; empty if there is no journal yet.
 pub(super) fn text(path: &Path) -> String {
     String::from_utf8_lossy(&fs::read(path).unwrap_or_default()).into_owned()
 }
@@ -59,7 +61,7 @@ pub(super) fn state(text: &str) -> State {
     }
 }
 
-/// Puts what a journal says of `library` into the report.
+/// Adds the findings and notes of a journal about `library` to the report.
 pub(super) fn report(text: &str, library: &str, report: &mut Report) {
     for (kind, text) in text.lines().filter_map(|line| line.split_once('\t')) {
         if kind == "note" {

@@ -1,9 +1,11 @@
-//! Runs the library for this host in a process of its own, which may crash, hang and end as it likes.
+//! Runs the library for this host in a process of its own, so that a crash, a hang or an exit does not affect the
+//! checker.
 //!
-//! The FMU's files are unpacked into a private folder that goes with the run. A supervisor begins the process, the
-//! worker, and ends it with its time or memory, or when nobody waits for it any more; at its end so does all that
-//! it began. The worker has limits of memory, time and file size, and its output goes into a file. That protects
-//! from accidents; it is no sandbox: what a library does with files and the network of its user, it does.
+//! The FMU's files are unpacked into a private folder that is removed after the run. A supervisor starts the process
+//! that runs the library, the worker. It ends the worker when the limit of time or memory is reached or when the
+//! checker has ended, and then ends all processes that the worker started. The worker has limits of memory, time and
+//! file size, and its output is written to a file. These limits protect from accidents; they are no sandbox: the
+//! library has all permissions of its user on files and the network.
 
 mod journal;
 mod process;
@@ -23,18 +25,18 @@ use std::path::{Path, PathBuf};
 use std::process::{Child, Command, ExitStatus, Stdio};
 use std::time::{Duration, Instant};
 
-/// The program's word for [`run_library`].
+/// The subcommand by which a program calls [`run_library`].
 pub const COMMAND: &str = "run-library";
 
 const JOURNAL: &str = "journal";
 
-/// How often a process is asked whether it is done.
+/// Interval between two checks of a process's state.
 const OFTEN: Duration = Duration::from_millis(5);
 
-/// Told of the stage that a run has reached; says whether to go on.
+/// Function that is called with the stage of a run; it returns whether the examination continues.
 pub type Watch<'a> = &'a mut dyn FnMut(&str) -> ControlFlow<()>;
 
-/// Runs `library`, a file of the archive; none where `watch` has ended it.
+/// Runs `library`, a file of the archive. Returns `None` if `watch` has ended the run.
 pub(super) fn examine(
     archive: &Archive,
     library: &str,
@@ -44,7 +46,7 @@ pub(super) fn examine(
 ) -> Result<Option<()>, Error> {
     let failed =
         |error: &dyn std::fmt::Display| Error::new(format!("cannot run the library: {error}"));
-    // From here on there is something to clear away.
+    // From here on there are files to remove.
     if watch("unpacking").is_break() {
         return Ok(None);
     }
@@ -62,13 +64,14 @@ pub(super) fn examine(
     if !status.success() {
         return Err(failed(&format!("what supervises it has ended early ({status})")));
     }
-    // The folder has another name in every run.
+    // The folder has another name in each run, so findings do not show it.
     let told = journal::text(&journal).replace(&*folder.path().to_string_lossy(), "/…");
     journal::report(&told, library, report);
     Ok(Some(()))
 }
 
-/// What a library may need, and nothing else: itself with what lies beside it, and the resources.
+/// Unpacks the files that a library may need: the library, the other files of its folder, the resources and the model
+/// description.
 fn unpack(archive: &Archive, library: &str, folder: &Path) -> Result<(), String> {
     let beside = library.rsplit_once('/').map_or("", |(folder, _)| folder);
     for entry in archive.entries.iter().filter(|entry| !entry.is_folder()) {
@@ -93,7 +96,7 @@ fn unpack(archive: &Archive, library: &str, folder: &Path) -> Result<(), String>
     Ok(())
 }
 
-/// Begins a supervisor; it goes on for as long as its standard input is open.
+/// Starts a supervisor; it runs until the worker has ended or its standard input is closed.
 fn supervise(folder: &Path, library: &str, options: &Run) -> io::Result<Child> {
     command(&options.program, folder, library, options.timeout)
         .stdin(Stdio::piped())
@@ -101,7 +104,8 @@ fn supervise(folder: &Path, library: &str, options: &Run) -> io::Result<Child> {
         .spawn()
 }
 
-/// What begins one of the processes of [`run_library`]. It has a group of its own: Ctrl-C is for the one that asked.
+/// Returns the command that starts a process of [`run_library`]. The process has its own group, so Ctrl-C reaches the
+/// checker alone.
 fn command(program: &Path, folder: &Path, library: &str, timeout: Duration) -> Command {
     let mut command = Command::new(program);
     let seconds = timeout.as_secs().to_string();
@@ -110,7 +114,7 @@ fn command(program: &Path, folder: &Path, library: &str, timeout: Duration) -> C
     command
 }
 
-/// How it ended; none where `watch` has ended it.
+/// Waits for the supervisor and returns its exit status; `None` if `watch` has ended the run.
 fn wait(
     supervisor: &mut Child,
     journal: &Path,
@@ -126,7 +130,7 @@ fn wait(
             told = Instant::now();
             let state = journal::state(&journal::text(journal));
             if watch(&state.stage).is_break() {
-                // This closes its standard input first.
+                // Waiting first closes the supervisor's standard input, which ends it.
                 supervisor.wait()?;
                 return Ok(None);
             }
@@ -135,11 +139,11 @@ fn wait(
     }
 }
 
-/// What the processes do that [`COMMAND`] begins: the supervisor of a run of a library of the FMU that is unpacked in
-/// `folder`, or its worker, which is told the `supervisor`'s process.
+/// Runs a process of [`COMMAND`] for the FMU that is unpacked in `folder`: without `supervisor` it is the supervisor of
+/// a run of the library, with the process id of a `supervisor` it is the worker.
 ///
 /// # Errors
-/// The journal, through which they tell all else, cannot be written; the worker cannot be begun.
+/// Returns an error if the journal, which holds all results, cannot be written or if the worker cannot be started.
 pub fn run_library(
     folder: &Path,
     library: &str,

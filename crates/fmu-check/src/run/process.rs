@@ -1,45 +1,47 @@
-//! What systems differ in: limits of a process, and its end with all that it began.
+//! Functions that depend on the operating system: limits of a process, and the end of a process with all that it
+//! started.
 //!
-//! On Linux all means all. Elsewhere it is what stays in the process's group, and on Windows the process alone.
+//! On Linux, all processes that it started are ended; on other Unix systems those in its process group, on Windows the
+//! process alone.
 
 use std::process::{Child, ExitStatus};
 use std::time::Duration;
 #[cfg(target_os = "linux")]
 use std::time::Instant;
 
-/// Bytes of memory that the process may use, as far as the watcher sees it.
+/// Limit of the memory that the process may use, bytes, checked by the supervisor.
 pub(super) const MOST_MEMORY: u64 = 2 << 30;
-/// Bytes of address space that it may reserve.
+/// Limit of the address space that the process may reserve, bytes.
 #[cfg(unix)]
 const MOST_ADDRESSES: u64 = 16 << 30;
-/// Bytes that it may write into one file.
+/// Limit of the size of each file that the process may write, bytes.
 #[cfg(unix)]
 const MOST_WRITTEN: u64 = 256 << 20;
 
-/// Limits this process, and all that it begins.
+/// Limits this process and all processes that it starts.
 #[cfg(unix)]
 pub(super) fn limit(timeout: Duration) {
     use nix::sys::resource::{Resource, setrlimit};
-    // Of all its threads together.
+    // The limit of processor time holds for all threads together.
     let threads = std::thread::available_parallelism().map_or(1, |count| count.get() as u64);
     let seconds = timeout.as_secs().saturating_add(5).saturating_mul(threads);
     for (resource, most) in [
         (Resource::RLIMIT_AS, MOST_ADDRESSES),
         (Resource::RLIMIT_FSIZE, MOST_WRITTEN),
         (Resource::RLIMIT_CORE, 0),
-        // Should nobody watch any more.
+        // This limit ends the process if the supervisor has ended.
         (Resource::RLIMIT_CPU, seconds),
     ] {
-        // A limit that is already lower cannot be raised, and need not be.
+        // A limit that is already lower cannot be raised and need not be.
         let _ = setrlimit(resource, most, most);
     }
 }
 
-/// Limits are left to the watcher.
+/// A no-op: on this system the supervisor alone enforces limits.
 #[cfg(not(unix))]
 pub(super) fn limit(_timeout: Duration) {}
 
-/// Puts what is to be run into a group of its own.
+/// Puts the process to be started into its own process group.
 #[cfg(unix)]
 pub(super) fn group(command: &mut std::process::Command) {
     use std::os::unix::process::CommandExt;
@@ -49,22 +51,22 @@ pub(super) fn group(command: &mut std::process::Command) {
 #[cfg(not(unix))]
 pub(super) fn group(_command: &mut std::process::Command) {}
 
-/// Lets this process end as soon as the one that began it does.
+/// Makes this process end when its parent ends.
 #[cfg(target_os = "linux")]
 pub(super) fn end_with(parent: u32) {
     use nix::sys::{prctl, signal::Signal};
     let _ = prctl::set_pdeathsig(Signal::SIGKILL);
-    // It may have ended before that.
+    // The parent may have ended before the call.
     if std::os::unix::process::parent_id() != parent {
         std::process::exit(1);
     }
 }
 
-/// Elsewhere the limit of its processor time ends it.
+/// A no-op: on this system the limit of processor time ends the process.
 #[cfg(not(target_os = "linux"))]
 pub(super) fn end_with(_parent: u32) {}
 
-/// From now on what this process's children leave behind becomes its own child.
+/// Makes this process the parent of processes whose own parent, a descendant of it, has ended.
 #[cfg(target_os = "linux")]
 pub(super) fn adopt_orphans() {
     let _ = nix::sys::prctl::set_child_subreaper(true);
@@ -73,15 +75,15 @@ pub(super) fn adopt_orphans() {
 #[cfg(not(target_os = "linux"))]
 pub(super) fn adopt_orphans() {}
 
-/// Ends a process and all in its group.
+/// Ends a process and all processes in its group.
 pub(super) fn end(child: &mut Child) {
     end_group(child.id());
-    // It may have ended by itself.
+    // The process may have ended by itself.
     let _ = child.kill();
     let _ = child.wait();
 }
 
-/// Ends a group; was there anything?
+/// Ends a process group. Returns `true` if the group had processes.
 #[cfg(unix)]
 fn end_group(id: u32) -> bool {
     use nix::sys::signal::{Signal, killpg};
@@ -94,17 +96,18 @@ fn end_group(_id: u32) -> bool {
     false
 }
 
-/// Ends all that this process's only child, which has ended, left behind; did anything run on?
+/// Ends all processes that this process's only child, which has ended, left behind. Returns `true` if any outlived the
+/// grace period.
 #[cfg(target_os = "linux")]
 pub(super) fn end_rest(_child: u32) -> bool {
     use nix::sys::signal::{Signal, kill};
-    /// For what ends by itself, as it is used no more.
+    /// Time allowed for processes that end by themselves.
     const GRACE: Duration = Duration::from_millis(200);
-    /// What does not obey by then never will.
+    /// Time after which processes that cannot be ended are left alone.
     const LONGEST: Duration = Duration::from_secs(5);
     let begin = Instant::now();
     let mut found = false;
-    // What a child leaves behind becomes one itself.
+    // The children of an ended child become children of this process.
     while any_child() && begin.elapsed() < LONGEST {
         if begin.elapsed() > GRACE {
             found = true;
@@ -122,7 +125,7 @@ pub(super) fn end_rest(child: u32) -> bool {
     end_group(child)
 }
 
-/// Buries the children that have ended; is there another?
+/// Collects the children that have ended. Returns `true` if another child is still running.
 #[cfg(target_os = "linux")]
 fn any_child() -> bool {
     use nix::sys::wait::{WaitPidFlag, WaitStatus, waitpid};
@@ -143,14 +146,14 @@ fn children() -> Vec<nix::unistd::Pid> {
         .filter_map(|entry| {
             let id = entry.file_name().to_str()?.parse().ok()?;
             let stat = std::fs::read_to_string(entry.path().join("stat")).ok()?;
-            // The name, in brackets, may have anything in it; behind it are the state and the parent.
+            // The name, in brackets, may contain any character; the state and the parent follow it.
             let parent = stat.rsplit_once(')')?.1.split_ascii_whitespace().nth(1)?;
             (parent == own).then(|| nix::unistd::Pid::from_raw(id))
         })
         .collect()
 }
 
-/// The signal that ended a process, by its name.
+/// Name of the signal that ended a process.
 #[cfg(unix)]
 pub(super) fn signal(status: ExitStatus) -> Option<String> {
     use std::os::unix::process::ExitStatusExt;
@@ -161,20 +164,20 @@ pub(super) fn signal(status: ExitStatus) -> Option<String> {
     )
 }
 
-/// An exception that ended a process, by its code.
+/// Code of the exception that ended a process.
 #[cfg(not(unix))]
 pub(super) fn signal(status: ExitStatus) -> Option<String> {
-    // Windows ends a process that has failed with codes of this kind.
+    // Windows ends a failed process with a negative code.
     let code = status.code()?;
     (code < 0).then(|| format!("{:#x}", code.cast_unsigned()))
 }
 
-/// Bytes of memory that a process uses, where the system tells.
+/// Memory that a process uses, bytes; `None` if the system does not report it.
 pub(super) fn memory(id: u32) -> Option<u64> {
     pages(&format!("/proc/{id}/statm"), 1)
 }
 
-/// Bytes of address space that this process has, where the system tells.
+/// Address space of this process, bytes; `None` if the system does not report it.
 pub(super) fn addresses() -> Option<u64> {
     pages("/proc/self/statm", 0)
 }

@@ -1,5 +1,5 @@
-//! The process between the one that asks for a run and the worker that runs the library: it ends the run in time, and
-//! with it all that the library began, also where the one that asked is there no more.
+//! The supervisor: the process between the checker and the worker that runs the library. It ends the worker at the time
+//! limit, together with all processes that the library started, also if the checker has ended.
 
 use super::journal::{self, Journal};
 use super::{JOURNAL, OFTEN, process};
@@ -17,11 +17,11 @@ enum WorkerEnd {
     Status(ExitStatus),
     Late,
     Large,
-    /// Nobody waits for it any more.
+    /// The checker has ended, or the worker's state cannot be read.
     Unwanted,
 }
 
-/// Runs a worker to its end; how it ended goes into the journal.
+/// Runs a worker to its end and writes a finding about that end, if there is one, into the journal.
 pub(super) fn run(
     folder: &Path,
     library: &str,
@@ -49,7 +49,7 @@ fn start(folder: &Path, library: &str, timeout: Duration) -> io::Result<Child> {
     let work = folder.join("work");
     fs::create_dir(&work)?;
     super::command(&std::env::current_exe()?, folder, library, timeout)
-        // What a thread keeps for its next request counts as in use; without it the heap is counted exactly.
+        // Memory in a thread's cache counts as in use; without the cache the heap is counted exactly.
         .env("GLIBC_TUNABLES", "glibc.malloc.tcache_count=0")
         .arg(format!("--supervisor={}", std::process::id()))
         .current_dir(work)
@@ -61,7 +61,7 @@ fn start(folder: &Path, library: &str, timeout: Duration) -> io::Result<Child> {
 
 fn wait(worker: &mut Child, timeout: Duration) -> WorkerEnd {
     static UNWANTED: AtomicBool = AtomicBool::new(false);
-    // The one that asked holds the other end, which the system closes whatever becomes of it.
+    // The checker holds the other end of standard input; the system closes it however the checker ends.
     std::thread::spawn(|| {
         let _ = io::copy(&mut io::stdin().lock(), &mut io::sink());
         UNWANTED.store(true, Ordering::Relaxed);
@@ -86,7 +86,7 @@ fn wait(worker: &mut Child, timeout: Duration) -> WorkerEnd {
     }
 }
 
-/// The rule that a worker's end breaks, and how.
+/// Returns the rule that a worker's end breaks, with the message; `None` if it breaks none.
 fn judge(
     end: &WorkerEnd,
     state: &journal::State,

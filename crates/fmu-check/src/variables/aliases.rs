@@ -1,4 +1,4 @@
-//! Variables that share a reference are one value under several names.
+//! Rules on aliases: variables that share a value reference and so have one value.
 
 use crate::description::{Kind, Variable};
 use crate::report::Report;
@@ -10,7 +10,7 @@ fn unit<'a>(variable: &Variable<'a>) -> Option<&'a str> {
     variable.attribute("unit")
 }
 
-/// 9.81 and 9.810 are one value.
+/// `true` if two start values are equal as text or as numbers (9.81 and 9.810).
 fn is_same(one: &Variable<'_>, other: &Variable<'_>) -> bool {
     let number = |variable: &Variable<'_>| match variable.kind.base() {
         Kind::Real => variable.start.and_then(double),

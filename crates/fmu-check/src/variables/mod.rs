@@ -1,4 +1,4 @@
-//! The variables, one by one and those that share a reference.
+//! Rules on the variables, on each alone and on aliases.
 
 mod aliases;
 mod names;
@@ -25,7 +25,7 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
     aliases::examine(&description.variables, report);
 }
 
-/// Do causality, variability and initial go together (FMI 2.0, section 2.2.7)?
+/// Examines the combination of causality, variability and initial (FMI 2.0, section 2.2.7).
 fn roles(variable: &Variable<'_>, report: &mut Report) {
     let Variable { name, causality, variability, initial, .. } = *variable;
     let place = || variable.element.place();
@@ -50,7 +50,7 @@ fn roles(variable: &Variable<'_>, report: &mut Report) {
         ("calculatedParameter" | "local", "fixed" | "tunable") => &["calculated", "approx"],
         ("input", "discrete" | "continuous") | ("independent", "continuous") => &[],
         ("output" | "local", "discrete" | "continuous") => &["calculated", "exact", "approx"],
-        // What is no word of FMI is told as that.
+        // Words that FMI does not define are reported by the check against the schema.
         _ if !CAUSALITIES.contains(&causality) || !VARIABILITIES.contains(&variability) => return,
         _ => {
             let message =

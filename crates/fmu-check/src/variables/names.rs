@@ -1,4 +1,4 @@
-//! Names of variables.
+//! Rules on the names of variables.
 
 use crate::description::Description;
 use crate::report::Report;
@@ -32,7 +32,7 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
     }
 }
 
-/// The grammar of FMI 2.0, section 2.2.9.
+/// `true` if a name follows the grammar of structured names (FMI 2.0, section 2.2.9).
 fn is_structured(name: &str) -> bool {
     let Some(inner) = name.strip_prefix("der(").and_then(|rest| rest.strip_suffix(')')) else {
         return identifier(name) == Some("");
@@ -46,7 +46,7 @@ fn is_structured(name: &str) -> bool {
     }
 }
 
-/// Each of these takes what it knows from the beginning and gives back the rest.
+/// Parses an identifier. Each parser takes its part from the beginning of the text and returns the rest.
 fn identifier(text: &str) -> Option<&str> {
     let mut rest = part(text)?;
     while let Some(next) = rest.strip_prefix('.') {

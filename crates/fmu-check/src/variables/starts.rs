@@ -1,4 +1,4 @@
-//! Start values and bounds.
+//! Rules on start values and bounds.
 
 use crate::description::{Kind, Variable};
 use crate::report::Report;
@@ -8,7 +8,7 @@ use crate::xml::values::{double, integer};
 pub(super) fn examine(variable: &Variable<'_>, report: &mut Report) {
     presence(variable, report);
     let (min, max) = (variable.number("min"), variable.number("max"));
-    // A type's own bounds are told where the type is.
+    // The bounds of a type are examined with the type.
     let own = variable.element.attribute("min").or(variable.element.attribute("max")).is_some();
     if let (Some(min), Some(max)) = (min, max)
         && min > max

@@ -1,4 +1,4 @@
-//! The model description as XML: readable, and of the schema's shape.
+//! The model description as XML: reading it and checking it against the schema.
 
 mod schema;
 mod shape;
@@ -11,10 +11,10 @@ pub(super) use tree::{Element, MOST_BYTES};
 use super::report::Report;
 use super::rules::Rule;
 
-/// Where it stands in an FMU.
+/// Path of the model description in an FMU.
 pub(super) const PATH: &str = "modelDescription.xml";
 
-/// The root element of an FMI 2.0 model description; none where there is nothing to go on with.
+/// Returns the root element of an FMI 2.0 model description; `None` if the examination cannot continue.
 pub(super) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
     let root = tree::read(bytes, report)?;
     if root.name != "fmiModelDescription" {

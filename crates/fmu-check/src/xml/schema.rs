@@ -1,25 +1,25 @@
-//! What the schema of FMI 2.0 says of elements: their attributes, and their children in order.
+//! The schema of FMI 2.0 as tables: the attributes of elements, and their children in order.
 
 use super::values::Type::{self, Boolean, Count, Counts, Double, Integer, Text, Word, Words};
 
-/// An element by its path's last names.
+/// An element of the schema, identified by the last names of its path.
 pub(super) struct ElementKind {
-    /// `parent/name`, or the name alone where it is the same everywhere.
+    /// `parent/name`, or the name alone if the element is the same everywhere.
     pub(super) name: &'static str,
-    /// Names, types, and whether they are required.
+    /// Attributes: name, type, and `true` if the attribute is required.
     pub(super) attributes: &'static [(&'static str, Type, bool)],
-    /// Children in their order: those of one step may change places.
+    /// Children in their order; the names of one step may come in any order.
     pub(super) children: &'static [Child],
 }
 
-/// A step in an element's order.
+/// A step in the order of an element's children.
 pub(super) struct Child {
     pub(super) names: &'static [&'static str],
-    /// Must one be there?
+    /// `true` if at least one element of the step is required.
     pub(super) required: bool,
-    /// May one name be there more than once?
+    /// `true` if a name may occur more than once.
     pub(super) many: bool,
-    /// May no more than one of the names be there?
+    /// `true` if at most one of the names may occur.
     pub(super) either: bool,
 }
 

@@ -1,4 +1,4 @@
-//! Holds a tree to the schema.
+//! The check of a tree against the schema.
 
 use super::schema::{ELEMENTS, ElementKind};
 use super::tree::Element;
@@ -7,7 +7,7 @@ use crate::report::Report;
 use crate::rules::Rule;
 use std::collections::HashSet;
 
-/// Holds an element and all below it to the schema.
+/// Checks an element and all elements below it against the schema.
 pub(super) fn examine(element: &Element, parent: &str, report: &mut Report) {
     let Some(kind) = kind(parent, &element.name) else { return };
     attributes(element, kind, report);
@@ -16,7 +16,7 @@ pub(super) fn examine(element: &Element, parent: &str, report: &mut Report) {
     }
 }
 
-/// None for what the schema leaves open.
+/// Returns the schema of an element; `None` if the schema leaves it open.
 fn kind(parent: &str, name: &str) -> Option<&'static ElementKind> {
     let path = format!("{parent}/{name}");
     ELEMENTS.iter().find(|kind| kind.name == path || kind.name == name)
@@ -25,7 +25,7 @@ fn kind(parent: &str, name: &str) -> Option<&'static ElementKind> {
 fn attributes(element: &Element, kind: &ElementKind, report: &mut Report) {
     let tag = &element.name;
     for (name, value) in &element.attributes {
-        // Namespaces and where the schema is belong to XML, not to FMI.
+        // Namespaces and the location of the schema belong to XML, not to FMI.
         if name == "xmlns"
             || name.starts_with("xmlns:")
             || name.starts_with("xsi:")
@@ -89,7 +89,7 @@ fn children(element: &Element, kind: &ElementKind, report: &mut Report) {
             );
         }
         reached = reached.max(step);
-        // Of names that exclude each other the first stands for all.
+        // Names that exclude each other count as the first of them.
         let twin = if kind.children[step].either { kind.children[step].names[0] } else { name };
         if !seen.insert(twin) && !kind.children[step].many {
             report.add(

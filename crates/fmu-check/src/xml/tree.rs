@@ -1,9 +1,9 @@
-//! `modelDescription.xml` as a tree of elements that know their lines.
+//! `modelDescription.xml` as a tree of elements with their line numbers.
 //!
-//! The tree is made here, from quick-xml's events, because a file may be an attack. roxmltree 0.21 limits only the number of
-//! nodes: it takes some 10 s for one element of 80,000 attributes (0.8 MB), or for 2000 namespaces with as many elements that
-//! declare one more (70 kB). Its time grows with the square of the file or faster, and in an archive such files are small.
-//! Nor does it tell the encoding that a file states.
+//! The tree is made here, from quick-xml's events, because a file may be an attack. roxmltree 0.21 limits only the
+//! number of nodes: it takes some 10 s for one element of 80,000 attributes (0.8 MB), or for 2000 namespaces with as
+//! many elements that declare one more (70 kB). Its time grows with the square of the file or faster, and in an archive
+//! such files are small. It does not give the encoding that a file states either.
 
 use super::PATH;
 use crate::report::Report;
@@ -15,11 +15,11 @@ use std::fmt;
 pub(crate) const MOST_BYTES: u64 = 256 << 20;
 const MOST_ELEMENTS: usize = 4_000_000;
 const MOST_ATTRIBUTES: usize = 16_000_000;
-/// Of one element, each of which is compared with all others.
+/// Limit of the attributes of one element; each is compared with all others.
 const MOST_ATTRIBUTES_EACH: usize = 256;
 const DEEPEST: usize = 64;
 
-/// An element, without its text: those of a model description have none.
+/// An element without its text; the elements of a model description have none.
 #[derive(Debug)]
 pub(crate) struct Element {
     pub(crate) name: String,
@@ -38,18 +38,18 @@ impl Element {
         self.children.iter().find(|child| child.name == name)
     }
 
-    /// The children of a child.
+    /// Returns the children of the child of this name.
     pub(crate) fn below(&self, name: &str) -> &[Element] {
         self.child(name).map_or(&[], |child| &child.children)
     }
 
-    /// Where it stands.
+    /// Path of the file and line of the element.
     pub(crate) fn place(&self) -> String {
         format!("{PATH}:{}", self.line)
     }
 }
 
-/// Reads the file; none where it is no XML that may be read further.
+/// Reads the file. Returns `None` if it is not well-formed XML within the limits.
 pub(crate) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
     if bytes.len() as u64 > MOST_BYTES {
         let message = format!("has {} bytes; the limit is {MOST_BYTES}", bytes.len());
@@ -93,7 +93,7 @@ type Problem = (Rule, String);
 
 struct Parser<'a> {
     text: &'a str,
-    /// Bytes whose lines are counted, and the line that they end in.
+    /// Number of bytes whose lines are counted, and the line in which they end.
     counted: (usize, usize),
     elements: usize,
     attributes: usize,
@@ -232,7 +232,7 @@ impl Parser<'_> {
 
     fn close(&mut self, element: Element) -> Result<(), Problem> {
         match self.open.last_mut() {
-            // What tools note for themselves is not looked at.
+            // The annotations of tools are not examined.
             Some(parent) if parent.name == "Tool" => {}
             Some(parent) => parent.children.push(element),
             None => self.root = Some(element),

@@ -1,6 +1,6 @@
-//! The types of attributes.
+//! The types of attributes in the schema.
 
-/// What an attribute's value must be.
+/// The type of an attribute's value.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Type {
     Text,
@@ -13,7 +13,7 @@ pub(super) enum Type {
     Words(&'static [&'static str]),
 }
 
-/// What is wrong with a value.
+/// The mistake in a value.
 pub(super) enum Wrong {
     Value(String),
     NotFinite,
@@ -65,7 +65,7 @@ pub(crate) fn count(value: &str) -> Option<u32> {
     value.trim_ascii().parse().ok()
 }
 
-/// A finite number.
+/// Parses a finite number.
 pub(crate) fn double(value: &str) -> Option<f64> {
     value.trim_ascii().parse().ok().filter(|number: &f64| number.is_finite())
 }

@@ -8,7 +8,7 @@ use zip::{CompressionMethod, ZipWriter};
 const CENTRAL: &[u8] = b"PK\x01\x02";
 const LOCAL: &[u8] = b"PK\x03\x04";
 
-/// Where the headers of this kind are.
+/// Positions of the headers of this kind.
 fn headers(bytes: &[u8], kind: &[u8]) -> Vec<usize> {
     (0..bytes.len() - 4).filter(|&at| &bytes[at..at + 4] == kind).collect()
 }
@@ -68,7 +68,7 @@ fn names_stay_inside_the_archive() {
         "resources\\a.txt",
         "resources//b.txt",
     ] {
-        // Of one length, so that the name can be changed in both headers.
+        // Both names have one length, so that the name can be changed in both headers.
         let plain = format!("resources/{}", "n".repeat(name.len() - 10));
         let mut bytes = sound().add(&plain, b"a").pack();
         for at in (0..bytes.len() - name.len()).rev() {

@@ -93,7 +93,7 @@ impl Files {
     }
 }
 
-/// What the program says of an FMU: its exit code, and what it prints.
+/// Runs the program on an FMU. Returns its exit code and its output.
 pub fn check(fmu: &[u8], arguments: &[&str]) -> (i32, String) {
     let folder = folder();
     fs::write(folder.path().join("a.fmu"), fmu).unwrap();

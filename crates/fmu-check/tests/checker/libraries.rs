@@ -71,7 +71,8 @@ fn other_libraries_are_the_systems_or_beside_it() {
 
 #[test]
 fn what_the_standard_allows_is_no_fault() {
-    // Of parameters and inputs nothing need be told before initialization ends; a helper may outlive the library for a moment.
+    // Parameters and inputs need not be readable before initialization ends; a helper process may outlive the library
+    // briefly.
     for flag in ["-DSTRICT_MODES", "-DBRIEF_HELPER"] {
         let fmu = with_library(library(&[flag]))
             .edit(" canGetAndSetFMUstate=\"true\" canSerializeFMUstate=\"true\"", "");
@@ -144,7 +145,7 @@ fn each_fault_of_a_run_is_found_by_its_rule_alone() {
     ] {
         let flag = format!("-DFAULT_{fault}");
         let fmu = with_library(library(&[&flag]));
-        // What differs after a state may be its serialized copy too.
+        // A difference after restoring a state may also come from its serialized copy.
         let fmu =
             if fault == "state" { fmu.edit(" canSerializeFMUstate=\"true\"", "") } else { fmu };
         let printed = assert_breaks(rule, &fmu.pack(), &[]);

@@ -71,7 +71,7 @@ fn a_library_ends_with_its_supervisor_that_is_killed() {
     assert_eq!(supervisors.len(), 1);
     kill(Pid::from_raw(supervisors[0]), Signal::SIGKILL).unwrap();
     assert_eq!(check.wait().unwrap().code(), Some(2));
-    // What is in another session has nobody left to end it; here it is the test.
+    // No process ends one of another session; here the test does.
     let worker = |line: &str| line.contains("--supervisor");
     wait_until("the worker is left", || {
         processes(folder.path()).iter().filter(|(_, line)| worker(line)).count() <= 1

@@ -563,7 +563,7 @@ fn a_raster_has_the_colours_of_its_scale() {
         let (found, expected) = (cell(column, row), scale(value));
         assert!(near(found, expected), "{column}, {row}: {found:?} and {expected:?}");
     }
-    // What is above the scale has its last colour, what is not a number none.
+    // Values above the scale have its last colour; values that are not a number have none.
     assert!(near(cell(3, 2), scale(5.0)));
     assert_eq!(cell(1, 1), [255; 3]);
     let sum = |value: f64| scale(value).map(u32::from).iter().sum::<u32>();

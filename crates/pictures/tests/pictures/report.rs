@@ -205,7 +205,7 @@ fn colours_stand_out_on_light_and_on_dark_ground() {
         let pair = between(&html, &format!("  --{name}: light-dark("), ")")[0];
         pair.split(", ").map(String::from).collect()
     };
-    // Where light-dark() is not known.
+    // The colours for browsers without light-dark().
     let alone = |name: &str| between(&html, &format!("  --{name}: #"), ";")[0].to_owned();
     for scheme in [0, 1] {
         let of = |name: &str| colours(name)[scheme].clone();

@@ -12,9 +12,9 @@ use amontons::contact::Friction;
 use amontons::contact::residual::{Instant, Scales};
 use nalgebra::DVector;
 
-/// What the law may be missed by, as a part of the scales; beside what the motion loses by rounding.
+/// Tolerance of the law, as a part of the scales, besides the rounding errors of the motion.
 const LAW: f64 = 1e-10;
-/// Velocities that are this part of their scale are zero for all that can be said.
+/// Velocities below this part of their scale count as zero.
 const STANDS: f64 = 1e-10;
 
 impl Run {
@@ -109,7 +109,7 @@ impl Run {
                 nothing: [own * allowed, allowed],
             };
             if doing.slip * doing.force[1] < 0.0 {
-                // What is left of a slip that comes to its end.
+                // A slip that comes to its end still has a small velocity.
                 continue;
             }
             let friction = span.start.friction[i];
@@ -151,7 +151,7 @@ impl Run {
         // However small it is, friction is against it.
         let slips_now = slip_velocity;
         if slip_velocity.abs() <= 10.0 * lost * own * self.h() {
-            // What rounding of the forces makes of it in a step.
+            // Rounding of the forces can make such a slip velocity in a step.
             slip_velocity = 0.0;
         }
         let [gap_acceleration, slip_acceleration] = along(acceleration, slider[1]);
@@ -200,10 +200,10 @@ impl Run {
         if is_free && (in_time || self.at.1) {
             return;
         }
-        // What the largest force would do here.
+        // The acceleration that the largest force would cause here.
         let own = own * self.scales.force;
         let scales = Scales { velocity: own, ..self.scales };
-        // Where it lasts too short to be told from nothing, a slip may be at its end from the beginning.
+        // A slip that lasts too short to be distinguished from zero may be at its end from the beginning.
         let nothing = stands * self.scales.velocity;
         let is_brief = slip_velocity.abs().max(self.lasts * slip_acceleration.abs()) <= nothing;
         let ends = (self.at.1 || is_brief) && friction_force != 0.0;
@@ -233,8 +233,8 @@ impl Run {
         span.slider(contact, 0.0) + span.slider(contact, self.h())
     }
 
-    /// What rounding leaves of the gap and the velocities of closed contacts between masses, which no step
-    /// puts where they belong: a bit of the velocity each.
+    /// Rounding error of the gap and the velocities of closed contacts between masses, which no step projects onto the
+    /// constraints: a bit of the velocity for each step.
     fn exact_drift(&self) -> f64 {
         if self.is_exact {
             return 0.0;
@@ -244,7 +244,7 @@ impl Run {
         velocity / self.scales.velocity + velocity * self.time() / self.scales.length
     }
 
-    /// How fast velocities (m/s) may be, and by how much contacts and loads change them between two times.
+    /// Largest velocities (m/s), and their change by contacts and loads between two times.
     fn gained(&self, span: &Span, before: &Look, after: &Look) -> [f64; 2] {
         let fastest = before.place[1].amax().max(after.place[1].amax()).max(self.scales.velocity);
         let (force, _) = self.outer(span, before);
@@ -291,8 +291,8 @@ impl Run {
         let moved = (&after.place[0] - &before.place[0]).amax();
         let time = self.time() - self.h() + after.t;
         let late = 4.0 * f64::EPSILON * time;
-        // How often contacts bounce off each other before they lie still is a matter of rounding, which is
-        // a part of the displacements, however small what the springs give is.
+        // The number of bounces before contacts come to rest depends on rounding, which is a part of the displacements,
+        // however small the spring forces are.
         let length = self.scales.length.max(before.place[0].amax());
         let bits = if self.is_exact { 1e-12 } else { SLOW } + self.forgiven;
         assert!(
@@ -346,7 +346,8 @@ impl Run {
             let rest = self.distance_from_cone(&momentum, &limits);
             assert!(rest <= nothing[1], "impact at {time} s: no contacts give {rest} N s of it");
             for (i, [gap, opening, _]) in kinematics.into_iter().enumerate() {
-                // What lands next may be as near as rounding lets it be; if it did not land, its gap would be judged.
+                // A contact that lands next may be as near as rounding permits; if it did not land, its gap would be
+                // judged.
                 let is_open = gap > ROUNDING * scales.length || after.states[i] == Detached;
                 assert!(
                     is_open || opening >= -nothing[0],
@@ -404,7 +405,7 @@ impl Run {
             // A slider that jumps leaves what sticks to it behind, which no instant knows.
             return;
         }
-        // What the sliders do at this very instant, also where they bend later.
+        // The rates of the sliders at this instant, also if they bend later.
         [_, span.steady] = self.rates(time);
         span.start.friction = self.acting_at([time, time]).friction;
         let reported = self.forces();

@@ -1,5 +1,5 @@
-//! Where exact motion goes in one contact state: the exponential of a matrix that is built from M, C, K, the
-//! directions of the contacts and their states.
+//! Exact motion in one contact state by the exponential of a matrix that is built from M, C, K, the directions of the
+//! contacts and their states.
 
 use super::{Look, SLOW};
 use crate::judge::{Acting, ROUNDING, Run, singular};
@@ -10,10 +10,10 @@ use amontons::model::LumpedModel;
 use amontons::simulation::Simulation;
 use nalgebra::{DMatrix, DVector};
 
-/// How many exponentials are kept.
+/// Number of exponentials that are kept.
 const KEPT: usize = 256;
 
-/// What one contact state makes of a force f on the masses and of the accelerations of the sliders.
+/// The effect of a force f on the masses and of the accelerations of the sliders in one contact state.
 pub(in crate::judge) struct Held {
     pub(super) states: Vec<ContactState>,
     friction: Vec<Friction>,
@@ -25,12 +25,12 @@ pub(in crate::judge) struct Held {
     pub(in crate::judge) mobility: DMatrix<f64>,
     /// ẍ from the sliders' accelerations: n × c.
     pub(super) follows: DMatrix<f64>,
-    /// Do redundant contacts share their load as they like, and with it move the masses? Then the law does not say where the
-    /// motion goes.
+    /// `true` if redundant contacts can share their load in several ways and the masses move accordingly. The law then
+    /// does not determine the motion.
     pub(super) is_undetermined: bool,
 }
 
-/// What is kept of exponentials: what they are of, and what they are.
+/// Kept exponentials: arguments and results.
 type Kept = Vec<(Vec<f64>, DMatrix<f64>)>;
 
 #[derive(Default)]
@@ -68,15 +68,15 @@ impl Swing {
     }
 }
 
-/// What acts over a step: forces and slider velocities change linearly and by sines.
+/// The actions over a step: forces and slider velocities change linearly and by sines.
 pub(super) struct Span {
     pub(super) start: Acting,
-    /// What is linear: N/s.
+    /// Linear rate of the forces, N/s.
     pub(super) rate: DVector<f64>,
-    /// m/s².
+    /// Linear rate of the sliders' velocities, m/s².
     pub(super) steady: DVector<f64>,
     swings: Vec<Swing>,
-    /// Is this so, or does a slider's velocity bend within the step?
+    /// `true` if this form holds; `false` if a slider's velocity bends within the step.
     pub(super) is_straight: bool,
 }
 
@@ -218,7 +218,7 @@ impl Run {
         })
     }
 
-    /// What acts over the step that begins at `time`.
+    /// Returns the actions over the step that begins at `time`.
     pub(super) fn span(&mut self, time: f64) -> Span {
         let h = self.h();
         let middle = self.acting_at([time, time + 0.5 * h]).slider_velocity;
@@ -241,8 +241,8 @@ impl Run {
         Span { start, rate, steady, swings, is_straight }
     }
 
-    /// Where the motion goes in `t` (s) from `from`, where `begin` (s) of the step have passed, without
-    /// a change of state; and the rounding errors of that, as a velocity.
+    /// Follows the motion for `t` (s) from `from`, when `begin` (s) of the step have passed, without a change of state.
+    /// Returns the end and its rounding error, as a velocity.
     pub(super) fn follow(
         &mut self,
         held: usize,
@@ -259,7 +259,7 @@ impl Run {
         let state = &self.memory.held[held];
         let constant = &state.mobility * &rest + &state.follows * &span.steady;
         let linear = &state.mobility * &span.rate;
-        // What sine and cosine of each swing give.
+        // The accelerations by the sine and cosine of each swing.
         let swung = span.swings.iter().map(|swing| {
             let carried = &state.follows * &swing.moves * swing.pulsation;
             (swing.pulsation, [&state.mobility * &swing.pushes, carried])
@@ -311,7 +311,7 @@ impl Run {
         let balanced = self.stiffness.abs() * self.total(&from[0]).abs()
             + DVector::from_column_slice(&self.model.load).abs();
         let lost = largest(&start).max(largest(&end)).max(size * turns.min(1.0))
-            // Where they grow, so do the roundings of what holds each other.
+            // Growing motions also amplify the rounding errors of the balance of forces.
             + t * (self.inverse_mass.abs() * balanced).amax() * self.grown(place).max(1.0);
         // Times are known to the last digit of the time since the start, those at which contacts land as
         // near as their gaps are, which are differences of displacements.
@@ -325,8 +325,8 @@ impl Run {
         let lands = bounces.iter().fold(0.0, |most, v| f64::max(most, gap / v));
         let late = (4.0 * f64::EPSILON * self.time() + lands) * omega;
         let fastest = largest(&start).max(largest(&end)).max(size);
-        // What bounces this slowly has been left by impacts of contacts that throw each other off, each as
-        // near as rounding lets it be.
+        // A bounce this slow remains from impacts of contacts that throw each other off, each as accurate as rounding
+        // permits.
         let is_slow = !self.is_exact && bounces.iter().any(|v| *v < ended);
         let left = if is_slow { ended } else { 0.0 };
         // Putting inclined contacts where they belong costs as much again.

@@ -1,4 +1,4 @@
-//! What the command line understands.
+//! The arguments of `amontons-stability`.
 
 use amontons::Error;
 use amontons_analysis::sweep::range::{self, assignment, ends};

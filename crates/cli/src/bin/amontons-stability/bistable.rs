@@ -145,7 +145,8 @@ fn print_candidates(
     print_width(widest, out)
 }
 
-/// The most candidates that are confirmed: each takes fifteen runs, or more where small pushes may do.
+/// Limit of the number of candidates that are confirmed: each takes fifteen runs, or more where small pushes may
+/// suffice.
 const MOST_CONFIRMED: usize = 20;
 
 fn confirm_candidates(
@@ -196,7 +197,7 @@ fn confirm_candidates(
     Ok(())
 }
 
-/// What was tried of a candidate that was not met.
+/// Prints the attempts to confirm a candidate without success.
 fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
     let list = |value: fn(&Attempt) -> f64, digits: usize| {
         let mut all: Vec<f64> = tried.attempts.iter().map(value).collect();
@@ -225,7 +226,7 @@ fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Says how closely the states were looked at.
+/// Prints the spacing in µ at which each contact state was examined.
 fn print_width(widest: f64, out: &mut dyn Write) -> Result<(), Failure> {
     if widest > 0.0 {
         let widest = significant(widest, 2);

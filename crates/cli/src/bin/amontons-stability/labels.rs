@@ -1,4 +1,4 @@
-//! Numbers and names as a person reads them.
+//! Numbers and names formatted for output.
 
 use amontons_analysis::stability::locus::Crossing;
 pub use amontons_pictures::picture::significant;
@@ -6,7 +6,7 @@ pub use amontons_pictures::picture::significant;
 /// Digits to which parameters are located and printed.
 pub const LOCATED: usize = 10;
 
-/// What a mode does at a frequency (Hz), zero being a real eigenvalue.
+/// Describes the motion of a mode at a frequency (Hz); zero is a real eigenvalue.
 pub fn at_frequency(frequency_hz: f64) -> String {
     if frequency_hz == 0.0 {
         "without oscillating (real, divergence)".into()
@@ -15,7 +15,7 @@ pub fn at_frequency(frequency_hz: f64) -> String {
     }
 }
 
-/// What a mode does where its growth rate changes its sign.
+/// Describes the change of a mode at a crossing, where its growth rate changes sign.
 pub fn turn(crossing: &Crossing) -> String {
     format!(
         "mode {} {} {}",

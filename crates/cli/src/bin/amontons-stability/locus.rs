@@ -18,10 +18,10 @@ use amontons_pictures::picture::{self, Chart, locus_chart};
 use std::f64::consts::TAU;
 use std::io::Write;
 
-/// What is followed: one locus, or one over µ for each value of another parameter.
+/// The loci to follow: one, or one over µ for each value of another parameter.
 struct Family<'a> {
     given: &'a Given,
-    /// What is left out of the values.
+    /// Notes on values that are left out.
     notes: Vec<String>,
     states: Vec<ContactState>,
     /// The parameter along x.
@@ -36,11 +36,12 @@ struct Family<'a> {
 struct Member {
     at: Option<f64>,
     locus: Locus,
-    /// Where uniform sliding has an equilibrium; of other states nothing is known.
+    /// Ranges of the parameter in which uniform sliding has an equilibrium; `None` for other states, where it is
+    /// unknown.
     equilibrium: Option<Vec<[f64; 2]>>,
 }
 
-/// The most loci that a picture can tell apart.
+/// Limit of the number of loci in one picture.
 const MAX_DRAWN: usize = 24;
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
@@ -176,7 +177,7 @@ impl Family<'_> {
         Ok(())
     }
 
-    /// Why eigenvalues cannot be followed where there is no equilibrium to linearise friction about.
+    /// Explains that eigenvalues cannot be followed because no equilibrium exists about which to linearise friction.
     fn explain_missing_slopes(
         &self,
         ranges: &[[f64; 2]],
@@ -257,7 +258,7 @@ impl Family<'_> {
     }
 }
 
-/// The values of a parameter at which every contact slides, and a note on the others, if there are any.
+/// Values of a parameter at which every contact slides, with a note on the others if there are any.
 fn sliding_values(
     scene: &Scene,
     name: &str,
@@ -286,7 +287,7 @@ fn sliding_values(
     let missing: Vec<String> =
         values.iter().filter(|value| !kept.contains(value)).map(f64::to_string).collect();
     if kept.len() < 2 {
-        // The reason is the same for all.
+        // The reason is the same for all values.
         let reason = Linearised::of(&with(scene, name, values[0])?).uniform_sliding();
         reason?;
         return Err(Failure::Usage(format!(
@@ -299,7 +300,7 @@ fn sliding_values(
     Ok((kept, note))
 }
 
-/// Says where uniform sliding has an equilibrium, unless it has everywhere.
+/// Prints the ranges in which uniform sliding has an equilibrium, unless it has one everywhere.
 fn print_equilibrium(
     ranges: &[[f64; 2]],
     [first, last]: [f64; 2],

@@ -1,5 +1,5 @@
-//! The stability analyser's command line: arguments in, tables and pictures out; the work is the
-//! library's.
+//! The command line of the stability analyser: it reads arguments and writes tables and pictures; the library does the
+//! analysis.
 
 mod arguments;
 mod bistable;
@@ -25,9 +25,9 @@ use clap::Parser;
 use std::io::{self, BufWriter, Write};
 use std::process::ExitCode;
 
-/// Why a command ended early.
+/// Reasons for which a command ends early.
 enum Failure {
-    /// The command line makes no sense: what would be right.
+    /// A wrong command line, with the form that would be right.
     Usage(String),
     Analysis(Error),
     Output(io::Error),
@@ -57,7 +57,7 @@ fn main() -> ExitCode {
     let flushed = out.flush().map_err(Failure::Output);
     match result.and(flushed) {
         Ok(()) => ExitCode::SUCCESS,
-        // Who reads has read enough.
+        // The reader of standard output has closed it.
         Err(Failure::Output(error)) if error.kind() == io::ErrorKind::BrokenPipe => {
             ExitCode::SUCCESS
         }
@@ -76,25 +76,25 @@ fn main() -> ExitCode {
     }
 }
 
-/// A scene as a command looks at it.
+/// A scene as a command analyses it.
 struct Given {
-    /// At one instant, without signals.
+    /// The scene at one instant, without signals.
     scene: Scene,
-    /// When, s; only of a scene with signals.
+    /// The instant, s; `None` for a scene without signals.
     at: Option<f64>,
-    /// What is left out of its signals.
+    /// A note on the parts of the signals that the analysis leaves out.
     left_out: Option<String>,
 }
 
 impl Given {
-    /// The line under a heading that says what is left out, if anything is.
+    /// The line under a heading that names the parts left out; empty if nothing is.
     fn head(&self) -> String {
         self.left_out.as_ref().map_or_else(String::new, |left_out| format!("{left_out}\n"))
     }
 }
 
-/// The scene with the values of the command line, at the instant that it names. `varied` are the parameters through
-/// whose values the command goes.
+/// The scene with the values of the command line, at the instant that it states. `varied` are the parameters whose
+/// values the command varies.
 fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result<Given, Error> {
     let (mut scene, _) = scene::find(&common.scene)?;
     check_once(&common.set)?;
@@ -126,7 +126,7 @@ fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result
     Ok(Given { scene, at, left_out })
 }
 
-/// µ as the heading of a table says it.
+/// Friction coefficients for the heading of a table.
 fn friction(scene: &Scene) -> String {
     let about = scene.contact_law().friction.info();
     let Friction { kinetic, static_, .. } = scene.friction();
@@ -137,7 +137,7 @@ fn friction(scene: &Scene) -> String {
     }
 }
 
-/// µ of each contact, of a scene in which some have one of their own.
+/// Friction coefficient of each contact; `None` if no contact has a coefficient of its own.
 fn of_contacts(scene: &Scene) -> Option<String> {
     let contacts = &scene.network()?.contacts;
     contacts.iter().find(|contact| contact.friction.is_some())?;
@@ -148,7 +148,7 @@ fn of_contacts(scene: &Scene) -> Option<String> {
     Some(each.collect::<Vec<_>>().join(", "))
 }
 
-/// Refuses a parameter of which nothing depends that an analysis looks at.
+/// Refuses a parameter on which no quantity of the analysis depends.
 fn check_effect<T: PartialEq>(
     name: &str,
     values: &[f64],
@@ -166,7 +166,7 @@ fn check_effect<T: PartialEq>(
     Err(Failure::Usage(format!("nothing here depends on {name}; {wish}")))
 }
 
-/// The scene with another value of a parameter.
+/// Returns the scene with another value of a parameter.
 fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
     let mut scene = scene.clone();
     assign(&mut scene, name, value)?;
@@ -174,7 +174,7 @@ fn with(scene: &Scene, name: &str, value: f64) -> Result<Scene, Error> {
     Ok(scene)
 }
 
-/// The contact state that a command is to look at: the one named, or uniform sliding.
+/// Returns the contact state that a command analyses: the state named on the command line, or uniform sliding.
 fn state(name: Option<&str>, scene: &Scene, here: &Linearised) -> Result<Vec<ContactState>, Error> {
     match name {
         Some(name) => parse_states(name, scene.contact_count()),

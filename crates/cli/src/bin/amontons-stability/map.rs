@@ -12,7 +12,7 @@ use amontons_cli::progress::Progress;
 use amontons_pictures::picture::{self, Class, Map};
 use std::io::Write;
 
-/// Places in the palette that belong to the verdicts, in their order.
+/// Indices in the palette of the colours for the verdicts, in their order.
 const COLOURS: [usize; 6] = [5, 4, 3, 1, 6, 7];
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
@@ -40,7 +40,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
             assign(&mut scene, name, value)?;
             let mut model = Linearised::of(&scene).model().clone();
             if model.law.friction.info().is_constant() {
-                // A verdict then depends on the directions of the surfaces alone.
+                // The verdict then depends on the directions of the surface velocities alone.
                 let turn =
                     |contact: &mut Contact| contact.surface_velocity = contact.sliding_sign();
                 model.contacts.iter_mut().for_each(turn);
@@ -81,7 +81,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         }
     }
     let Some(path) = &arguments.plot else { return Ok(()) };
-    // The legend has only what is there.
+    // The legend lists only the verdicts that occur.
     let classes: Vec<(Verdict, usize)> =
         Verdict::ALL.into_iter().zip(COLOURS).filter(|(verdict, _)| share(*verdict) > 0).collect();
     let place = |v: &Verdict| {

@@ -9,7 +9,7 @@ use amontons_pictures::picture::{self, ModeShape, ModeShapes};
 use nalgebra::Complex;
 use std::io::{self, Write};
 
-/// Degrees of freedom by name, in their order in a module.
+/// Names of the degrees of freedom, in their order in a module.
 const DOFS: [&str; 4] = ["x1", "x2", "x3", "x4"];
 
 pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
@@ -56,7 +56,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     Ok(picture.write(path)?)
 }
 
-/// How many waves a shape has around a ring of equal modules.
+/// Text that states the number of waves of a shape around a ring of equal modules.
 fn waves(count: Option<usize>) -> String {
     match count {
         None => String::new(),
@@ -65,7 +65,7 @@ fn waves(count: Option<usize>) -> String {
     }
 }
 
-/// One line a module, its four degrees of freedom side by side.
+/// Prints one line for each module, with its four degrees of freedom side by side.
 fn print_modules(shape: &[Complex<f64>], out: &mut dyn Write) -> io::Result<()> {
     let head = DOFS.map(|dof| format!("{dof:>8} {:>8}", "phase")).join("  ");
     writeln!(out, "  {:>9}  {head}", "")?;
@@ -76,7 +76,7 @@ fn print_modules(shape: &[Complex<f64>], out: &mut dyn Write) -> io::Result<()> 
     Ok(())
 }
 
-/// One line a degree of freedom.
+/// Prints one line for each degree of freedom.
 fn print_dofs(names: &[String], shape: &[Complex<f64>], out: &mut dyn Write) -> io::Result<()> {
     let width = names.iter().map(String::len).max().unwrap_or(0);
     for (name, x) in names.iter().zip(shape) {

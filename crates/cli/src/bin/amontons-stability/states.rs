@@ -15,30 +15,30 @@ use serde_json::{Map, Value, json};
 use std::f64::consts::TAU;
 use std::io::Write;
 
-/// The most contacts of which departures are printed: each mode asks for the forces of all.
+/// Limit of the number of contacts for which departures are printed; each mode needs the forces of all contacts.
 const MAX_LEAVING: usize = 32;
 
-/// A state and what was found of it.
+/// A contact state and the results for it.
 struct Row {
     states: Vec<ContactState>,
     spectrum: Spectrum,
     has_equilibrium: bool,
-    /// How many states symmetry makes equal to it, where it is the first of them; else zero.
+    /// Number of states that symmetry makes equal to this one if it is the first of them; else zero.
     alike: usize,
 }
 
-/// What is to be printed.
+/// The results to be printed.
 struct Report {
     given: Given,
     rows: Vec<Row>,
     /// The state of all contacts at rest.
     resting: Vec<ContactState>,
     equilibrium: Result<Equilibrium, Error>,
-    /// Or why there are none.
+    /// Departures, or the reason why there are none.
     departures: Result<Vec<(Leaving, Option<Departure>)>, String>,
 }
 
-/// A mode of uniform sliding, as its departure is printed.
+/// A mode of uniform sliding whose departure is printed.
 struct Leaving {
     frequency_hz: f64,
     growth_rate: f64,
@@ -79,7 +79,7 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The states asked for, one or all, with their spectra and how many are alike ([`Row::alike`]).
+/// The states asked for, one or all, with their spectra and the number of equal states ([`Row::alike`]).
 fn spectra(
     name: Option<&str>,
     scene: &Scene,
@@ -112,8 +112,8 @@ fn spectra(
     Ok(found.collect())
 }
 
-/// The way from the linear answer to the non-linear one: where each mode of uniform sliding makes a
-/// contact leave it.
+/// The departure of each mode of uniform sliding: where it makes a contact leave its state, so that the linear model no
+/// longer holds.
 fn departures(here: &Linearised) -> Result<Vec<(Leaving, Option<Departure>)>, Error> {
     let model = here.linear()?;
     let sliding = here.uniform_sliding()?;
@@ -236,7 +236,7 @@ impl Report {
     }
 }
 
-/// The eigenvalues of a state as the paper prints them.
+/// Eigenvalues of a state in the format of the paper.
 fn cells(spectrum: &Spectrum) -> Vec<String> {
     let mark = |growth: f64| if growth > 0.0 { '*' } else { ' ' };
     let oscillating = spectrum
@@ -247,12 +247,12 @@ fn cells(spectrum: &Spectrum) -> Vec<String> {
     oscillating.chain(real).collect()
 }
 
-/// A rate in Hz, with digits of its own where those of the others would show nothing of it.
+/// A rate in Hz; small values have digits of their own.
 fn rate(hz: f64) -> String {
     if hz == 0.0 || hz.abs() >= 0.005 { format!("{hz:.2}") } else { format!("{hz:.1e}") }
 }
 
-/// Two contacts: module 1 across, module 2 down, as in Tables 2 and 3.
+/// Prints the table for two contacts: module 1 across, module 2 down, as in Tables 2 and 3.
 fn print_paper_table(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
     const WIDTH: usize = 22;
     let cell = |first: ContactState, second: ContactState| {
@@ -280,7 +280,7 @@ fn print_paper_table(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
     Ok(())
 }
 
-/// Each state that symmetry does not make equal to one before it.
+/// Prints the states that symmetry does not make equal to an earlier one.
 fn print_list(rows: &[Row], out: &mut dyn Write) -> Result<(), Failure> {
     for row in rows.iter().filter(|row| row.alike > 0) {
         let note = if row.alike > 1 { format!(" ({} alike)", row.alike) } else { String::new() };

@@ -1,4 +1,4 @@
-//! What the command line understands.
+//! The arguments of `amontons`.
 
 use crate::export::platforms;
 use crate::study::arguments::Study;
@@ -156,7 +156,7 @@ pub struct Integrator {
     pub preset: Option<Preset>,
 }
 
-/// The methods by name, each with its help.
+/// A parser of the methods' names, with a help text for each.
 fn methods() -> impl TypedValueParser<Value = Method> {
     one_of(&Method::ALL, Method::name, |method| match method {
         Method::ForwardIncrement => {
@@ -166,7 +166,7 @@ fn methods() -> impl TypedValueParser<Value = Method> {
     })
 }
 
-/// The presets by name, each with its help.
+/// A parser of the presets' names, with a help text for each.
 fn presets() -> impl TypedValueParser<Value = Preset> {
     one_of(&Preset::ALL, Preset::name, |preset| match preset {
         Preset::Preview => "1e-2: no difference is seen in a picture of the motion",
@@ -175,7 +175,7 @@ fn presets() -> impl TypedValueParser<Value = Preset> {
     })
 }
 
-/// Takes the name of one of these values.
+/// A parser that takes the name of one of these values.
 fn one_of<T: Copy + Send + Sync>(
     all: &'static [T],
     name: fn(T) -> &'static str,
@@ -187,10 +187,10 @@ fn one_of<T: Copy + Send + Sync>(
 }
 
 impl Integrator {
-    /// Gives the scene what the command line asks for.
+    /// Applies the settings of the command line to the scene.
     ///
     /// # Errors
-    /// A method without a step, or a step without a method, in place of what chooses both.
+    /// Returns an error if a method is given without a step, or a step without a method, for a scene that chooses both.
     pub fn apply(&self, scene: &mut Scene) -> Result<(), Error> {
         match self.preset {
             Some(preset) => scene.selection = Selection::Preset(preset),

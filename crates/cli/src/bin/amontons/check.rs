@@ -1,4 +1,5 @@
-//! `amontons check`: the command of the program `fmu-check`, with the progress and the Ctrl-C of the other commands.
+//! `amontons check`: the command of the program `fmu-check`, with the progress bar and the handling of Ctrl-C of
+//! `amontons`.
 
 use amontons_cli::interrupt::{self, Interrupted};
 use amontons_cli::progress::Progress;
@@ -8,7 +9,7 @@ use std::sync::Once;
 
 pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let shown = Progress::new("the check", 0);
-    // Until something has to be cleared away, Ctrl-C ends the program at once.
+    // Until there are files to remove, Ctrl-C ends the program at once.
     let listen = Once::new();
     let result = command::run(arguments, &mut |stage| {
         listen.call_once(interrupt::listen);

@@ -9,12 +9,12 @@ use std::error::Error;
 use std::io::{Write, stdout};
 use std::time::{Duration, Instant};
 
-/// A time is the shortest of this many slices, in which the scenes take turns; other work on the machine makes
-/// one only longer.
+/// Number of slices whose shortest gives a time; the scenes take turns. Other work on the machine only lengthens a
+/// slice.
 const SLICES: u32 = 60;
-/// How long a slice takes, alike for all: a long one would be interrupted more often.
+/// Duration of a slice, equal for all scenes; a longer one would be interrupted more often.
 const SLICE: Duration = Duration::from_micros(500);
-/// Variables of an effect that are named; of more, how many there are.
+/// Limit of the variables of an effect that are named; of further ones only the number is given.
 const NAMED: usize = 8;
 
 pub fn run(arguments: &Effects) -> Result<(), Box<dyn Error>> {
@@ -26,7 +26,7 @@ pub fn run(arguments: &Effects) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// How long steps of the scene take, s, and those of others; none where another cannot be run.
+/// Duration of a step of the scene and of each other scene, s; `None` if that scene cannot be run.
 struct Times {
     own: f64,
     others: Vec<Option<f64>>,
@@ -49,12 +49,12 @@ fn measure<'a>(
     Ok(Times { own: own.shortest, others: others.collect() })
 }
 
-/// A run that goes on and on.
+/// A run of a scene without an end.
 struct Course {
     simulation: Simulation,
-    /// Steps of a slice.
+    /// Number of steps in a slice.
     steps: u32,
-    /// The shortest time of a step, s.
+    /// Shortest duration of a step, s.
     shortest: f64,
 }
 
@@ -64,14 +64,14 @@ impl Course {
         Ok(Self { simulation, steps: 1, shortest: f64::INFINITY })
     }
 
-    /// As many steps as a slice lasts.
+    /// Doubles the number of steps until a slice lasts [`SLICE`].
     fn choose_steps(&mut self) {
         while self.time().is_some_and(|time| time * f64::from(self.steps) < SLICE.as_secs_f64()) {
             self.steps *= 2;
         }
     }
 
-    /// Takes the steps of a slice; the time of one, s, if they can be taken.
+    /// Advances by the steps of a slice. Returns the duration of one step, s; `None` if the run fails.
     fn time(&mut self) -> Option<f64> {
         let steps = f64::from(self.steps);
         let target = self.simulation.time() + steps * self.simulation.scene().step;

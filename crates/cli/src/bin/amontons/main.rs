@@ -1,4 +1,4 @@
-//! The command line: arguments in, results out; the work is the library's.
+//! The command line of `amontons`: it reads arguments and writes results; the library does the computation.
 
 mod accuracy;
 mod arguments;
@@ -19,7 +19,7 @@ use std::process::ExitCode;
 fn main() -> ExitCode {
     match run(&Arguments::parse().command) {
         Ok(()) => ExitCode::SUCCESS,
-        // Whoever reads has read enough (`| head`).
+        // The reader of standard output has closed it (`| head`).
         Err(error) if simulate::is_broken_pipe(&*error) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("error: {error}");

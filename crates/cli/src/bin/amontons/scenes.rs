@@ -1,4 +1,4 @@
-//! `amontons scenes`, and how every command finds its scene.
+//! `amontons scenes`, and the check and start of scenes for all commands.
 
 use crate::arguments::Scenes;
 use amontons::Error;
@@ -33,12 +33,12 @@ pub fn run(command: Option<&Scenes>) -> Result<(), Box<dyn error::Error>> {
     Ok(())
 }
 
-/// Refuses what cannot be run, before longer work on it.
+/// Refuses a scene that cannot be run, before longer work on it.
 pub fn check(scene: &Scene) -> Result<(), Error> {
     Simulation::new(scene.clone(), 0.0).map(|_| ())
 }
 
-/// A simulation of the scene, before anything is written; warns of what is hardly meant.
+/// Starts a simulation of the scene before anything is written; warns of values that are probably mistakes.
 pub fn start(scene: &Scene) -> Result<Simulation, Error> {
     let simulation = Simulation::new(scene.clone(), 0.0)?;
     for warning in warnings(&simulation) {

@@ -97,8 +97,8 @@ fn write_output(
     }
 }
 
-/// The scene with the values of the command line, and what is to be run. A tolerance is one over the scene's
-/// own experiment, as in the FMU, however much of it is run.
+/// The scene with the values of the command line, and the experiment to be run. A tolerance applies to the scene's own
+/// experiment, as in the FMU, also if the run is shorter.
 fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error>> {
     let (mut scene, _) = scene::find(&arguments.scene)?;
     check_once(&arguments.set)?;
@@ -114,14 +114,14 @@ fn configured(arguments: &Simulate) -> Result<(Scene, Experiment), Box<dyn Error
     Ok((scene, experiment))
 }
 
-/// A simulation, and what changes its inputs.
+/// A simulation and the changes of its inputs.
 struct Run {
     simulation: Simulation,
     inputs: Option<Inputs>,
 }
 
 impl Run {
-    /// Moves on to time `target` (s), inputs held, or only to where they jump on the way. Gives the time
+    /// Advances to time `target` (s) with inputs held, or only to the next jump of an input before it. Returns the time
     /// reached.
     fn advance_towards(&mut self, target: f64) -> Result<f64, Box<dyn Error>> {
         let Self { simulation, inputs } = self;
@@ -140,8 +140,7 @@ impl Run {
     }
 }
 
-/// One row at the start, one every interval, one at the end, and one where inputs jump, as FMPy has
-/// it.
+/// Writes one row at the start, one for each interval, one at the end, and one at each jump of an input, as FMPy does.
 fn write_run(
     run: &mut Run,
     scene: &Scene,

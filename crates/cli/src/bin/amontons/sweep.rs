@@ -20,7 +20,7 @@ pub fn run(
     name: &str,
     values: &[f64],
 ) -> Result<(), Box<dyn Error>> {
-    // A tolerance chooses once, for the scene as it is given: so all values have the same step.
+    // A tolerance chooses the step once, for the scene as it is given, so all values have the same step.
     if let Some(tolerance) = scene.selection.tolerance() {
         let selected = select(&scene, tolerance);
         eprintln!("{}: {selected}", scene.name);
@@ -63,7 +63,7 @@ pub fn run(
     match &mut file {
         Some(file) => write(file, name, &names, &rows)?,
         None => match write(&mut BufWriter::new(stdout().lock()), name, &names, &rows) {
-            // Whoever reads has read enough (`| head`).
+            // The reader of standard output has closed it (`| head`).
             Err(error) if is_broken_pipe(&*error) => {}
             result => result?,
         },
@@ -79,7 +79,8 @@ pub fn run(
     file.map_or(Ok(()), |file| Ok(file.complete()?))
 }
 
-/// Says why `settled` is unknown, once for each reason: of a window that is too short with the longest that is needed.
+/// Prints the reasons why `settled` is unknown, each once; for windows that are too short, with the longest that is
+/// needed.
 fn tell_doubts(name: &str, rows: &[(f64, Summary)]) {
     let doubts = rows.iter().filter_map(|(value, summary)| Some((*value, summary.settled.err()?)));
     let kind = |doubt: &Doubt| std::mem::discriminant(doubt);

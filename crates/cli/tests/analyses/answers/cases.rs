@@ -10,10 +10,10 @@ pub struct Case {
     /// An initial value that is varied, another one, and how large they are.
     pub initial: [&'static str; 2],
     pub push: f64,
-    /// How long the oracle runs until a motion has settled, and its step, s.
+    /// Time for which the oracle runs until a motion has settled, and its step, s.
     pub time: f64,
     pub step: f64,
-    /// By how much amplitudes may differ, relative: that of the oracle's step, more where a motion is irregular.
+    /// Limit of the relative difference of amplitudes: the error of the oracle's step, more if a motion is irregular.
     pub near: f64,
 }
 

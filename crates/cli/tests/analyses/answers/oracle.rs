@@ -46,20 +46,21 @@ pub struct Oracle {
     stribeck_velocity: Option<f64>,
     sticking: bool,
     detachment: bool,
-    /// What signals add: to the velocity of contacts without one of their own, or to the load along a degree of freedom.
+    /// The signals, each added to the velocity of contacts without one of their own or to the load along a degree of
+    /// freedom.
     signals: Vec<(Driven, Shape)>,
     /// Displacements from the equilibrium, m, and velocities, m/s.
     pub start: [DVector<f64>; 2],
 }
 
-/// What a signal adds to.
+/// The quantity to which a signal adds.
 #[derive(Clone, Debug)]
 enum Driven {
     Velocity(Vec<bool>),
     Load(usize),
 }
 
-/// The motion that a long run ends in.
+/// The motion in which a long run ends.
 #[derive(Clone, Copy, Debug)]
 pub struct End {
     pub rests: bool,
@@ -263,8 +264,8 @@ impl Oracle {
         (found.rows(0, n).into_owned(), scale * found.rows(n, contacts))
     }
 
-    /// Do contacts in these states push along as many directions as they hold? Two contacts that hold the same thing
-    /// twice do not where they slide in opposite directions.
+    /// `true` if contacts in these states push along as many directions as they hold. Two contacts that hold the same
+    /// motion twice do not if they slide in opposite directions.
     pub fn is_a_state(&self, states: &[State]) -> bool {
         let (free, seen, _) = self.reduction(states);
         free.ncols() == seen.ncols()
@@ -351,7 +352,7 @@ impl Oracle {
     }
 }
 
-/// What a signal adds at a time, s.
+/// Value of a signal at a time (s).
 fn signal(shape: &Shape, time: f64) -> f64 {
     match shape {
         Shape::Sine(sine) if time >= sine.start && sine.end.is_none_or(|end| time < end) => {
@@ -387,7 +388,7 @@ fn complement(vectors: &[DVector<f64>], n: usize) -> DMatrix<f64> {
 pub struct Motion {
     /// With the velocities of now.
     scene: Oracle,
-    /// As it is without signals.
+    /// The scene without signals.
     undriven: Oracle,
     steps: u64,
     equilibrium: DVector<f64>,
@@ -397,7 +398,7 @@ pub struct Motion {
     /// (M + h C/2 + h² K/4)⁻¹, and what it makes of unit impulses at the contacts: normals, then tangents.
     inverse: DMatrix<f64>,
     moved: DMatrix<f64>,
-    /// How much the velocity along each of these directions changes by each of these impulses.
+    /// Change of the velocity along each of these directions by each of these impulses.
     compliance: DMatrix<f64>,
     directions: DMatrix<f64>,
     late: DMatrix<f64>,
@@ -564,7 +565,7 @@ impl Motion {
                 (low, high) = (low.min(x), high.max(x));
             }
         }
-        // Where no contact changes its state the motion is linear, and eigenvalues say what becomes of it.
+        // If no contact changes its state, the motion is linear, and eigenvalues decide its end.
         let is_linear = changes == self.changes;
         let growth = self.scene.growth(&self.states);
         let is_neutral = is_linear && growth.abs() <= 1e-9;

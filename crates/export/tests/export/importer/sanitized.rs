@@ -41,7 +41,7 @@ fn library() -> PathBuf {
         // Sanitizers are not stable yet; a stable compiler has them all the same.
         .env("RUSTC_BOOTSTRAP", "1")
         .env("CARGO_ENCODED_RUSTFLAGS", "-Zsanitizer=address")
-        // As the FMU's, but quick to build, with line numbers and with what debug builds check.
+        // The profile of the FMU, but quick to build, with line numbers and with the checks of debug builds.
         .env("CARGO_PROFILE_FMU_LTO", "off")
         .env("CARGO_PROFILE_FMU_OPT_LEVEL", "1")
         .env("CARGO_PROFILE_FMU_CODEGEN_UNITS", "16")

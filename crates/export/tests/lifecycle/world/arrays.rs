@@ -49,7 +49,7 @@ impl<T: Copy> Arrays<T> {
     }
 }
 
-/// Are arrays of this kind usable?
+/// Validity of arrays of this kind.
 pub(super) fn fit_of(kind: Kind) -> Fit {
     match kind {
         Kind::Good | Kind::Empty | Kind::NullInstance => Fit::Good,
@@ -66,7 +66,7 @@ impl<T: Copy> Arrays<T> {
 }
 
 impl Arrays<f64> {
-    /// What was read is finite and the same for both twins; what is none of the array is as it was.
+    /// Values that were read are finite and equal for both twins; memory outside the array is unchanged.
     pub(super) fn check_read(&self, is_read: bool, canary: f64) -> Result<(), String> {
         for (i, [a, b]) in self.pairs().enumerate() {
             if a.to_bits() != b.to_bits() {

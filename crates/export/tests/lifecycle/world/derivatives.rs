@@ -3,7 +3,7 @@
 use super::*;
 
 impl World<'_> {
-    /// What inputs do to outputs.
+    /// Calls for the derivatives of outputs by inputs.
     pub(super) fn directional_derivative(
         &mut self,
         slot: usize,
@@ -43,7 +43,7 @@ impl World<'_> {
         of.check_read(status != ERROR, CANARY)
     }
 
-    /// How fast outputs change.
+    /// Calls for the time derivatives of outputs.
     pub(super) fn output_derivatives(&mut self, slot: usize, kind: Kind, dice: &mut Dice) -> Check {
         let scene = self.scene(slot);
         let of = if kind == Kind::Input { &scene.inputs } else { &scene.outputs };
@@ -61,7 +61,7 @@ impl World<'_> {
         arrays.check_read(status != ERROR, CANARY)
     }
 
-    /// How fast inputs change over the next step.
+    /// Calls that set the rates of inputs over the next step.
     pub(super) fn input_derivatives(&mut self, slot: usize, kind: Kind, dice: &mut Dice) -> Check {
         let scene = self.scene(slot);
         let of = match kind {

@@ -20,18 +20,18 @@ use std::cell::Cell;
 use std::ffi::{CStr, c_char, c_int, c_void};
 use std::ptr;
 
-/// How many saved states a sequence holds at most.
+/// Limit of the number of saved states in a sequence.
 const STATES: usize = 6;
 const UNKNOWN: &[u32] = &[1_000_000, 1 << 31, u32::MAX];
 /// More than any array can have.
 const HUGE: &[usize] = &[1 << 61, 1 << 63, usize::MAX];
 
-/// What stands in places that a call has not written to.
+/// Value of places to which a call has not written.
 const CANARY: f64 = -12_345.678;
 
 pub type Check<T = ()> = Result<T, String>;
 
-/// What an instance's logger was told.
+/// Counts of the messages to an instance's logger.
 #[derive(Default)]
 struct Heard {
     errors: Cell<usize>,
@@ -90,7 +90,7 @@ pub struct World<'a> {
     fmi: &'a Fmi,
     standard: &'a Standard,
     scenes: &'a [Scene],
-    /// Of all slots but the last, and of that.
+    /// Indices of the scenes of all slots but the last, and of the last slot.
     of_slot: [usize; 2],
     slots: [Option<Twins>; SLOTS as usize],
     states: Vec<State>,
@@ -172,7 +172,7 @@ impl<'a> World<'a> {
                 return Err(format!("{function}: {} errors are logged", ear.errors.get()));
             }
             *heard = ear.warnings.get();
-            // What fails may do so before it comes to what is worth a warning.
+            // A call that fails may do so before the condition for a warning is reached.
             let least = if status == ERROR { 0 } else { expected.warnings };
             if !(least..=expected.warnings).contains(heard) {
                 return Err(format!("{function}: {heard} warnings, not {}", expected.warnings));

@@ -3,7 +3,7 @@
 use super::*;
 
 impl World<'_> {
-    /// What both twins read of all variables, where nobody minds.
+    /// Values that both twins read of all variables; `None` for an instance that is not yet in initialization.
     pub(super) fn read_all(&mut self, slot: usize) -> Check<Option<Vec<u64>>> {
         if self.life(slot).phase == Phase::Instantiated {
             return Ok(None);

@@ -1,15 +1,15 @@
-//! What was called.
+//! A tally of the calls that were made.
 
 use crate::draw::Kind;
 use crate::standard::{DISCARD, ERROR, OK, Phase, WARNING};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What was called.
+/// A tally of the calls that were made.
 #[derive(Default)]
 pub struct Tally {
     pub calls: u64,
     by_status: BTreeMap<(&'static str, i32), u64>,
-    /// Function, kind of argument, phase, strict?
+    /// Function, kind of argument, phase, and `true` in strict mode.
     pub met: BTreeSet<(&'static str, Kind, Phase, bool)>,
 }
 

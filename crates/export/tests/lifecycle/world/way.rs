@@ -1,4 +1,4 @@
-//! Where a call is made, and which.
+//! The dispatch of a drawn call to an instance.
 
 use super::*;
 

@@ -1,4 +1,4 @@
-//! The outputs of a run, and how those of two differ.
+//! The outputs of a run, and the comparison of two runs.
 
 use super::Subject;
 use crate::rules::Rule;
@@ -21,7 +21,7 @@ impl Subject<'_> {
         }
     }
 
-    /// The first difference between two runs, in words.
+    /// Describes the first difference between two runs in words.
     pub(super) fn difference(&self, one: &[Vec<u64>], other: &[Vec<u64>]) -> String {
         for (step, (one, other)) in (1..).zip(one.iter().zip(other)) {
             let Some(at) = one.iter().zip(other).position(|(one, other)| one != other) else {

@@ -1,4 +1,4 @@
-//! `fmi2Instantiate` with what it must refuse, and with other ways to say the same.
+//! Calls of `fmi2Instantiate` that a library must refuse, and other valid forms of its arguments.
 
 use super::library::{Library, heard};
 use super::location::uri;
@@ -56,7 +56,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Does an instance come to its first step, made this way?
+    /// `true` if an instance made with these arguments can be initialised.
     fn comes_up(&self, library: &Library, location: &str, memory_callbacks: bool) -> bool {
         let Some(instance) = library.instantiate(&self.plan.guid, location, memory_callbacks)
         else {

@@ -1,4 +1,4 @@
-//! An instance from its making to its last step, as every importer runs it.
+//! The run of an instance from its creation to its last step, as every importer does it.
 
 use super::course::Course;
 use super::library::{Instance, Library, heard};
@@ -28,7 +28,7 @@ impl Subject<'_> {
         self.called("fmi2ExitInitializationMode", instance.exit_initialization())
     }
 
-    /// Steps from one communication point to another; the outputs after each.
+    /// Steps from one communication point to another. Returns the outputs after each step.
     pub(super) fn steps(
         &self,
         instance: &Instance<'_>,

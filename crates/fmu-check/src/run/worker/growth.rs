@@ -1,4 +1,4 @@
-//! Does memory grow from one instance to the next?
+//! Measurement of the growth of memory from one instance to the next.
 
 use super::Subject;
 use super::library::{self, Library};
@@ -7,7 +7,8 @@ use crate::rules::Rule;
 use crate::run::process;
 use std::time::{Duration, Instant};
 
-/// Rounds before counting (caches fill), then so many counts of so many rounds.
+/// Size of a measurement: rounds before the first count, in which caches fill, then number of counts and rounds per
+/// count.
 struct Size {
     before: u32,
     counts: u32,
@@ -17,12 +18,12 @@ struct Size {
 const SIZES: [Size; 2] =
     [Size { before: 16, counts: 5, rounds: 8 }, Size { before: 8, counts: 4, rounds: 2 }];
 
-/// Bytes a round that are no chance.
+/// Growth of the heap per round that is reported, bytes.
 const LEAST: i64 = 100;
-/// Of address space, which comes in pages.
+/// Growth of the address space per round that is reported, bytes; address space comes in pages.
 const LEAST_ADDRESSES: i64 = 4096;
 
-/// Makes, runs and frees instances for no longer than `room`.
+/// Makes, runs and frees instances for no longer than `room`, and reports growth of memory.
 pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
     subject.journal.at("making and freeing instances");
     let begin = Instant::now();
@@ -61,7 +62,7 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
         subject.journal.note("whether memory grows is not examined: this system does not tell");
         return;
     }
-    // A leak grows in every count; what grows in some only is the allocator's own.
+    // A leak grows between all counts; growth between some counts only is due to the allocator.
     let least = |bytes: &[i64]| {
         bytes.windows(2).map(|pair| pair[1] - pair[0]).min().unwrap_or(0) / i64::from(size.rounds)
     };
@@ -79,7 +80,7 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
     subject.journal.finding(Rule::MemoryGrowth, &message);
 }
 
-/// One instance from the library's loading to its end, as far as it goes.
+/// Runs one instance from loading the library to unloading it; `None` if a call fails.
 fn round(subject: &Subject<'_>) -> Option<()> {
     let library = Library::load(&subject.path).ok()?;
     let Plan { tolerance, start, stop, step, .. } = subject.plan;

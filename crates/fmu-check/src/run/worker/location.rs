@@ -1,8 +1,8 @@
-//! `fmi2Instantiate`'s resource location.
+//! The resource location that `fmi2Instantiate` takes.
 
 use std::path::Path;
 
-/// A folder as a URI, behind `file:` and these slashes.
+/// Returns a folder as a URI that begins with `file:` and `slashes`.
 pub(super) fn uri(folder: &Path, slashes: &str) -> String {
     let path = folder.to_string_lossy().replace('\\', "/");
     let mut uri = format!("file:{slashes}");

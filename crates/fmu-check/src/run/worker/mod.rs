@@ -1,4 +1,5 @@
-//! The process that runs a library: a plain run, the same run after other beginnings, and many instances.
+//! The worker: the process that runs a library. It makes a plain run, repeats the run in other ways, and makes many
+//! instances.
 
 mod course;
 mod creation;
@@ -22,8 +23,8 @@ use plan::Plan;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Runs `library` of the FMU that is unpacked in `folder`; what comes of it goes into the journal. None where it
-/// ended early, which has been told.
+/// Runs `library` of the FMU that is unpacked in `folder` and writes the findings into the journal. Returns `None` if
+/// the run ended early, after the reason has been written.
 pub(super) fn run(
     folder: &Path,
     library: &str,
@@ -55,15 +56,15 @@ pub(super) fn run(
 
 /// An FMU whose library is run.
 struct Subject<'a> {
-    /// The folder that it is unpacked in.
+    /// Folder in which the FMU is unpacked.
     fmu: PathBuf,
-    /// Its library.
+    /// Path of the library.
     path: PathBuf,
     plan: Plan,
     journal: &'a Journal,
 }
 
-/// A call that failed has been told; there is nothing to go on with.
+/// A call failed and has been reported; the run cannot continue.
 struct Told;
 
 impl Subject<'_> {
@@ -92,7 +93,7 @@ impl Subject<'_> {
         }
     }
 
-    /// Tells of a call that failed.
+    /// Reports a call that failed.
     fn called<T>(&self, name: &str, result: Result<T, Refused>) -> Result<T, Told> {
         result.map_err(|refused| {
             let message = format!("{name} answers {refused}{}", said());
@@ -101,18 +102,18 @@ impl Subject<'_> {
         })
     }
 
-    /// The folder of the resources.
+    /// The folder of the FMU's resources.
     fn resources(&self) -> PathBuf {
         self.fmu.join("resources")
     }
 
-    /// That folder as importers mostly write it.
+    /// The location of the resources in the form that most importers use.
     fn location(&self) -> String {
         uri(&self.resources(), "///")
     }
 }
 
-/// What the library said of it to its logger.
+/// Text that quotes the last message of the library to its logger; empty if there is none.
 fn said() -> String {
     let heard = heard();
     if heard.is_empty() { String::new() } else { format!(" and says: {heard}") }

@@ -1,12 +1,12 @@
-//! What is to be run, by the model description.
+//! The plan of a run, derived from the model description.
 
 use crate::description::{Description, Kind};
 use crate::xml::values::{boolean, double, integer};
 
-/// Steps of a run.
+/// Limit of the number of steps of a run.
 const STEPS: u32 = 10;
 
-/// A value that a variable begins with.
+/// The start value of a variable.
 pub(super) enum Start {
     Real(f64),
     Integer(i32),
@@ -21,9 +21,9 @@ pub(super) struct Plan {
     pub(super) tolerance: Option<f64>,
     pub(super) step: f64,
     pub(super) steps: u32,
-    /// Variables whose first value is the stated one.
+    /// Variables whose value after initialization is their start value: name, reference and start value.
     pub(super) exact: Vec<(String, u32, Start)>,
-    /// Outputs by name and reference.
+    /// Real outputs: name and reference.
     pub(super) reals: Vec<(String, u32)>,
     pub(super) integers: Vec<u32>,
     pub(super) booleans: Vec<u32>,
@@ -75,7 +75,7 @@ impl Plan {
 
 fn exact(description: &Description<'_>) -> Vec<(String, u32, Start)> {
     let of = |variable: &crate::description::Variable<'_>| {
-        // What else is exact may already be computed when it can first be read.
+        // Other variables may already have been computed anew when they can first be read.
         if !matches!(variable.causality, "input" | "parameter")
             && variable.variability != "constant"
         {

@@ -1,4 +1,4 @@
-//! Runs that must give the same as the first: after a reset, of another instance, from saved states.
+//! Repetitions that must give the outputs of the first run: after a reset, with another instance, from saved states.
 
 use super::course::Course;
 use super::library::{Instance, Library, SavedState};
@@ -6,7 +6,7 @@ use super::{Subject, Told};
 use crate::rules::Rule;
 
 impl Subject<'_> {
-    /// The run that every importer makes, and the same again after a reset.
+    /// Makes the run that every importer makes, and repeats it after a reset.
     pub(super) fn plain(&self, library: &Library) -> Result<Course, Told> {
         let instance = self.instance(library)?;
         self.initialize(&instance)?;
@@ -24,7 +24,7 @@ impl Subject<'_> {
         if again == first {
             return Ok(first);
         }
-        // Some models are random by intent: a reset is wrong only where a new instance is right.
+        // Some models are random by intent: a difference after a reset is a mistake only if a new instance shows none.
         let fresh = if self.plan.once_per_process { again.clone() } else { self.fresh(library)? };
         if fresh == first {
             let message = format!("after fmi2Reset {}", self.difference(&first, &again));
@@ -39,7 +39,7 @@ impl Subject<'_> {
         self.steps(&instance, 0, self.plan.steps)
     }
 
-    /// Another instance, and saved states.
+    /// Repeats the run with another instance, and from saved states.
     pub(super) fn repeated(&self, library: &Library, first: &Course) {
         let Ok(again) = self.fresh(library) else { return };
         if again != *first {
@@ -47,7 +47,7 @@ impl Subject<'_> {
                 "two instances give two courses: whether saved states are right cannot be judged",
             );
         } else if self.plan.saves_states {
-            // What failed has been told.
+            // Failed calls have been reported.
             let _ = self.states(library, first);
         }
     }

@@ -1,4 +1,4 @@
-//! Do variables begin with the start values of the model description?
+//! The comparison of the first values of variables with the start values of the model description.
 
 use super::library::Instance;
 use super::plan::Start;
@@ -6,8 +6,8 @@ use super::{Subject, Told};
 use crate::rules::Rule;
 
 impl Subject<'_> {
-    /// Reads them after the initialization: before its end the standard lets importers read outputs and states only,
-    /// and nothing but an importer changes these.
+    /// Reads variables with exact start values after the initialization: before its end the standard allows importers
+    /// to read outputs and states only, and nothing but an importer changes these variables.
     pub(super) fn starts(&self, instance: &Instance<'_>) -> Result<(), Told> {
         self.journal.at("reading start values");
         for (name, reference, start) in &self.plan.exact {

@@ -1,4 +1,4 @@
-//! `amontons accuracy`: what accuracy costs, on the user's own scene.
+//! `amontons accuracy`: the computing time for a given accuracy, on the user's own scene.
 
 mod chart;
 mod output;
@@ -19,15 +19,16 @@ use std::io::{ErrorKind, stdout};
 use std::ops::ControlFlow::{self, Break, Continue};
 use std::time::{Duration, Instant};
 
-/// A time is the best of so many runs, of more until they have taken so long, of fewer if they take too long.
+/// A time is the shortest of at least this many runs: more if they take less than `LONG_ENOUGH`, fewer if they take
+/// more than `TOO_LONG`.
 const FEWEST_RUNS: u32 = 3;
 const MOST_RUNS: u32 = 50;
 const LONG_ENOUGH: Duration = Duration::from_millis(200);
 const TOO_LONG: Duration = Duration::from_secs(3);
-/// A step of the event-driven integrator costs about so many of the paper's scheme.
+/// Ratio of the cost of a step of the event-driven integrator to one of the paper's scheme, estimated.
 const STEPS_A_STEP: f64 = 100.0;
 
-/// A row with its time.
+/// A row of the table with its computing time.
 struct Timed {
     row: Row,
     /// Order of the error, from the row before.
@@ -36,7 +37,7 @@ struct Timed {
     seconds: Option<f64>,
 }
 
-/// What is to be printed.
+/// The results to be printed.
 struct Report<'a> {
     arguments: &'a Accuracy,
     study: Study,
@@ -63,7 +64,7 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     bar.finish();
     report.explain();
     match report.print(&mut stdout().lock()) {
-        // Whoever reads has read enough.
+        // The reader of standard output has closed it.
         Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
         result => result?,
     }
@@ -79,7 +80,7 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
 }
 
 impl Report<'_> {
-    /// All rows of the ladder, or those up to the interruption.
+    /// Computes all rows of the ladder, or those up to an interruption.
     fn climb(&mut self, bar: &Progress) -> ControlFlow<()> {
         let ladder = self.study.ladder();
         let cost = |rung: &Rung| match rung.method {
@@ -92,7 +93,7 @@ impl Report<'_> {
             let part = (1.0 - REFERENCE_SHARE) * cost(rung) / whole;
             let start = REFERENCE_SHARE + (1.0 - REFERENCE_SHARE) * done / whole;
             bar.say(&format!("{}, step {} s", rung.method, short(rung.step)));
-            // One run for the errors, three for the time.
+            // One run gives the errors, three give the time.
             let progress = |passed: f64| bar.set_part(start + 0.25 * part * passed);
             match self.study.row(*rung, Watch { go_on: &stopped, progress: &progress }) {
                 Ok(None) => return Break(()),
@@ -115,7 +116,7 @@ impl Report<'_> {
         Continue(())
     }
 
-    /// Words on what is not to be seen in the rows.
+    /// Adds notes on facts that the rows do not show.
     fn explain(&mut self) {
         let rows: Vec<Row> = self.rows.iter().map(|timed| timed.row).collect();
         self.notes.extend(self.study.notes(&rows));

@@ -7,7 +7,7 @@ use amontons_analysis::accuracy::{COLUMNS, Errors, LEGEND};
 use serde_json::{Map, Value, json};
 use std::io::{self, Write};
 
-/// Widths of the columns; the first is flush left.
+/// Widths of the columns; the first column is flush left.
 const WIDTHS: [usize; COLUMNS.len()] = [17, 9, 10, 14, 11, 12, 9, 9, 11, 6];
 
 impl Report<'_> {
@@ -148,7 +148,7 @@ fn print_row(out: &mut dyn Write, cells: &[String; COLUMNS.len()], time: &str) -
     writeln!(out, " {time:>9}")
 }
 
-/// To three digits.
+/// Formats a time to three digits.
 fn milliseconds(time: f64) -> String {
     match time {
         100.0.. => format!("{time:.0}"),

@@ -1,4 +1,4 @@
-//! The page on accuracy in an FMU's documentation, from runs of the scene.
+//! The page on accuracy in the documentation of an FMU, computed by runs of the scene.
 
 use crate::reference::{self, REFERENCE_SHARE};
 use amontons::scene::Scene;
@@ -11,7 +11,7 @@ use std::error::Error;
 /// Runs the scene with both methods and writes the page.
 ///
 /// # Errors
-/// The scene cannot be run, or the user has ended the command ([`Interrupted`]).
+/// Returns an error if the scene cannot be run or the user has ended the command ([`Interrupted`]).
 pub fn page(scene: &Scene) -> Result<String, Box<dyn Error>> {
     interrupt::listen();
     let bar = reference::reference();

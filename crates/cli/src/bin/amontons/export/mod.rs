@@ -24,7 +24,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     arguments.integrator.apply(&mut scene)?;
     let path =
         arguments.output.clone().unwrap_or_else(|| PathBuf::from(format!("{}.fmu", scene.name)));
-    // Before the work: what cannot be written, and what cannot be run.
+    // Before the work: errors of writing and of running the scene.
     check_folder(&path)?;
     check_inputs_stay(&path, &[Path::new(&arguments.scene)])?;
     scenes::check(&scene)?;
@@ -67,7 +67,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     Ok(())
 }
 
-/// Those of the platforms asked for, or all; in one order, so that the FMU does not tell in which they were named.
+/// Returns the libraries of the platforms asked for, or of all; the order does not depend on the command line.
 fn libraries(asked: &[Library]) -> Vec<Library> {
     Library::carried()
         .iter()
@@ -76,12 +76,12 @@ fn libraries(asked: &[Library]) -> Vec<Library> {
         .collect()
 }
 
-/// Their names, for people.
+/// Names of the platforms, separated by commas.
 pub fn platforms(libraries: &[Library]) -> String {
     libraries.iter().map(|library| library.platform).collect::<Vec<_>>().join(", ")
 }
 
-/// What went in: structure, variables, critical step of the values that act at the start.
+/// Prints the contents of the FMU: structure, variables, critical step of the values that hold at the start.
 fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     let effective = simulation.scene();
     let model = LumpedModel::from(effective);
@@ -122,7 +122,7 @@ fn print_contents(scene: &Scene, simulation: &Simulation) -> Result<(), Error> {
     Ok(())
 }
 
-/// The normal forces that the run starts with, of the first contacts.
+/// Prints the normal forces of the first contacts at the start of the run.
 fn print_equilibrium(scene: &Scene, equilibrium: &Equilibrium) {
     const MOST: usize = 4;
     let all = &equilibrium.normal_force;

@@ -1,4 +1,4 @@
-//! What an export writes beside the FMU, and what it puts into the FMU for people.
+//! The runs of a scene that an export writes beside the FMU or into its documentation.
 
 use amontons::scene::Scene;
 use amontons_analysis::output::Pending;
@@ -10,18 +10,18 @@ use std::error::Error;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The run of the page.
+/// Makes the reference run of the documentation page.
 ///
 /// # Errors
-/// What is wrong with the scene; [`Interrupted`].
+/// Returns an error if the scene is invalid, or [`Interrupted`] if the user has ended the command.
 pub fn run(scene: &Scene) -> Result<ReferenceRun, Box<dyn Error>> {
     watched("the reference run", |watch| reference_run(scene, watch))
 }
 
-/// The run that is written beside the FMU.
+/// Makes the cross-check run that is written beside the FMU.
 ///
 /// # Errors
-/// What is wrong with the scene, a step that fails; [`Interrupted`].
+/// Returns an error if the scene is invalid or a step fails, or [`Interrupted`] if the user has ended the command.
 pub fn check(scene: &Scene) -> Result<CrossCheck, Box<dyn Error>> {
     watched("the cross-check's run", |watch| cross_check(scene, watch))
 }
@@ -34,7 +34,7 @@ fn watched<T>(
     done.ok_or_else(|| Interrupted.into())
 }
 
-/// Files of a cross-check with their names, for an FMU at this path.
+/// Names and contents of the files of a cross-check, for an FMU at this path.
 pub fn files(check: &CrossCheck, fmu: &Path) -> Vec<(PathBuf, String)> {
     let stem = fmu.file_stem().unwrap_or_default().to_string_lossy();
     let named =
@@ -44,10 +44,10 @@ pub fn files(check: &CrossCheck, fmu: &Path) -> Vec<(PathBuf, String)> {
     files
 }
 
-/// Writes a file that appears whole or not at all.
+/// Writes a file, which appears complete or not at all.
 ///
 /// # Errors
-/// It cannot be written.
+/// Returns an error if the file cannot be written.
 pub fn write(path: &Path, content: &[u8]) -> Result<(), amontons::Error> {
     let mut file = Pending::create(path)?;
     file.write_all(content).map_err(|error| amontons::Error::file(path, &error))?;

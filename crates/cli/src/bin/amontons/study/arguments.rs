@@ -1,4 +1,4 @@
-//! What `amontons study` understands.
+//! The arguments of `amontons study`.
 
 use super::basin::Basin;
 use super::limit_cycle::LimitCycle;

@@ -1,15 +1,15 @@
-//! Attractors as tables have them.
+//! Attractors formatted for tables.
 
 use amontons_analysis::study::{Ending, Kind};
 use amontons_cli::charts::attractor::words;
 use amontons_cli::say;
 
-/// A number of an attractor, from 1; empty without one.
+/// Number of an attractor, from 1; empty if there is none.
 pub fn number(attractor: Option<usize>) -> String {
     attractor.map_or_else(String::new, |place| (place + 1).to_string())
 }
 
-/// Prints the attractors, one a line.
+/// Prints the attractors, one per line.
 pub fn print(attractors: &[Ending], of: &str, unit: &str) {
     say!(
         "\nattractors (amplitude and strongest frequency of {of}; motions that differ in their place alone, or are mirror \

@@ -73,7 +73,7 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
             [x, y, number(cell.attractor), kind.to_owned(), decided.to_owned()]
         }),
     )?;
-    // Where each point ends is in the table.
+    // The table holds the attractor of each point.
     let [run, filled_in] = [true, false].map(|run| count(&found, |cell| cell.run == run));
     let points = json!({ "run": run, "filled_in": filled_in });
     folder.write_json(json!({ "attractors": found.attractors, "points": points }))?;
@@ -84,12 +84,12 @@ pub fn run(arguments: &Basin) -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Counts the points of the plane that are such.
+/// Number of points of the plane for which `is_such` holds.
 fn count(found: &Found, is_such: impl Fn(&Cell) -> bool) -> usize {
     found.rows.iter().flatten().filter(|cell| is_such(cell)).count()
 }
 
-/// The kind of motion that a point ends in, or why it has none.
+/// The kind of motion in which the run of a point ends, or the reason why it has none.
 fn class(found: &Found, cell: &Cell) -> &'static str {
     match (cell.attractor, &cell.failure) {
         (Some(place), _) => found.attractors[place].kind.name(),

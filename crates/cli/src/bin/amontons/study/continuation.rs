@@ -1,4 +1,4 @@
-//! `amontons study continuation`: what a scene ends in over µ, upwards and downwards.
+//! `amontons study continuation`: the motions in which a scene ends over µ, upwards and downwards.
 
 use super::arguments::{Common, Looking};
 use super::folder::{Folder, quoted};
@@ -69,10 +69,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     };
     let resolution = resolution.unwrap_or(0.01 * (values[1] - values[0]));
     let push = Push::of(&scene);
-    // What eigenvalues know.
+    // The results of the eigenvalue analysis.
     let known = eigenvalues(&scene, [first, last]);
     let candidates = known.as_ref().map_or(&[][..], |known| &known.candidates);
-    // Each value starts where the one before has ended, so a piece depends on them all.
+    // Each value starts from the state in which the one before has ended, so a piece depends on all values.
     let settings =
         json!({ "look": look, "push": push, "values": values, "resolution": resolution });
     let folder = Folder::open(common, "continuation", (&scene, &source), settings)?;
@@ -159,21 +159,21 @@ fn row(way: Way, Point { friction, ending }: &Point) -> Vec<String> {
     row
 }
 
-/// Values of µ in a candidate's range at which rest was met and a cycle in which contacts take the candidate's states
-/// together.
+/// Values of µ in a candidate's range at which both rest and a cycle were met in which the contacts take the
+/// candidate's states at the same time.
 fn met(compared: &[Both]) -> Vec<f64> {
     let is_met = |both: &&Both| both.takes.contains(&true);
     looked_at(compared.iter().filter(is_met))
 }
 
-/// Values of µ of motions beside rest, of which a value may have several.
+/// Values of µ of motions other than rest, each once; a value may have several motions.
 fn looked_at<'a>(compared: impl Iterator<Item = &'a Both>) -> Vec<f64> {
     let mut values: Vec<f64> = compared.map(|both| both.friction).collect();
     values.dedup();
     values
 }
 
-/// Two bounds, printed with enough decimals to tell them apart.
+/// Formats two bounds with enough decimals to distinguish them.
 fn bracket([from, to]: &[f64; 2]) -> [String; 2] {
     let written = |decimals| [from, to].map(|value| format!("{value:.decimals$}"));
     (6..15).map(written).find(|[from, to]| from != to).unwrap_or_else(|| written(15))
@@ -234,13 +234,13 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
     );
 }
 
-/// `true` where the way downwards, too, has begun at rest, and no other motion was met beside the first.
+/// `true` if the way downwards, too, has begun at rest and no other motion was met beside the first.
 fn only_rests(found: &Continuation) -> bool {
     let rests = |point: &Point| point.ending.as_ref().is_ok_and(Ending::rests);
     found.bistable.is_empty() && found.falling.last().is_some_and(rests)
 }
 
-/// Says what is known of second motions after both ways have ended in the same motion at every compared value.
+/// Text on second motions if both ways have ended in the same motion at every compared value.
 fn none(found: &Continuation, resolution: f64) -> String {
     if only_rests(found) {
         "unknown: the downward way has begun at rest too, and a motion beside rest may exist that no start has led to"
@@ -253,7 +253,7 @@ fn none(found: &Continuation, resolution: f64) -> String {
     }
 }
 
-/// The eigenvalues of the scene as it is at t = 0 over a range of µ.
+/// Eigenvalue analysis of the scene at t = 0 over a range of µ.
 fn eigenvalues(scene: &Scene, range: [f64; 2]) -> Result<Bistability, amontons::Error> {
     require_undriven(scene, FRICTION)?;
     let progress = Progress::new("eigenvalues of the contact states", 0);
@@ -310,12 +310,12 @@ fn print_eigenvalues(
     }
 }
 
-/// Values of µ in a row.
+/// Values of µ as a list.
 fn listed(values: impl Iterator<Item = f64>) -> String {
     values.map(|friction| format!("{friction:.4}")).collect::<Vec<_>>().join(", ")
 }
 
-/// A motion with its amplitude, which is no size of its own where it has not settled.
+/// Describes a motion with its amplitude; for a motion that has not settled, it is the last one observed.
 fn told(ending: &Ending) -> String {
     match ending.kind {
         Kind::Unbounded => "growth without bound".to_owned(),

@@ -20,12 +20,12 @@ pub struct Folder {
 }
 
 impl Folder {
-    /// Opens the folder, or makes it, with the journal of this study. `settings` are all that a piece of it
-    /// depends on besides the scene with its values. One that nobody has named and that holds another study is left
-    /// alone: this one has the next, whose name ends in a number.
+    /// Opens or creates the folder with the journal of this study. `settings` are all settings on which a piece of the
+    /// study depends besides the scene and its values. If the folder is not named on the command line and the default
+    /// one holds another study, the next free name with a number is used.
     ///
     /// # Errors
-    /// It cannot be made or written; it is named and holds another study.
+    /// Returns an error if the folder cannot be created or written, or if it is named and holds another study.
     pub fn open(
         common: &Common,
         kind: &str,
@@ -77,10 +77,10 @@ impl Folder {
         &self.path
     }
 
-    /// Writes `results.csv`: a head and its rows.
+    /// Writes `results.csv`: a head and rows.
     ///
     /// # Errors
-    /// It cannot be written; what was there before still is.
+    /// Returns an error if the file cannot be written; its previous content is kept.
     pub fn write_csv<R: AsRef<[String]>>(
         &self,
         head: &[&str],
@@ -89,10 +89,10 @@ impl Folder {
         self.write_table("results", head, rows)
     }
 
-    /// Writes `NAME.csv`: a head and its rows.
+    /// Writes `NAME.csv`: a head and rows.
     ///
     /// # Errors
-    /// It cannot be written; what was there before still is.
+    /// Returns an error if the file cannot be written; its previous content is kept.
     pub fn write_table<R: AsRef<[String]>>(
         &self,
         name: &str,
@@ -112,7 +112,7 @@ impl Folder {
     /// Writes `study.json`: the command, the scene and all settings, and the results.
     ///
     /// # Errors
-    /// It cannot be written; what was there before still is.
+    /// Returns an error if the file cannot be written; its previous content is kept.
     pub fn write_json(&self, results: impl Serialize) -> Result<(), Box<dyn Error>> {
         let path = self.path.join("study.json");
         let command: Vec<String> = std::env::args().skip(1).collect();
@@ -126,15 +126,15 @@ impl Folder {
         Ok(file.complete()?)
     }
 
-    /// Where a picture of that name stands.
+    /// Path of the picture of this name.
     pub fn picture(&self, name: &str) -> PathBuf {
         self.path.join(format!("{name}.{}", self.pictures.ending()))
     }
 
-    /// Draws a chart, if it has anything to show: where all runs have failed the reason is told with each of them.
+    /// Draws a chart, unless it has no values; if all runs have failed, the reason is printed with each of them.
     ///
     /// # Errors
-    /// It cannot be drawn or written.
+    /// Returns an error if the chart cannot be drawn or written.
     pub fn draw(&self, name: &str, chart: &Chart) -> Result<(), amontons::Error> {
         if chart.is_empty() {
             eprintln!(
@@ -159,12 +159,13 @@ fn free(name: &str, study: &Value) -> PathBuf {
     path
 }
 
-/// Why a folder is another study's: what that has differs, or there are results of which nobody knows the study.
+/// Returns the reason why a folder belongs to another study: settings that differ, or results of an unknown study;
+/// `None` if it does not.
 fn other(path: &Path, study: &Value) -> Option<String> {
     let has_results = RESULTS.iter().any(|name| path.join(name).exists());
     match Owner::of(&path.join(JOURNAL), study) {
         Owner::This => None,
-        // Without either it was ended before anything was done.
+        // A folder with neither pieces nor results was left by a study that ended before its first piece.
         Owner::Another { why, has_pieces } => (has_pieces || has_results).then_some(why),
         Owner::Nobody if has_results => {
             Some(format!("it has results, but no {JOURNAL} that says of what"))
@@ -173,15 +174,15 @@ fn other(path: &Path, study: &Value) -> Option<String> {
     }
 }
 
-/// A text as a field of a CSV file.
+/// Quotes a text as a field of a CSV file.
 pub fn quoted(text: &str) -> String {
     format!("\"{}\"", text.replace('"', "\"\""))
 }
 
-/// Of the journals: another one where pieces are found in another way, so that none of before is taken for one of now.
+/// Version of the journals; it changes when pieces are computed in another way, so that old pieces are not reused.
 const FORMAT: u32 = 1;
 
 const JOURNAL: &str = "journal.jsonl";
 
-/// Files that every study writes when it is done.
+/// Files that every study writes at its end.
 const RESULTS: [&str; 2] = ["results.csv", "study.json"];

@@ -41,7 +41,7 @@ pub struct LimitCycle {
     pub contacts: usize,
 }
 
-/// A parameter with a range of values, or with one.
+/// Parses a parameter with a range of values or with one value.
 fn named_values(text: &str) -> Result<(String, Values), String> {
     range::named(text, |values| {
         let is_range = values.contains([':', '/']);
@@ -56,7 +56,7 @@ fn part(text: &str) -> Result<f64, String> {
     }
 }
 
-/// The velocity of the slider as the scene has it, or that of the first contact where each has one of its own.
+/// The velocity of the slider in the scene, or that of the first contact if each contact has its own.
 fn as_it_is(scene: &Scene) -> (String, Values) {
     let contacts = scene.network().map_or(&[][..], |network| &network.contacts);
     let own = contacts.first().filter(|_| !scene.has_common_velocity());
@@ -71,7 +71,7 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     let LimitCycle { common, parameter, looking, .. } = arguments;
     let (scene, source, look) = prepared(common, looking)?;
     let (name, Values(values)) = &parameter.clone().unwrap_or_else(|| as_it_is(&scene));
-    // Before there is a folder.
+    // The values are checked before the folder is created.
     let possible = Possible::of(&scene, name, values)?;
     if let Some(note) = possible.note(name) {
         eprintln!("note: {note}");
@@ -117,7 +117,7 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     folder.write_csv(&head(&results), rows(&results))?;
     folder.write_json(json!({ "question": question, "found": found }))?;
     folder.draw("limit-cycle", &results.chart())?;
-    // What is drawn is the motion of contacts.
+    // Portraits show the motion of contacts.
     for portrait in found.portraits.iter().filter(|_| scene.contact_count() > 0) {
         for direction in ["tangential", "normal"] {
             let name = format!("portrait-{:?}-{direction}", portrait.value);
@@ -288,8 +288,8 @@ fn print(
     Ok(())
 }
 
-/// How the kinds are known: once for values in a row that come back or combine two frequencies, by the value that is known
-/// least well; of other kinds for each value.
+/// Prints the evidence for the kinds of motion: for periodic and quasi-periodic motions in a row once, from the value
+/// with the weakest evidence; for other kinds, for each value.
 fn print_evidence(results: &Results<'_>, out: &mut dyn Write) -> std::io::Result<()> {
     let endings: Vec<(f64, &Ending)> = results
         .outcomes()
@@ -327,13 +327,13 @@ fn print_evidence(results: &Results<'_>, out: &mut dyn Write) -> std::io::Result
     Ok(())
 }
 
-/// The states that were taken, as a table has them.
+/// The contact states that were visited, formatted for a table.
 fn taken(taken: &[bool; 4]) -> String {
     let states = ContactState::ALL.iter().zip(taken).filter(|(_, taken)| **taken);
     states.map(|(state, _)| state.to_string()).collect::<Vec<_>>().join(" ")
 }
 
-/// Both bounds with the digits in which they differ, and one more.
+/// Formats both bounds with the digits in which they differ and one more.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn bounds(threshold: &MotionBracket) -> [String; 2] {
     let [low, high] = threshold.between;

@@ -1,4 +1,4 @@
-//! `amontons study`: each kind of study in a file of its own; what they share stands here.
+//! `amontons study`: each kind of study has a module; this one holds the shared parts.
 
 pub mod arguments;
 mod attractor;
@@ -36,7 +36,7 @@ pub fn run(command: &Study) -> Result<(), Box<dyn Error>> {
     }
 }
 
-/// The scene with the values of the command line, and its files.
+/// Returns the scene with the values of the command line, and its source.
 fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
     let (mut scene, source) = scene::find(&common.scene)?;
     check_once(&common.set)?;
@@ -50,12 +50,13 @@ fn found(common: &Common) -> Result<(Scene, Source), amontons::Error> {
     Ok((scene, source))
 }
 
-/// The scene with the values of the command line and with the method and step of a study, its files, and how it is looked at.
+/// Returns the scene with the values of the command line and the method and step of a study, its source, and the
+/// observation settings.
 fn prepared(common: &Common, looking: &Looking) -> Result<(Scene, Source, Look), amontons::Error> {
     prepared_with(common, looking, pace)
 }
 
-/// The scene as [`prepared`] gives it; where the command line gives no method and step, `default` sets them.
+/// Prepares the scene as [`prepared`] does; if the command line gives no method and step, `default` sets them.
 fn prepared_with(
     common: &Common,
     looking: &Looking,
@@ -67,8 +68,8 @@ fn prepared_with(
     Ok((scene, source, look))
 }
 
-/// Prepares the scene of a study anew, after a parameter has taken another value: the method and step of the command line
-/// stay, those that follow how the scene is looked at do so again.
+/// Prepares the scene of a study again after a parameter has changed: the method and step of the command line stay,
+/// those derived from the observation settings are derived again.
 fn prepared_again(
     scene: &mut Scene,
     common: &Common,
@@ -79,7 +80,7 @@ fn prepared_again(
     Ok(look)
 }
 
-/// Gives a scene the method and step of a study.
+/// Sets the method and step of a study.
 fn set_pace(
     scene: &mut Scene,
     common: &Common,
@@ -89,7 +90,7 @@ fn set_pace(
     if !follow(scene, common, look, default)? {
         common.integrator.apply(scene)?;
     }
-    // A tolerance chooses once, for the scene as it is given: so all runs have the same step.
+    // A tolerance chooses the step once, for the scene as it is given, so all runs have the same step.
     if let Some(tolerance) = scene.selection.tolerance() {
         let selected = select(scene, tolerance);
         eprintln!("{}: {selected}", scene.name);
@@ -99,7 +100,7 @@ fn set_pace(
     Ok(())
 }
 
-/// Lets the step of a scene follow how it is looked at. `false` where the command line gives the step.
+/// Derives the step of a scene from the observation settings. Returns `false` if the command line gives the step.
 fn follow(
     scene: &mut Scene,
     common: &Common,
@@ -117,7 +118,7 @@ fn follow(
     Ok(true)
 }
 
-/// Method and step, and how motions are looked at, as the heading of a table says it for all of its runs.
+/// Method, step and observation settings of all runs, for the heading of a table.
 fn heading(runs: &[(&Scene, &Look)]) -> String {
     let method = match runs[0].0.method {
         Method::EventDriven => "exact motion between events",
@@ -133,28 +134,28 @@ fn heading(runs: &[(&Scene, &Look)]) -> String {
     )
 }
 
-/// The one value that all have, or the least and the largest: `0.5 to 50`.
+/// Formats the one value that all have, or the least and the largest: `0.5 to 50`.
 fn over(values: impl Iterator<Item = f64>) -> String {
     let [least, most] = range(values).map(|value| Rounded(value).to_string());
     if least == most { least } else { format!("{least} to {most}") }
 }
 
-/// Does a study's work under a bar that shows the time left, until it is done or a person ends it.
+/// Runs the work of a study under a bar that shows the time left, until it is done or the user ends it.
 fn watched<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
     interrupt::watched(&Progress::in_parts("the study"), work)
 }
 
-/// Runs work under a bar that shows how far it is but no time left: some pieces of such work take many times as long as
-/// others.
+/// Runs the work of a study under a bar that shows its progress but no time left, because some pieces take many times
+/// as long as others.
 fn watched_unevenly<T>(
     work: impl FnOnce(Watch<'_>) -> Result<T, amontons::Error>,
 ) -> Result<T, amontons::Error> {
     interrupt::watched(&Progress::in_uneven_parts("the study"), work)
 }
 
-/// What a person is told who has ended a study.
+/// Prints how to continue a study that the user has ended, and returns the error for it.
 fn interrupted(folder: &Folder) -> Box<dyn Error> {
     eprintln!(
         "note: {} kept in {}; the same command continues from there",

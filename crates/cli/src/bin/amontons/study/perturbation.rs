@@ -45,7 +45,7 @@ pub fn run(arguments: &Perturbation) -> Result<(), Box<dyn Error>> {
     if common.set.iter().any(|(set, _)| *set == direction.name) {
         eprintln!("note: {} takes the values of --amplitude, not that of --set", direction.name);
     }
-    // Neither the range nor the resolution changes what a run ends in: either may be widened later.
+    // Neither the range nor the resolution affects the end of a run, so both may be changed later.
     let settings = json!({ "direction": direction.name, "look": look });
     let folder = Folder::open(common, "perturbation", (&scene, &source), settings)?;
     let found = watched(|watch| perturbation(&scene, &direction, &look, folder.journal(), watch))?;
@@ -116,7 +116,7 @@ fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbation
     }
 }
 
-/// What a run ends in: the number of its attractor, or why it has none.
+/// The result of a run: the number of its attractor, or the reason why it has none.
 fn class(run: &Run) -> String {
     match (run.attractor, &run.ending) {
         (Some(place), _) => (place + 1).to_string(),

@@ -62,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let found = watched(|watch| transient(&scene, experiment, of, watch))?;
     write(&folder, &scene, &found)?;
     match print(&scene, &found, &mut stdout().lock()) {
-        // Whoever reads has read enough.
+        // The reader of standard output has closed it.
         Err(error) if error.kind() == ErrorKind::BrokenPipe => {}
         result => result?,
     }
@@ -90,7 +90,7 @@ fn write(folder: &Folder, scene: &Scene, found: &Transient) -> Result<(), Box<dy
     folder.write_table("history", &head, rows)?;
     folder.write_csv(&COLUMNS, found.findings.iter().map(cells))?;
     folder.write_json(found)?;
-    // A run that ended at once has nothing to draw.
+    // A run that ended at its start has nothing to draw.
     if found.history.len() > 1 {
         folder.draw("transient", &chart(scene, found))?;
     }
@@ -114,7 +114,7 @@ const COLUMNS: [&str; 14] = [
     "eigenvalues",
 ];
 
-/// A finding as a row; of states a list with shares, and one with the eigenvalues as rate and frequency.
+/// A finding as a row; the states are a list with shares, the eigenvalue is given as rate and frequency.
 fn cells(finding: &Finding) -> Vec<String> {
     let phase = &finding.phase;
     let numbers = [
@@ -146,7 +146,7 @@ fn cells(finding: &Finding) -> Vec<String> {
     cells
 }
 
-/// As `218.58 − 169.37`, Hz.
+/// Formats a combination of frequencies (Hz) as `218.58 − 169.37`.
 fn combination(finding: &Finding) -> Option<String> {
     let combination = finding.phase.combination?;
     let mut text = String::new();
@@ -251,18 +251,18 @@ fn at_frequency(phase: &Phase) -> String {
     }
 }
 
-/// A time with the digits that rows each `interval` (s) give it.
+/// Formats a time with the digits needed for rows at an `interval` (s).
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss)]
 fn time(time: f64, interval: f64) -> String {
     let digits = (-interval.log10()).ceil().max(2.0) as usize;
     format!("{time:.digits$}")
 }
 
-/// Why a motion is not followed mode by mode, and what is done instead.
+/// The reason why a motion is not followed mode by mode, with the replacement.
 const NO_MODES: &str = "growth is looked for in the lines of the output, not mode by mode (contacts change their states, signals drive \
                         the scene, or friction is not linear)";
 
-/// What needs no run.
+/// A note on results that need no run.
 const STATES_TELL: &str =
     "amontons-stability states tells the growth rate of each mode without a run";
 
@@ -329,13 +329,13 @@ fn asked(question: &Open, interval: f64) -> String {
     }
 }
 
-/// As `growth rate +175.7834 ± 6.8e-6 1/s (+27.9768 Hz)`.
+/// Formats a growth rate as `growth rate +175.7834 ± 6.8e-6 1/s (+27.9768 Hz)`.
 fn growth_rate(phase: &Phase) -> String {
     let Phase { rate, rate_error, .. } = phase;
     format!("growth rate {rate:+.4} ± {rate_error:.1e} 1/s ({:+.4} Hz)", rate / TAU)
 }
 
-/// With two digits, not below it.
+/// Rounds a value up to two digits.
 fn rounded_up(value: f64) -> f64 {
     let unit = 10.0_f64.powf(value.log10().floor() - 1.0);
     to_significant((value / unit).ceil() * unit, 2)

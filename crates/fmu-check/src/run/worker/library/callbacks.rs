@@ -1,4 +1,4 @@
-//! What a library may call back: a logger, and memory.
+//! The callbacks that a library may use: a logger and memory functions.
 
 use super::{Status, Text};
 use libc::{c_void, size_t};
@@ -19,7 +19,8 @@ pub(super) struct Callbacks {
 }
 
 impl Callbacks {
-    /// A logger that is heard, and the C library's memory where the callbacks of memory are not to be NULL.
+    /// Callbacks with a logger that keeps the last message; with `memory`, the C library's memory functions, otherwise
+    /// NULL.
     pub(super) fn new(memory: bool) -> Self {
         Self {
             logger: Some(logger),
@@ -31,7 +32,7 @@ impl Callbacks {
     }
 }
 
-/// What the logger heard last.
+/// The last message to the logger.
 static HEARD: Mutex<String> = Mutex::new(String::new());
 
 extern "C" fn logger(_: *mut c_void, _: Text, _: Status, _: Text, message: Text, first: Text) {
@@ -53,7 +54,7 @@ extern "C" fn logger(_: *mut c_void, _: Text, _: Status, _: Text, message: Text,
     }
 }
 
-/// What the logger was told last, taken away.
+/// Takes the last message to the logger; empty if there is none.
 pub(crate) fn heard() -> String {
     HEARD.lock().map(|mut heard| std::mem::take(&mut *heard)).unwrap_or_default()
 }

@@ -1,12 +1,12 @@
-//! What the C library knows of its heap.
+//! The size of the heap as the C library reports it.
 
-/// Bytes of the heap that are in use, where the C library can tell.
+/// Memory of the heap that is in use, bytes; `None` if the C library does not report it.
 pub(crate) fn heap() -> Option<usize> {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
         type Ask = unsafe extern "C" fn() -> libc::mallinfo2;
         let process = libloading::os::unix::Library::this();
-        // Looked up: glibc has it since 2.33 only.
+        // The function is looked up because glibc has it only since version 2.33.
         // SAFETY: the function is of this type.
         let ask = unsafe { process.get::<Ask>(b"mallinfo2") }.ok()?;
         // SAFETY: it only reads the allocator's counts.

@@ -1,4 +1,4 @@
-//! An instance, and the calls that the standard has for it.
+//! An instance and the calls of the standard on it.
 
 use super::callbacks::Callbacks;
 use super::status::{Refused, succeeded};
@@ -11,14 +11,14 @@ use std::ptr;
 type Of = unsafe extern "C" fn(Component) -> Status;
 type Get<T> = unsafe extern "C" fn(Component, *const c_uint, size_t, *mut T) -> Status;
 
-/// An instance of a library, freed with its end.
+/// An instance of a library; it is freed when dropped.
 pub(crate) struct Instance<'a> {
     library: &'a Library,
     component: Component,
-    // Some libraries keep the pointers.
+    // Some libraries keep the pointers to these.
     _callbacks: Box<Callbacks>,
     _texts: [CString; 3],
-    /// After fmi2Fatal nothing may be called any more.
+    /// `true` after fmi2Fatal, when no function may be called any more.
     is_lost: Cell<bool>,
 }
 

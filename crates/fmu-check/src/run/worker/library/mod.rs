@@ -1,7 +1,7 @@
-//! A library of others, called as the standard says; the only place where it is.
+//! The interface to the examined library, called as the standard defines it; the only module with these calls.
 //!
-//! Whatever it does happens in a process of its own (see the module above): what is relied on here is
-//! the standard's contract, and where a library breaks it that process ends.
+//! The code relies on the contract of the standard. A library that breaks the contract ends only the worker, a process
+//! of its own (see `run`).
 #![allow(unsafe_code)]
 
 mod callbacks;
@@ -31,12 +31,12 @@ type Free = unsafe extern "C" fn(Component);
 pub(super) struct Library(libloading::Library);
 
 impl Library {
-    /// Loads a library with all that it needs.
+    /// Loads a library with all libraries that it needs.
     ///
     /// # Errors
-    /// What the system's loader says.
+    /// Returns the message of the system's loader if the library cannot be loaded.
     pub(super) fn load(path: &Path) -> Result<Self, String> {
-        // SAFETY: this runs the library's initializers, in a process that is there for nothing else.
+        // SAFETY: this runs the library's initializers, in a process that exists for this purpose only.
         #[cfg(unix)]
         let library = unsafe {
             use libloading::os::unix;
@@ -46,12 +46,12 @@ impl Library {
         #[cfg(not(unix))]
         let library = unsafe { libloading::Library::new(path) };
         library.map(Self).map_err(|error| {
-            // The loader's own words are the cause.
+            // The cause of the error is the loader's own message.
             std::error::Error::source(&error).map_or(error.to_string(), ToString::to_string)
         })
     }
 
-    /// A function of the type that the standard gives it.
+    /// Returns a function of the library; `T` is the type that the standard gives it.
     fn function<T: Copy>(&self, name: &str) -> Result<T, Refused> {
         // SAFETY: `T` is the type of the function of this name.
         unsafe { self.0.get::<T>(name.as_bytes()) }
@@ -59,7 +59,7 @@ impl Library {
             .map_err(|_| Refused::Missing)
     }
 
-    /// The answer of `fmi2GetTypesPlatform` or `fmi2GetVersion`.
+    /// Returns the answer of `fmi2GetTypesPlatform` or `fmi2GetVersion`.
     pub(super) fn answer(&self, name: &str) -> String {
         let Ok(function) = self.function::<unsafe extern "C" fn() -> Text>(name) else {
             return "nothing: it is not exported".to_owned();
@@ -73,15 +73,15 @@ impl Library {
         unsafe { CStr::from_ptr(text) }.to_string_lossy().into_owned()
     }
 
-    /// `fmi2FreeInstance(NULL)`.
+    /// Calls `fmi2FreeInstance(NULL)`.
     pub(super) fn free_null(&self) {
         if let Ok(free) = self.function::<Free>("fmi2FreeInstance") {
-            // SAFETY: the standard has this call ignored.
+            // SAFETY: the standard requires that this call is ignored.
             unsafe { free(ptr::null_mut()) }
         }
     }
 
-    /// An instance for co-simulation; none where the library makes none.
+    /// Makes an instance for co-simulation; `None` if the library returns NULL.
     pub(super) fn instantiate(
         &self,
         guid: &str,

@@ -1,4 +1,4 @@
-//! `fmi2Status`.
+//! The status that calls return, `fmi2Status`.
 
 use super::Status;
 use std::fmt;
@@ -9,29 +9,29 @@ const ERROR: Status = 3;
 const FATAL: Status = 4;
 const PENDING: Status = 5;
 
-/// Why a call did not succeed.
+/// Reasons for which a call did not succeed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Refused {
     Status(Status),
     /// The library does not export the function.
     Missing,
-    /// It states a size that nothing can have.
+    /// The library states a size that no memory can have.
     Size(usize),
 }
 
 impl Refused {
-    /// Did the step end where it began, or is to end later?
+    /// `true` if the step was not completed: it was discarded, or it is pending.
     pub(crate) fn is_no_step(self) -> bool {
         matches!(self, Self::Status(DISCARD | PENDING))
     }
 
-    /// Is no instance to be used any more?
+    /// `true` if the status is fmi2Fatal, after which no instance may be used.
     pub(super) fn is_fatal(self) -> bool {
         self == Self::Status(FATAL)
     }
 }
 
-/// What the call answers.
+/// The answer of the call, in words.
 impl fmt::Display for Refused {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
