@@ -147,9 +147,7 @@ impl Platform {
                     || library.starts_with("api-ms-win-")
                     || library.starts_with("ext-ms-win-")
             }
-            _ => {
-                library.starts_with("/usr/lib/") || library.starts_with("/System/PlatformLibrary/")
-            }
+            _ => library.starts_with("/usr/lib/") || library.starts_with("/System/Library/"),
         }
     }
 }
@@ -168,3 +166,27 @@ pub(crate) const HOST: Option<&str> = if cfg!(all(target_os = "linux", target_ar
 } else {
     None
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A change of names had once reached into the path of macOS's frameworks.
+    #[test]
+    fn the_libraries_of_each_system_are_known_and_others_are_not() {
+        for (folder, own, other) in [
+            ("linux64", "libm.so.6", "libgfortran.so.5"),
+            ("win64", "KERNEL32.dll", "libgcc_s_seh-1.dll"),
+            ("win64", "api-ms-win-crt-math-l1-1-0.dll", "api.dll"),
+            ("darwin64", "/usr/lib/libSystem.B.dylib", "/usr/local/lib/libgcc_s.1.dylib"),
+            (
+                "darwin64",
+                "/System/Library/Frameworks/Accelerate.framework/Versions/A/Accelerate",
+                "/Library/Frameworks/R.framework/R",
+            ),
+        ] {
+            let platform = Platform::of(folder).unwrap();
+            assert!(platform.has(own) && !platform.has(other), "{folder}: {own}, {other}");
+        }
+    }
+}
