@@ -124,18 +124,23 @@ impl Instance {
         };
         match read() {
             Err(error) => Err((error, logger)),
-            Ok((scene, guid)) => Ok(Self {
-                logger,
-                setup: Setup::default(),
-                guid: guid.into(),
-                variables: fmu_variables(&scene),
-                original: Parameters::of(scene.clone()),
-                parameters: Parameters::of(scene),
-                tolerated: false,
-                told: Noted::default(),
-                simulation: None,
-                has_started: false,
-            }),
+            Ok((scene, guid)) => {
+                let variables = fmu_variables(&scene);
+                let original = Parameters::of(scene);
+                Ok(Self {
+                    logger,
+                    setup: Setup::default(),
+                    guid: guid.into(),
+                    variables,
+                    // One layout for both: states from bytes are then restored without a comparison of scenes.
+                    parameters: original.clone(),
+                    original,
+                    tolerated: false,
+                    told: Noted::default(),
+                    simulation: None,
+                    has_started: false,
+                })
+            }
         }
     }
 
