@@ -12,7 +12,7 @@ use std::sync::{Mutex, PoisonError};
 pub const REFERENCE_SHARE: f64 = 0.1;
 
 /// The progress bar of the command.
-pub fn reference() -> Progress {
+pub fn bar() -> Progress {
     Progress::in_parts("the reference")
 }
 

@@ -56,7 +56,7 @@ pub fn run(arguments: &Accuracy) -> Result<(), Box<dyn Error>> {
     scene.experiment.stop_time = arguments.stop_time.unwrap_or(scene.experiment.stop_time);
     let dof = arguments.of.as_deref().map(|name| dof_named(&scene, name)).transpose()?;
     interrupt::listen();
-    let bar = reference::reference();
+    let bar = reference::bar();
     let study = reference::study(&scene, dof, &bar)?;
     let mut report =
         Report { arguments, study, rows: Vec::new(), notes: Vec::new(), complete: false };

@@ -14,7 +14,7 @@ use std::error::Error;
 /// Returns an error if the scene cannot be run or the user has ended the command ([`Interrupted`]).
 pub fn page(scene: &Scene) -> Result<String, Box<dyn Error>> {
     interrupt::listen();
-    let bar = reference::reference();
+    let bar = reference::bar();
     let study = reference::study(scene, None, &bar)?;
     bar.say("methods and steps");
     let ladder = study.ladder();

@@ -4,7 +4,7 @@ use super::arguments::Common;
 use super::folder::Folder;
 use super::{found, set_pace, watched};
 use crate::arguments::positive;
-pub use amontons::decimal::to_significant;
+use amontons::decimal::to_significant;
 use amontons::error::Rounded;
 use amontons::scene::{Experiment, Scene};
 use amontons_analysis::study::transient::{
