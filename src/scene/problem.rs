@@ -20,7 +20,7 @@ pub struct Problem {
     pub value: Option<String>,
     /// The reason, worded to follow the place and the value.
     pub message: String,
-    /// What would be right; empty if the message says it.
+    /// The correct form; empty if the message says it.
     pub help: String,
 }
 

@@ -3,7 +3,7 @@
 use plotters::style::RGBColor;
 
 /// Number of colours of the scale; one more would not be visible.
-pub(crate) const COLOURS: usize = 255;
+pub(super) const COLOURS: usize = 255;
 
 /// The way from dark to light, as Oklab's lightness, a and b: from blue to yellow, which eyes without red or
 /// green receptors tell apart; those without blue ones, and greyscale prints, have the lightness.
@@ -17,7 +17,7 @@ const WAY: [[f64; 3]; 5] = [
 
 /// Colours from that of the smallest value to that of the largest, equally far apart in Oklab.
 #[allow(clippy::cast_precision_loss)]
-pub(crate) fn scale() -> Vec<RGBColor> {
+pub(super) fn scale() -> Vec<RGBColor> {
     let far = |pair: &[[f64; 3]]| {
         let squares = [0, 1, 2].map(|axis| (pair[1][axis] - pair[0][axis]).powi(2));
         squares.iter().sum::<f64>().sqrt()

@@ -151,7 +151,7 @@ pub(super) fn paint<B: DrawingBackend>(
 /// The span that each column shows: the one that covers most of it. Spans are in columns. A span that would be
 /// visible nowhere has the column of its middle, if the one that is shown there has others.
 #[allow(clippy::cast_possible_truncation, clippy::cast_sign_loss, clippy::cast_precision_loss)]
-pub(crate) fn shown(spans: &[[f64; 2]], columns: usize) -> Vec<Option<usize>> {
+fn shown(spans: &[[f64; 2]], columns: usize) -> Vec<Option<usize>> {
     let mut shown: Vec<Option<usize>> = vec![None; columns];
     let mut most = vec![0.0; columns];
     let within = |[from, to]: [f64; 2]| to >= 0.0 && from <= columns as f64;

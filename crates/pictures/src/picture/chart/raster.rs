@@ -59,7 +59,7 @@ impl Raster {
     }
 
     /// The values of the first and the last colour; not one for both.
-    pub(crate) fn colours(&self) -> [f64; 2] {
+    pub(super) fn colours(&self) -> [f64; 2] {
         range(self.range.into_iter()).unwrap_or([0.0, 1.0])
     }
 
