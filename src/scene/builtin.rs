@@ -45,15 +45,16 @@ pub fn builtin(name: &str) -> Option<Builtin> {
 /// # Errors
 /// Returns an error that lists the built-in scenes if there is none with this name.
 pub fn named(name: &str) -> Result<Builtin, Error> {
-    builtin(name)
-        .ok_or_else(|| Error::argument(format!("no built-in scene {name}; {}", builtin_names())))
+    builtin(name).ok_or_else(|| {
+        Error::argument(format!("there is no built-in scene {name}; {}", builtin_names()))
+    })
 }
 
 /// Lists the names of the built-in scenes, for a message.
 #[must_use]
 pub fn builtin_names() -> String {
     let names: Vec<&str> = BUILTIN.iter().map(|builtin| builtin.name).collect();
-    format!("built in are {}", names.join(", "))
+    format!("the built-in scenes are {}", names.join(", "))
 }
 
 #[cfg(test)]

@@ -111,16 +111,19 @@ impl Scene {
         let (most, with) = match (is_damped, falls) {
             // Displacements and velocities then have a row each.
             (true, _) => (MAX_WATCHED_ROWS / 2, " with dampers"),
-            (false, true) => (MAX_WATCHED_ROWS / 2, " with friction that falls"),
+            (false, true) => {
+                (MAX_WATCHED_ROWS / 2, " with friction that depends on the slip velocity")
+            }
             (false, false) => (MAX_WATCHED_ROWS, ""),
         };
         let dofs = self.external_forces().count();
-        let message =
-            format!("is for up to {most} degrees of freedom{with}, and this scene has {dofs}");
+        let message = format!(
+            "is supported for up to {most} degrees of freedom{with}, but this scene has {dofs}"
+        );
         (self.effects.stability && dofs > most).then(|| {
-            Problem::new("effects.stability", message)
-                .of(true)
-                .help("leave it out; amontons-stability analyses one contact state of larger ones")
+            Problem::new("effects.stability", message).of(true).help(
+                "leave it out; amontons-stability analyses single contact states of larger scenes",
+            )
         })
     }
 
@@ -192,11 +195,10 @@ impl Scene {
         let end = format!("up to experiment.stop_time = {}", Short(stop_time));
         if self.selection.tolerance().is_none() && stop_time / self.step > MAX_STEPS {
             let message = format!(
-                "takes {} steps {end}, more than can be counted",
+                "needs {} steps {end}, more than a run can count",
                 count(stop_time / self.step)
             );
-            let help =
-                format!("choose a longer one, of {} s at least", least(stop_time / MAX_STEPS));
+            let help = format!("choose a step of at least {} s", least(stop_time / MAX_STEPS));
             problems.push(
                 Problem::new("integrator.step", message).help(help).of(format!("{:e}", self.step)),
             );
@@ -205,7 +207,7 @@ impl Scene {
             let message = format!("gives more than {MAX_ROWS:e} rows {end}");
             problems.push(
                 Problem::new("experiment.output_interval", message)
-                    .help("choose a longer one")
+                    .help("choose a longer interval")
                     .of(format!("{output_interval:e}")),
             );
         }
@@ -251,13 +253,11 @@ pub(super) fn weak_static_friction(
     kinetic: f64,
 ) -> Option<Problem> {
     let wish = Rule::FRICTION.broken_by(static_friction);
-    let wish =
-        wish.or((static_friction < kinetic).then_some("must be at least the kinetic friction"))?;
+    let wish = wish
+        .or((static_friction < kinetic)
+            .then_some("must be at least the kinetic friction coefficient"))?;
     let problem = Problem::new(path(), wish).of(static_friction);
-    Some(problem.help(format!(
-        "a contact that stands holds at least what it has slipping, {}",
-        Short(kinetic)
-    )))
+    Some(problem.help(format!("the kinetic friction coefficient is {}", Short(kinetic))))
 }
 
 /// The path of a part's value, or of the part itself if the key is empty.
@@ -276,5 +276,5 @@ pub fn meant_input(name: &str, inputs: &[String]) -> String {
     }
     let more = if inputs.len() > MOST { ", …" } else { "" };
     let first: Vec<&str> = inputs.iter().take(MOST).map(String::as_str).collect();
-    format!("its inputs are {}{more}", first.join(", "))
+    format!("the inputs of the scene are {}{more}", first.join(", "))
 }

@@ -22,14 +22,14 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     }
     let exact = match scene.selection {
         Selection::Given if scene.method != Method::EventDriven => return,
-        Selection::Given => "exact motion".to_owned(),
-        selection => format!("exact motion, by which integrator.{selection} chooses,"),
+        Selection::Given => "the event-driven method".to_owned(),
+        selection => format!("integrator.{selection} relies on the event-driven method, which"),
     };
     if !about.is_constant() {
         let name = about.name;
         let message = format!(
-            "{exact} cannot take the law \"{name}\": friction that depends on the slip velocity makes \
-             motion between events nonlinear"
+            "{exact} does not support the law \"{name}\": friction that depends on the slip velocity \
+             makes the motion between events nonlinear"
         );
         let help =
             "give method = \"forward-increment\" and a step, or a law with constant coefficients";
@@ -37,8 +37,8 @@ pub(super) fn check(scene: &Scene, checks: &mut Checks<'_>) {
     }
     if scene.contact_law().follows_size() && scene.contact_count() > 0 {
         let message = format!(
-            "{exact} cannot take contacts that stick and cannot open: their friction follows |N|, which is \
-             not linear where N changes its sign"
+            "{exact} does not support contacts that can stick but cannot open: their friction is \
+             proportional to |N|, which is nonlinear where N changes sign"
         );
         let help = "give method = \"forward-increment\" and a step, or sticking = false";
         checks.problems.push(problem("effects.detachment", message, help).of(false));
@@ -51,7 +51,7 @@ fn report_own_friction(scene: &Scene, checks: &mut Checks<'_>) {
     for (i, place) in contacts.iter().enumerate() {
         let own = [("friction", place.friction), ("static_friction", place.static_friction)];
         for (key, value) in own.into_iter().filter_map(|(key, value)| Some((key, value?))) {
-            let message = "the scene's law of friction is none";
+            let message = "the scene's law of friction is \"none\"";
             let problem = checks.problem(Owner::Contact(i), key, message).of(value);
             checks.problems.push(problem.help("leave it out, or give [friction] another law"));
         }
@@ -65,9 +65,11 @@ fn report_open_contacts(scene: &Scene, checks: &mut Checks<'_>) {
     for (i, module) in modules.iter().enumerate() {
         for (key, value) in [("x4", module.displacement[3]), ("v4", module.velocity[3])] {
             if value != 0.0 {
-                let message = "contacts cannot open in this scene, and this one would start open";
+                let message = "must be zero, since contacts cannot open in this scene";
                 let problem = checks.problem(Owner::InitialOfModule(i), key, message).of(value);
-                checks.problems.push(problem.help("leave it out, or let contacts open"));
+                checks
+                    .problems
+                    .push(problem.help("leave it out, or let contacts open by effects.detachment"));
             }
         }
     }

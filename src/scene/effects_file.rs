@@ -9,14 +9,14 @@ use serde::Deserialize;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct EffectsTable {
-    /// `true` unless given: contacts may stick. If false, friction keeps the direction that it has in uniform sliding.
+    /// `true` (the default) if contacts may stick. If `false`, friction keeps the direction that it has in uniform sliding.
     sticking: Option<bool>,
-    /// `true` unless given: contacts may open. If false, they hold in both directions.
+    /// `true` (the default) if contacts may open. If `false`, they transmit tension as well as compression.
     detachment: Option<bool>,
-    /// `true` to account for energy: kinetic, elastic, dissipated, and work done; false unless given.
+    /// `true` to compute the kinetic, elastic and dissipated energy, and the work done; `false` by default.
     #[serde(default)]
     energy: bool,
-    /// `true` to compute the present contact state's largest growth rate and that mode's frequency; false unless given.
+    /// `true` to compute the present contact state's largest growth rate and that mode's frequency; `false` by default.
     #[serde(default)]
     stability: bool,
 }
@@ -34,7 +34,7 @@ impl EffectsTable {
             report("sticking", self.sticking.is_some(), "the scene has no contact", help);
             report("detachment", self.detachment.is_some(), "the scene has no contact", help);
         } else if !law.info().sticks {
-            let message = "there is no friction that could hold a contact";
+            let message = "contacts without friction cannot stick";
             let help = "leave it out, or give another law of friction";
             report("sticking", self.sticking.is_some(), message, help);
         }

@@ -80,10 +80,10 @@ pub struct SceneTables {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 struct DampingTable {
-    /// Mass-proportional damping coefficient α, 1/s; none unless given.
+    /// Mass-proportional damping coefficient α, 1/s; none by default.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     alpha: Option<f64>,
-    /// Stiffness-proportional damping coefficient β, s; none unless given.
+    /// Stiffness-proportional damping coefficient β, s; none by default.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::DAMPING.bounds()))]
     beta: Option<f64>,
 }
@@ -110,8 +110,7 @@ impl<'a> SceneFile<'a> {
         let bytes = text::read(path, text::MAX_SCENE).map_err(|error| Error::file(path, &error))?;
         let bytes = bytes.ok_or_else(|| {
             Error::scene(format!(
-                "{place} is larger than {}, the most that a scene file may have; values over time belong into a CSV \
-                 file beside it",
+                "{place} is larger than {}, the limit for scene files; put values over time into a CSV file beside it",
                 text::megabytes(text::MAX_SCENE)
             ))
         })?;
@@ -180,10 +179,13 @@ impl SceneTables {
         let mut problems = Vec::new();
         match (&self.ring, self.mass.is_empty()) {
             (Some(_), false) => {
-                problems.push(Problem::new("mass", "a scene has either a [ring] or [[mass]]"));
+                problems.push(Problem::new(
+                    "mass",
+                    "a scene has either a [ring] or [[mass]], not both",
+                ));
             }
             (None, true) => {
-                problems.push(Problem::new("mass", "a scene needs a [ring] or [[mass]]"));
+                problems.push(Problem::new("mass", "a scene needs either a [ring] or [[mass]]"));
             }
             (Some(ring), true) => problems.extend(ring.lone_link()),
             (None, false) => {}
@@ -284,7 +286,10 @@ impl SceneTables {
         let mut missing: Vec<_> =
             tables.into_iter().filter(|(.., is_missing)| *is_missing).collect();
         if self.ring.is_some() {
-            return missing.iter().map(|(table, ..)| Problem::new(*table, "is missing")).collect();
+            return missing
+                .iter()
+                .map(|(table, ..)| Problem::new(*table, "the table is missing"))
+                .collect();
         }
         let mut problems = Vec::new();
         for (i, contact) in self.contact.iter().enumerate() {
@@ -296,7 +301,7 @@ impl SceneTables {
                     needed.iter().map(|(name, ..)| format!("[{name}]")).collect();
                 let keys: Vec<&str> = needed.iter().map(|(_, keys, _)| *keys).collect();
                 let (names, keys) = (names.join(" and "), keys.join(", "));
-                let message = format!("needs {names}, which the file lacks");
+                let message = format!("needs {names}, which the file does not contain");
                 let help = format!("add {names}, or give every contact its own {keys}");
                 problems.push(Problem::new(format!("contact[{}]", i + 1), message).help(help));
             }
@@ -313,7 +318,7 @@ impl SceneTables {
         ];
         let is_ring = self.ring.is_some() && self.mass.is_empty();
         counts.into_iter().filter(move |(_, count)| is_ring && *count > 0).map(|(kind, _)| {
-            Problem::new(format!("{kind}[1]"), "is part of a network, and this scene has a [ring]")
+            Problem::new(format!("{kind}[1]"), "belongs to a network, but this scene has a [ring]")
                 .help("leave it out, or write the whole scene as a network of [[mass]]")
         })
     }

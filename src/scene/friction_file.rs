@@ -11,14 +11,14 @@ use serde::Deserialize;
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub(super) struct FrictionTable {
-    /// The law of friction; unless given, the law that has the coefficients that are given.
+    /// The law of friction; by default the simplest law that uses all coefficients of this table.
     #[cfg_attr(feature = "schema", schemars(schema_with = "laws"))]
     #[serde(default)]
     law: Option<String>,
     /// Friction coefficient µ of every contact that has none of its own, ≥ 0.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     pub(super) coefficient: Option<f64>,
-    /// Static friction coefficient µ_s ≥ µ of contacts that do not slip; µ unless given.
+    /// Static friction coefficient µ_s ≥ µ of contacts that do not slip; µ by default.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     #[serde(rename = "static")]
     pub(super) static_: Option<f64>,
@@ -54,8 +54,8 @@ impl FrictionTable {
         let name = self.law.as_deref().filter(|name| Law::named(name).is_none())?;
         let known: Vec<String> =
             Law::ALL.iter().map(|law| format!("\"{}\"", law.info().name)).collect();
-        let problem = Problem::new("friction.law", "is no law of friction");
-        Some(problem.of(format!("\"{name}\"")).help(format!("there are {}", known.join(", "))))
+        let problem = Problem::new("friction.law", "is not a law of friction");
+        Some(problem.of(format!("\"{name}\"")).help(format!("the laws are {}", known.join(", "))))
     }
 
     /// The law that is named, or else the one that has the given coefficients; problems are added to `problems`.
@@ -81,7 +81,7 @@ impl FrictionTable {
                 .map(|law| format!("\"{}\"", law.info().name))
                 .collect();
             let equation = law.info().equation;
-            let message = format!("the law \"{name}\" has no such number: {equation}");
+            let message = format!("the law \"{name}\" does not use this key: {equation}");
             let help = format!("leave it out, or give law = {}", with.join(" or "));
             problems.push(Problem::new(format!("friction.{key}"), message).help(help));
         }
@@ -105,7 +105,10 @@ impl FrictionTable {
             }
             None => format!("{add}; the law with {} is {}", spoken(given), about.equation),
         };
-        let message = format!("lacks {}", spoken(&lacking));
+        let message = match &lacking[..] {
+            [key] => format!("the key `{key}` is missing"),
+            keys => format!("the keys {} are missing", spoken(keys)),
+        };
         problems.push(Problem::new("friction", message).help(help));
     }
 }

@@ -55,7 +55,7 @@ pub(super) fn apply(
         };
         let Some(owner) = owner else { continue };
         if homes.contains_key(&owner) {
-            let problem = Problem::new(path(key), "stands twice").of(value);
+            let problem = Problem::new(path(key), "has more than one [[initial]]").of(value);
             names.problems.push(problem.help("give all its values in one [[initial]]"));
             continue;
         }

@@ -21,7 +21,7 @@ use serde::Deserialize;
 )))]
 #[serde(deny_unknown_fields)]
 pub(super) struct Integrator {
-    /// Method of time integration; the paper's scheme unless given.
+    /// Method of time integration; the paper's scheme by default.
     method: Option<Way>,
     /// Internal time step h, s.
     ///
@@ -30,12 +30,12 @@ pub(super) struct Integrator {
     step: Option<f64>,
     /// Preset that chooses method and step by a relative error: preview 1e-2, design 1e-4, reference 1e-9.
     preset: Option<Preset>,
-    /// Relative error by which method "auto" chooses if an importer gives none; 1e-4 unless given.
+    /// Relative error by which method "auto" chooses method and step if an importer gives none; 1e-4 by default.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::TOLERANCE.bounds()))]
     tolerance: Option<f64>,
 }
 
-/// Method of time integration, or "auto" to have it chosen.
+/// Method of time integration, or "auto" to choose it by a tolerance.
 #[derive(Clone, Copy, Deserialize, PartialEq, Eq)]
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(rename_all = "kebab-case")]
@@ -69,7 +69,7 @@ impl Integrator {
             let others: Vec<String> = others.map(|(key, _)| format!("`{key}`")).collect();
             if !others.is_empty() {
                 let message = format!(
-                    "chooses method and step by a tolerance of {:e}; beside it there is {}",
+                    "chooses method and step by a tolerance of {:e}, but the table also gives {}",
                     preset.tolerance(),
                     others.join(" and ")
                 );
@@ -78,13 +78,13 @@ impl Integrator {
         } else if is_auto && self.step.is_some() {
             report(
                 "step",
-                "is chosen by method = \"auto\"".to_owned(),
-                "leave it out, or give a method that has one: \"forward-increment\", \"event-driven\"",
+                "method = \"auto\" chooses the step".to_owned(),
+                "leave it out, or give one of the methods \"forward-increment\" and \"event-driven\"",
             );
         } else if self.tolerance.is_some() && !is_auto {
             report(
                 "tolerance",
-                "is what method = \"auto\" chooses by, and this is another method".to_owned(),
+                "applies to method = \"auto\" only, but this is another method".to_owned(),
                 "leave it out, or give method = \"auto\" and no step",
             );
         }
@@ -92,7 +92,7 @@ impl Integrator {
         if needs_step && self.step.is_none() {
             let help = "add `step = …` (Internal time step h, s), or `preset = \"design\"`, which \
                         chooses method and step";
-            problems.push(Problem::new("integrator", "lacks `step`").help(help));
+            problems.push(Problem::new("integrator", "the key `step` is missing").help(help));
         }
         let selection = match (self.preset, is_auto) {
             (Some(preset), _) => Selection::Preset(preset),

@@ -25,11 +25,11 @@ impl Scene {
         match name {
             "damping.alpha" if !effects.mass_damping => Lack::new(
                 "the scene has no mass-proportional damping",
-                "write `alpha = 0.0` into its [damping] to have some",
+                "write `alpha = 0.0` into its [damping] to add it",
             ),
             "damping.beta" if !effects.stiffness_damping => Lack::new(
                 "the scene has no stiffness-proportional damping",
-                "write `beta = 0.0` into its [damping] to have some",
+                "write `beta = 0.0` into its [damping] to add it",
             ),
             "friction.coefficient" | "friction.static" | "friction.stribeck_velocity"
                 if self.friction_law == Law::Frictionless =>
@@ -49,10 +49,10 @@ impl Scene {
             }
             "friction.static" if self.static_friction.is_none() => Lack::new(
                 "the scene has no static friction",
-                "write `static = …` into its [friction] to have some",
+                "write `static = …` into its [friction] to add it",
             ),
             "friction.stribeck_velocity" if self.stribeck_velocity.is_none() => Lack::new(
-                "friction does not depend on the slip velocity",
+                "the friction of the scene does not depend on the slip velocity",
                 "write `stribeck_velocity = …` beside `static` into the [friction] of the scene",
             ),
             _ if self.roles.of(Group::Forces).is_none() && self.is_force(name) => Lack::new(
@@ -79,14 +79,13 @@ impl Scene {
     fn own(&self, key: &str) -> Option<Lack> {
         match self.network().and_then(|network| network.contacts.first()) {
             Some(first) => Lack::new(
-                "every contact has one of its own",
+                "every contact has its own value",
                 format!(
-                    "take that of a contact, as contact.{}.{key}, which --set takes, and commands with --parameter, --x or \
-                     --sweep go through",
+                    "use the value of one contact, such as contact.{}.{key}, with --set, --parameter, --x or --sweep",
                     first.name
                 ),
             ),
-            None => Lack::new("the scene has no contact", "write a [[contact]] into it"),
+            None => Lack::new("the scene has no contact", "add a [[contact]] to it"),
         }
     }
 
@@ -103,7 +102,7 @@ impl Scene {
             };
             let spring = network.springs.iter().find(has_none).filter(|_| key == "preload")?;
             let reason = format!("spring {} has no preload", spring.name);
-            return Lack::new(reason, "write `preload = 0.0` into its [[spring]] to have one");
+            return Lack::new(reason, "write `preload = 0.0` into its [[spring]] to add one");
         }
         let module = part.strip_prefix("module[")?.strip_suffix(']')?.parse().ok()?;
         if !(1..=self.modules().len()).contains(&module) {

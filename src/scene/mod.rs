@@ -238,7 +238,7 @@ impl Scene {
     pub fn modules_mut(&mut self) -> &mut Vec<Module> {
         match &mut self.structure {
             Structure::Ring(modules) => modules,
-            Structure::Network(_) => panic!("{} is a network, it has no modules", self.name),
+            Structure::Network(_) => panic!("{} is a network and has no modules", self.name),
         }
     }
 
@@ -250,7 +250,7 @@ impl Scene {
         match &self.structure {
             Structure::Ring(modules) => Ok(modules),
             Structure::Network(_) => Err(Error::scene(format!(
-                "{} is a network, and {what} so far for a [ring] only",
+                "{} is a network, but {what} for a [ring] only",
                 self.name
             ))),
         }

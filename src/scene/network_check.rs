@@ -20,12 +20,12 @@ pub(super) fn check(network: &Network, slider: Slider, checks: &mut Checks<'_>) 
     ] {
         if count > MAX_PARTS {
             let message =
-                format!("{count} are too many: a network has at most {MAX_PARTS} of a kind");
+                format!("{count} are too many: a network has at most {MAX_PARTS} of each kind");
             checks.problems.push(Problem::new(kind, message));
         }
     }
     if masses.is_empty() {
-        checks.problems.push(Problem::new("mass", "a network has at least one mass"));
+        checks.problems.push(Problem::new("mass", "a network needs at least one mass"));
     } else if masses.iter().all(is_locked) {
         let message = "nothing can move: every mass is locked along both of its axes";
         let problem = checks.problem(Owner::Mass(0), "locked", message);
@@ -75,7 +75,7 @@ fn check_holds(network: &Network, checks: &mut Checks<'_>) {
     }
     for (i, mass) in network.masses.iter().enumerate() {
         if !is_held[i] && !is_locked(mass) {
-            let message = "hangs on nothing; no spring and no contact joins it";
+            let message = "is not connected to any spring or contact";
             let problem = checks.problem(Owner::Mass(i), "name", message).of(quoted(&mass.name));
             let help = "name it in the `between` of a [[spring]] or in a [[contact]], or write \
                         `locked = [\"x\", \"y\"]`";
@@ -98,10 +98,10 @@ fn check_names<'a>(
         let (message, help) = if !is_legal {
             ("must be a letter, then letters (a to z), digits and _", String::new())
         } else if is_mass && name == GROUND {
-            ("stands for what does not move", "give the mass another name".to_owned())
+            ("is reserved for the fixed ground", "give the mass another name".to_owned())
         } else if first < i {
             let other = checks.path(part(first), "");
-            ("stands twice", format!("{other} has it too: give each its own"))
+            ("is used twice", format!("{other} has the same name: give each its own"))
         } else {
             continue;
         };
@@ -186,12 +186,14 @@ fn check_contact(
         let can_move = |body: &&Mass| body.free(along_axes(body, d)).any(|v| v.abs() > NO_PART);
         if !bodies.iter().any(can_move) {
             let message = match bodies[..] {
-                [mass, on] => format!("neither {} nor {} can move", mass.name, on.name),
-                _ => "cannot move".to_owned(),
+                [mass, on] => format!("both {} and {} are locked", mass.name, on.name),
+                _ => "is locked".to_owned(),
             };
-            let message = format!("{message} along the {what} of this contact, being locked");
+            let message = format!("{message} along the {what} of this contact");
             let problem = checks.problem(part, "mass", message).of(quoted(&bodies[0].name));
-            checks.problems.push(problem.help("unlock it, or turn the contact by its `angle`"));
+            checks
+                .problems
+                .push(problem.help("unlock an axis of a mass, or turn the contact by its `angle`"));
         }
     }
     let gaps: Vec<[f64; 2]> = bodies
@@ -215,7 +217,7 @@ fn check_contact(
             contact.name
         );
         let problem = checks.problem(Owner::InitialOfMass(place), "", message);
-        checks.problems.push(problem.help("it must be ≥ 0 along the contact's normal"));
+        checks.problems.push(problem.help("the gap along the contact's normal must be ≥ 0"));
     }
 }
 

@@ -77,7 +77,7 @@ pub(super) struct SpringTable {
     /// Stiffness, N/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     stiffness: f64,
-    /// Preload: displacement of the spring's second end along the direction, m; none unless given.
+    /// Preload: displacement of the spring's second end along the direction, m; none by default.
     preload: Option<f64>,
 }
 
@@ -106,16 +106,16 @@ pub(super) struct ContactTable {
     name: String,
     /// Name of the mass that slides.
     mass: String,
-    /// Name of the mass that carries the sliding surface; the slider unless given.
+    /// Name of the mass that carries the sliding surface; the slider by default.
     on: Option<String>,
-    /// Angle of the contact's tangent against the horizontal, rad; the slider's unless given.
+    /// Angle of the contact's tangent against the horizontal, rad; the slider's by default.
     angle: Option<f64>,
-    /// Velocity of the sliding surface along the tangent, m/s; the slider's unless given.
+    /// Velocity of the sliding surface along the tangent, m/s; the slider's by default.
     velocity: Option<f64>,
-    /// Friction coefficient µ; the common one unless given.
+    /// Friction coefficient µ; the common one by default.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     friction: Option<f64>,
-    /// Static friction coefficient µ_s ≥ µ while the contact does not slip; unless given, its own µ or else the common µ_s.
+    /// Static friction coefficient µ_s ≥ µ while the contact does not slip; by default its own µ, or else the common µ_s.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FRICTION.bounds()))]
     static_friction: Option<f64>,
 }

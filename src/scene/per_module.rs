@@ -39,7 +39,7 @@ impl<'de> Deserialize<'de> for PerModule {
             type Value = PerModule;
 
             fn expecting(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-                f.write_str("a number, or a list with one number a module")
+                f.write_str("a number, or a list with one number for each module")
             }
 
             fn visit_f64<E: de::Error>(self, value: f64) -> Result<PerModule, E> {
@@ -100,6 +100,9 @@ mod tests {
     #[test]
     fn anything_else_says_what_would_be_right() {
         let message = parse("\"55e3\"").unwrap_err().to_string();
-        assert!(message.contains("a number, or a list with one number a module"), "{message}");
+        assert!(
+            message.contains("a number, or a list with one number for each module"),
+            "{message}"
+        );
     }
 }

@@ -42,7 +42,7 @@ pub(super) struct Ring {
     /// Stiffness from m1 to m2, horizontal, N/m.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::STIFFNESS.bounds()))]
     k6: PerModule,
-    /// Preload: downward displacement of the ground end of k3, m; none unless given.
+    /// Preload: downward displacement of the ground end of k3, m; none by default.
     preload: Option<PerModule>,
 }
 
@@ -85,7 +85,7 @@ impl Ring {
     /// Reports a ring that has one of `k1` and `k2` without the other.
     pub(super) fn lone_link(&self) -> Option<Problem> {
         let is_lone = self.k1.is_some() != self.k2.is_some();
-        is_lone.then(|| Problem::new("ring", "has one of `k1` and `k2`, needs both or neither"))
+        is_lone.then(|| Problem::new("ring", "has only one of `k1` and `k2`; give both or neither"))
     }
 
     /// `true` if links join the modules.
@@ -121,7 +121,7 @@ impl Ring {
             let values = if length == 1 { "value" } else { "values" };
             let message =
                 format!("lists {length} {values}, but the ring has {} modules", self.modules);
-            let help = "give one number for all, or one a module";
+            let help = "give one number for all modules, or one for each module";
             Some(Problem::new(format!("ring.{key}"), message).help(help))
         };
         let problems: Vec<Problem> = keys.into_iter().filter_map(wrong_length).collect();

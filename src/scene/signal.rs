@@ -64,12 +64,12 @@ pub struct Constant {
 #[cfg_attr(feature = "schema", derive(schemars::JsonSchema))]
 #[serde(deny_unknown_fields)]
 pub struct Ramp {
-    /// Value up to `start`, in the unit of the input; 0 unless given.
+    /// Value up to `start`, in the unit of the input; 0 by default.
     #[serde(default)]
     pub from: f64,
     /// Value from `end` on, in the unit of the input.
     pub to: f64,
-    /// Time at which the change begins, s; 0 unless given.
+    /// Time at which the change begins, s; 0 by default.
     #[serde(default)]
     pub start: f64,
     /// Time at which the change ends, s; after `start`.
@@ -83,10 +83,10 @@ pub struct Ramp {
 pub struct Pulse {
     /// Value of the pulse, in the unit of the input.
     pub value: f64,
-    /// Time at which the pulse begins, s; 0 unless given.
+    /// Time at which the pulse begins, s; 0 by default.
     #[serde(default)]
     pub start: f64,
-    /// Time at which the pulse ends, s, after `start`; never unless given.
+    /// Time at which the pulse ends, s, after `start`; by default it does not end.
     #[serde(default)]
     pub end: Option<f64>,
 }
@@ -101,13 +101,13 @@ pub struct Sine {
     /// Frequency, Hz.
     #[cfg_attr(feature = "schema", schemars(transform = Rule::FREQUENCY.bounds()))]
     pub frequency: f64,
-    /// Phase at `start`, rad; 0 unless given.
+    /// Phase at `start`, rad; 0 by default.
     #[serde(default)]
     pub phase: f64,
-    /// Time at which the sine begins, s; 0 unless given.
+    /// Time at which the sine begins, s; 0 by default.
     #[serde(default)]
     pub start: f64,
-    /// Time at which the sine ends, s, after `start`; never unless given.
+    /// Time at which the sine ends, s, after `start`; by default it does not end.
     #[serde(default)]
     pub end: Option<f64>,
 }
@@ -374,12 +374,12 @@ impl Table {
         let is_finite = |point: &[f64; 2]| point.iter().all(|value| value.is_finite());
         if let Some(i) = self.points.iter().position(|point| !is_finite(point)) {
             let place = format!("{path}.points[{}]", i + 1);
-            problems.push(Problem::new(place, "must be finite numbers"));
+            problems.push(Problem::new(place, "time and value must be finite numbers"));
         }
         let falls = |two: &[[f64; 2]]| two[1][0] < two[0][0];
         if let Some(i) = self.points.windows(2).position(falls) {
             let message =
-                format!("must not be before the point above, at {} s", Short(self.points[i][0]));
+                format!("must not be before the previous point, at {} s", Short(self.points[i][0]));
             let place = format!("{path}.points[{}]", i + 2);
             problems.push(Problem::new(place, message).of(format!("{:?}", self.points[i + 1])));
         }

@@ -39,11 +39,11 @@ pub(super) struct SignalTable {
 )))]
 #[serde(deny_unknown_fields)]
 struct PointTable {
-    /// Time (s) and value of each point, by time; if two have the same time, the second holds from then on.
+    /// Time (s) and value of each point, in order of time; if two points have the same time, the second holds from then on.
     points: Option<Vec<[f64; 2]>>,
     /// Name of a CSV file beside the scene, whose first column is `time` (s).
     file: Option<String>,
-    /// Column of the file; unless given, the column with the input's name, or the only one beside the time.
+    /// Column of the file; by default the column with the input's name, or else the only column besides the time.
     column: Option<String>,
     /// Interpolation between the points.
     #[serde(default)]
@@ -58,7 +58,7 @@ pub(super) fn without_one_shape(tables: &[SignalTable]) -> impl Iterator<Item = 
             [constant.is_some(), ramp.is_some(), pulse.is_some(), sine.is_some(), table.is_some()];
         let path = format!("signal[{}]", i + 1);
         if given.iter().filter(|is_given| **is_given).count() != 1 {
-            let needs = "needs one of `constant`, `ramp`, `pulse`, `sine` and `table`";
+            let needs = "needs exactly one of `constant`, `ramp`, `pulse`, `sine` and `table`";
             return Some(Problem::new(path, needs));
         }
         let has_none_or_both = |table: &PointTable| table.points.is_some() == table.file.is_some();
@@ -106,8 +106,10 @@ impl PointTable {
         let wrong = |key: &str, message| Problem::new(format!("{path}.{key}"), message);
         let Some(file) = file else {
             if let Some(column) = column {
-                let problem =
-                    wrong("column", "is a column of a file, and points are given".to_owned());
+                let problem = wrong(
+                    "column",
+                    "names a column of a file, but the table gives `points`".to_owned(),
+                );
                 return Err(problem.of(quoted(&column)).help("leave it out"));
             }
             return Ok(Table { points: points.unwrap_or_default(), between });

@@ -46,13 +46,18 @@ impl<'a> Folder<'a> {
             return Err("must be the name of a .csv file beside the scene, without folders".into());
         }
         let Some(folder) = self.path else {
-            return Err("only a scene that is a file itself can name another".into());
+            return Err("only a scene that is read from a file can name a CSV file".into());
         };
         let known = self.texts.iter().position(|(known, _)| known.eq_ignore_ascii_case(name));
         let place = match known {
             Some(place) if self.texts[place].0 == name => place,
             // Some systems would take the two files for one when the FMU is unpacked.
-            Some(place) => return Err(format!("is {} but for its case", self.texts[place].0)),
+            Some(place) => {
+                return Err(format!(
+                    "differs from {} only in upper and lower case; write both names alike",
+                    self.texts[place].0
+                ));
+            }
             None => {
                 let before: usize = self.texts.iter().map(|(_, text)| text.len()).sum();
                 let most = text::MAX_TABLES.saturating_sub(before as u64);
@@ -60,8 +65,7 @@ impl<'a> Folder<'a> {
                     .map_err(|error| format!("cannot be read: {error}"))?;
                 let bytes = bytes.ok_or_else(|| {
                     format!(
-                        "is too large: the CSV files of a scene have at most {} together; take rows that are further \
-                         apart",
+                        "is too large: the CSV files of a scene have at most {} together; leave out rows",
                         text::megabytes(text::MAX_TABLES)
                     )
                 })?;
@@ -92,7 +96,7 @@ mod tests {
             assert!(folder.table(name).unwrap_err().contains("without folders"), "{name}");
         }
         for name in ["a.csv", "Messung 3 für µ.CSV", "a.b.csv"] {
-            assert!(folder.table(name).unwrap_err().contains("a file itself"), "{name}");
+            assert!(folder.table(name).unwrap_err().contains("read from a file"), "{name}");
         }
     }
 }

@@ -48,7 +48,7 @@ pub(super) fn check_amount(place: &str, text: &str) -> Result<(), Error> {
     }
     if let Some((kind, count)) = counts.into_iter().find(|(_, count)| *count > MAX_PARTS) {
         return Err(Error::scene(format!(
-            "{place} has {count} [[{kind}]]: a network has at most {MAX_PARTS} of a kind"
+            "{place} has {count} [[{kind}]]: a network has at most {MAX_PARTS} of each kind"
         )));
     }
     let (mut values, mut lines, mut points, mut gaps) = (0, 0, 0, 0);
@@ -67,13 +67,13 @@ pub(super) fn check_amount(place: &str, text: &str) -> Result<(), Error> {
     // A value has at most a line, a decimal point and two gaps, and the parser keeps each of them.
     if values > MAX_VALUES || lines.max(points).max(gaps) > 2 * MAX_VALUES {
         return Err(Error::scene(format!(
-            "{place} has more than the {MAX_VALUES} values that a scene file may have; values over time belong into a CSV \
+            "{place} has more than {MAX_VALUES} values, the limit for scene files; put values over time into a CSV \
              file beside it"
         )));
     }
     if values > MAX_KEYS && has_more_different(text, MAX_KEYS) {
         return Err(Error::scene(format!(
-            "{place} has more than {MAX_KEYS} different keys, and a scene knows some hundred"
+            "{place} has more than {MAX_KEYS} different keys, but scene files know only about a hundred"
         )));
     }
     Ok(())

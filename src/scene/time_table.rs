@@ -27,7 +27,7 @@ impl TimeTable {
             text::read(path, text::MAX_TABLES).map_err(|error| Error::file(path, &error))?;
         let bytes = bytes.ok_or_else(|| {
             Error::scene(format!(
-                "{place} is larger than {}, the most that a table of inputs may have; take rows that are further apart",
+                "{place} is larger than {}, the limit for tables of inputs; leave out rows",
                 text::megabytes(text::MAX_TABLES)
             ))
         })?;
@@ -50,7 +50,7 @@ impl TimeTable {
         };
         let names: Vec<String> = names.map(str::to_owned).collect();
         if names.is_empty() {
-            return Err("line 1: has no column beside `time`".to_owned());
+            return Err("line 1: there is no column besides `time`".to_owned());
         }
         if let Some(nameless) = names.iter().position(String::is_empty) {
             return Err(format!("line 1: column {} has no name", nameless + 2));
@@ -66,7 +66,7 @@ impl TimeTable {
             for (name, field) in headers.iter().zip(&record) {
                 let value = field.parse().ok().filter(|value: &f64| value.is_finite());
                 let value = value.ok_or_else(|| match field {
-                    "" => format!("line {line}, column `{name}`: is empty"),
+                    "" => format!("line {line}, column `{name}`: the value is missing"),
                     _ => format!(
                         "line {line}, column `{name}`: `{field}` is not a finite number{}",
                         if field.contains(',') { DECIMALS } else { "" }
@@ -84,7 +84,7 @@ impl TimeTable {
                 ));
             }
         }
-        if table.times.is_empty() { Err("has no rows".to_owned()) } else { Ok(table) }
+        if table.times.is_empty() { Err("the table has no rows".to_owned()) } else { Ok(table) }
     }
 
     /// Returns a column (from 0, not counting the time) as points over time.
@@ -105,7 +105,7 @@ fn not_a_header(headers: &csv::StringRecord) -> String {
     } else {
         "the first line names the columns, as in time,slider.velocity"
     };
-    format!("line 1: the first column is `{first}`, must be `time` (in s); {help}")
+    format!("line 1: the first column is `{first}`, but must be `time` (in s); {help}")
 }
 
 /// Name of the expected file type, for messages.
@@ -116,7 +116,7 @@ const DECIMALS: &str = "; decimals are written with a point";
 fn explained(error: &csv::Error) -> String {
     match error.kind() {
         csv::ErrorKind::UnequalLengths { pos, expected_len, len } => format!(
-            "line {}: has {len} values, the header {expected_len}{DECIMALS}",
+            "line {}: there are {len} values, but the header has {expected_len}{DECIMALS}",
             pos.as_ref().map_or(0, csv::Position::line)
         ),
         _ => error.to_string(),
@@ -138,19 +138,22 @@ mod tests {
     #[test]
     fn what_is_wrong_is_said_with_its_line_and_column() {
         for (text, words) in [
-            ("", "line 1: the first column is ``, must be `time`"),
-            ("t,a\n0,1\n", "line 1: the first column is `t`, must be `time` (in s)"),
+            ("", "line 1: the first column is ``, but must be `time`"),
+            ("t,a\n0,1\n", "line 1: the first column is `t`, but must be `time` (in s)"),
             ("time;a\n0,1;2\n", "separate the columns by commas"),
             ("0,1\n1,2\n", "the first line names the columns"),
-            ("time\n0\n", "no column beside `time`"),
+            ("time\n0\n", "no column besides `time`"),
             ("time,a,a\n0,1,1\n", "two columns are named `a`"),
             ("time,a,time\n0,1,0\n", "two columns are named `time`"),
             ("time,a,\n0,1,\n", "column 3 has no name"),
             ("time,a\n", "has no rows"),
             ("time,a\n0,1\n1,1 N\n", "line 3, column `a`: `1 N` is not a finite number"),
             ("time,a\n0,1\n1,nan\n", "line 3, column `a`: `nan` is not a finite number"),
-            ("time,a\n0,\n", "line 2, column `a`: is empty"),
-            ("time,a\n0,1\n1,5,2\n", "line 3: has 3 values, the header 2; decimals are"),
+            ("time,a\n0,\n", "line 2, column `a`: the value is missing"),
+            (
+                "time,a\n0,1\n1,5,2\n",
+                "line 3: there are 3 values, but the header has 2; decimals are",
+            ),
             ("time,a\n0,\"1,5\"\n", "`1,5` is not a finite number; decimals are written with a"),
             ("time,a\n0,1\n2,1\n1,1\n", "line 4: time 1 s comes after 2 s"),
         ] {

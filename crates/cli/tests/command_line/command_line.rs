@@ -468,12 +468,12 @@ fn what_is_larger_than_any_scene_is_refused_before_it_takes_memory() {
     refused("masses.toml", "has 1000001 [[mass]]: a network has at most 1000000");
     let list = format!("mass = [{}", "{},".repeat(5_000_000));
     fs::write(folder.path().join("list.toml"), list).unwrap();
-    refused("list.toml", "more than the 8000000 values that a scene file may have");
+    refused("list.toml", "more than 8000000 values, the limit for scene files");
     for (file, shape) in [("keys.toml", ["key", " = 1\n"]), ("headers.toml", ["[k", "]\n"])] {
         let [before, after] = shape;
         let keys: Vec<String> = (0..4_200_000).map(|i| format!("{before}{i}{after}")).collect();
         fs::write(folder.path().join(file), keys.concat()).unwrap();
-        refused(file, "more than 100000 different keys, and a scene knows some hundred");
+        refused(file, "more than 100000 different keys, but scene files know only about a hundred");
     }
     // An input without an end.
     let mut endless = Command::new("yes").stdout(Stdio::piped()).spawn().unwrap();
@@ -529,9 +529,9 @@ fn times_that_no_run_can_have_are_refused_with_what_can() {
         assert!(longest < Some(20), "{}", text(&output.stderr));
         assert!(!folder.path().join("out.csv.partial").exists());
     };
-    let step = "integrator.step = 1e-300: takes 6.0e300 steps up to experiment.stop_time = 6";
-    refused(&["--step", "1e-300"], 3, &[step, "choose a longer one, of 7.0e-16 s at least"]);
-    refused(&["--step", "1e-321"], 3, &["integrator.step = 1e-321: takes more than 1e308 steps"]);
+    let step = "integrator.step = 1e-300: needs 6.0e300 steps up to experiment.stop_time = 6";
+    refused(&["--step", "1e-300"], 3, &[step, "choose a step of at least 7.0e-16 s"]);
+    refused(&["--step", "1e-321"], 3, &["integrator.step = 1e-321: needs more than 1e308 steps"]);
     refused(&["--step", "1e-300", "--integrator", "event-driven"], 3, &[step]);
     refused(
         &["--stop-time", "1e308"],
@@ -539,8 +539,8 @@ fn times_that_no_run_can_have_are_refused_with_what_can() {
         &["more than 1e9 rows up to experiment.stop_time = 1e308"],
     );
     let long = ["--stop-time", "1e308", "--output-interval", "1e307"];
-    refused(&long, 3, &["integrator.step = 1e-6: takes more than 1e308 steps"]);
-    refused(&["--output-interval", "1e-300"], 3, &["more than 1e9 rows", "longer one"]);
+    refused(&long, 3, &["integrator.step = 1e-6: needs more than 1e308 steps"]);
+    refused(&["--output-interval", "1e-300"], 3, &["more than 1e9 rows", "longer interval"]);
     for value in ["0", "-1", "nan", "inf"] {
         for option in ["--step", "--stop-time", "--output-interval"] {
             refused(&[option, value], 2, &["must be a number above zero, in seconds"]);

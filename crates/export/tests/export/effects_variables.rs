@@ -343,7 +343,7 @@ fn what_a_scene_goes_without_is_said_with_how_to_add_it() {
         RING,
         "damping.beta",
         "damping.beta cannot be set: the scene has no stiffness-proportional damping; write \
-         `beta = 0.0` into its [damping] to have some",
+         `beta = 0.0` into its [damping] to add it",
     );
     let none = RING.replacen("coefficient = 0.3", "law = \"none\"", 1);
     for name in ["friction.coefficient", "friction.static", "friction.stribeck_velocity"] {
@@ -356,8 +356,8 @@ fn what_a_scene_goes_without_is_said_with_how_to_add_it() {
     says(
         RING,
         "friction.stribeck_velocity",
-        "friction.stribeck_velocity cannot be set: friction does not depend on the slip velocity; \
-         write `stribeck_velocity = …` beside `static` into the [friction] of the scene",
+        "friction.stribeck_velocity cannot be set: the friction of the scene does not depend on the slip \
+         velocity; write `stribeck_velocity = …` beside `static` into the [friction] of the scene",
     );
     says(
         RING,
@@ -380,7 +380,7 @@ fn what_a_scene_goes_without_is_said_with_how_to_add_it() {
         NETWORK,
         "spring.k.preload",
         "spring.k.preload cannot be set: spring k has no preload; write `preload = 0.0` into its \
-         [[spring]] to have one",
+         [[spring]] to add one",
     );
     // A module that is not there lacks more than a preload.
     let error = assign(&mut scene(RING), "module[3].preload", 0.0).unwrap_err().to_string();
