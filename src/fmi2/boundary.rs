@@ -113,7 +113,9 @@ fn check<T>(pointer: *const T, length: usize) -> Result<(), Error> {
     if !pointer.is_null() && pointer.is_aligned() && fits {
         return Ok(());
     }
-    Err(Error::call(format!("an array of {length} values was given as NULL or a bad pointer")))
+    Err(Error::call(format!(
+        "the pointer to an array of length {length} is NULL or misaligned, or the array is too long"
+    )))
 }
 
 /// The importer's pointer to one value to write.

@@ -67,7 +67,7 @@ table! {
     Reset                "fmi2Reset"                                YES     YES     YES     YES     YES     NO;
     SetDebugLogging      "fmi2SetDebugLogging"                      YES     YES     YES     YES     YES     NO;
     /// `fmi2SetDebugLogging` with a category that the model description does not declare.
-    UnknownCategory      "fmi2SetDebugLogging of the unknown category"
+    UnknownCategory      "fmi2SetDebugLogging with the unknown category"
                                                                     HABIT   HABIT   HABIT   HABIT   HABIT   NO;
 
     Get                  "reading a variable (fmi2Get…)"            HABIT   YES     YES     YES     YES     NO;
@@ -107,21 +107,34 @@ impl Call {
         let allowed =
             PHASES.into_iter().filter(|&phase| self.in_phase(phase) == Permission::Allowed);
         let phases = allowed.map(|phase| format!("{phase:?}")).collect::<Vec<_>>().join(", ");
-        if phases.is_empty() { "it is in none".to_owned() } else { format!("it is in {phases}") }
+        if phases.is_empty() {
+            "no phase allows it".to_owned()
+        } else {
+            format!("it is allowed in {phases}")
+        }
     }
 
     /// FMI's requirement that a tolerated call breaks, as text for a message.
     pub(super) fn wish(self) -> &'static str {
         match self {
-            Self::EnterUnprepared => "fmi2SetupExperiment first; the run starts at time 0",
+            Self::EnterUnprepared => "fmi2SetupExperiment first",
             Self::UnknownCategory => "a category of the model description",
             Self::Get => "fmi2EnterInitializationMode first",
             Self::SetInput | Self::InputDerivatives => {
-                "an input to be set from fmi2EnterInitializationMode on"
+                "fmi2EnterInitializationMode before inputs are set"
             }
-            Self::StepOfLengthZero => "a step longer than zero; nothing was done",
-            Self::Status => "it after a step",
-            _ => "it elsewhere",
+            Self::StepOfLengthZero => "a step longer than zero",
+            Self::Status => "a step first",
+            _ => "another phase",
+        }
+    }
+
+    /// The effect of a tolerated call, to follow the requirement in a warning; empty if it has the usual one.
+    pub(super) fn consequence(self) -> &'static str {
+        match self {
+            Self::EnterUnprepared => "; the run starts at time 0",
+            Self::StepOfLengthZero => "; the state is unchanged",
+            _ => "",
         }
     }
 }
@@ -174,7 +187,7 @@ mod tests {
     fn every_habit_says_what_fmi_wants() {
         for phase in PHASES {
             for call in entries(phase, Permission::Tolerated) {
-                assert_ne!(call.wish(), "it elsewhere", "{call}");
+                assert_ne!(call.wish(), "another phase", "{call}");
             }
         }
         // One bit is enough for each call.

@@ -166,7 +166,9 @@ impl Parameters {
         let is_like = values.numbers.len() == self.values.numbers.len()
             && values.chosen.is_some() == self.values.chosen.is_some();
         if !is_like {
-            return Err(Error::saved_state("the saved state is of another structure"));
+            return Err(Error::saved_state(
+                "the saved state belongs to a scene of another structure",
+            ));
         }
         Ok(Self { layout: Arc::clone(&self.layout), values })
     }

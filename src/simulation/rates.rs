@@ -88,10 +88,12 @@ pub(super) fn belong_to(saved: &[SavedRate], parameters: &Parameters) -> bool {
 pub(crate) fn check_rate(variable: &Variable, rate: f64) -> Result<(), Error> {
     let name = &variable.name;
     if variable.causality != Causality::Input {
-        return Err(Error::variable(format!("{name} has no rate to be set: it is no input")));
+        return Err(Error::variable(format!(
+            "the rate of {name} cannot be set: it is not an input"
+        )));
     }
     if !rate.is_finite() {
-        return Err(Error::variable(format!("the rate of {name} is {rate:?}: must be finite")));
+        return Err(Error::variable(format!("the rate of {name} is {rate:?}, but must be finite")));
     }
     Ok(())
 }

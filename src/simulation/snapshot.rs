@@ -69,7 +69,7 @@ impl Snapshot {
         };
         let scene = self.nominal.scene();
         if !self.is_consistent(&scene) {
-            return refuse("its lists are not as long as the scene asks for");
+            return refuse("its lists do not have the lengths that the scene requires");
         }
         let Progress { reference, motion, clock, rates } = &self.progress;
         let Equilibrium { displacement, normal_force, friction_force } = &reference.equilibrium;
@@ -77,31 +77,31 @@ impl Snapshot {
             .into_iter()
             .any(|list| !are_finite(list))
         {
-            return refuse("its equilibrium is not of finite numbers");
+            return refuse("its equilibrium has a number that is not finite");
         }
         let is_finite = are_finite(&motion.displacement) && are_finite(&motion.velocity);
         if !failed && !is_finite {
-            return refuse("its motion is not of finite numbers");
+            return refuse("its motion has a number that is not finite");
         }
         let law = scene.contact_law();
         if let Some(i) = motion.contacts.iter().position(|state| !law.allows(*state)) {
             let name = scene.contact_name(i);
             return refuse(&format!(
-                "{name} is {}, which its law does not know",
+                "{name} is in state {}, which the law of contact excludes",
                 motion.contacts[i]
             ));
         }
         if !law.follows_size() && motion.pulls.contains(&true) {
-            return refuse("a contact pulls, which its law does not know");
+            return refuse("a contact pulls, which the law of contact excludes");
         }
         if !motion.statistics.are_countable() {
-            return refuse("it has counted more than a run can");
+            return refuse("its counters are larger than a run can make them");
         }
         if !belong_to(rates, &self.nominal) {
-            return refuse("its rates are not those of inputs");
+            return refuse("its rates do not belong to inputs");
         }
         if !clock.is_possible(scene.step) {
-            return refuse("its time is not that of its steps");
+            return refuse("its time does not match its number of steps");
         }
         Ok(())
     }
@@ -169,7 +169,9 @@ impl Simulation {
         let mut scene = snapshot.nominal.scene();
         scene.check()?;
         if !snapshot.is_consistent(&scene) {
-            return Err(Error::saved_state("the saved state contradicts itself"));
+            return Err(Error::saved_state(
+                "the saved state contradicts itself: its lists do not have the lengths that the scene requires",
+            ));
         }
         let Snapshot { nominal, progress } = snapshot;
         let Progress { reference, motion, clock, rates } = progress;
@@ -214,12 +216,12 @@ pub(crate) fn from_bytes<T: for<'a> Deserialize<'a>>(bytes: &[u8], guid: &str) -
     }
     if content[MARK.len()] != VERSION {
         return Err(Error::saved_state(format!(
-            "the saved state has version {}, this FMU reads version {VERSION}",
+            "the saved state has version {}, but this FMU reads version {VERSION}",
             content[MARK.len()]
         )));
     }
     if &content[MARK.len() + 1..HEADER] != guid.as_bytes() {
-        return Err(Error::saved_state("the saved state is of another FMU"));
+        return Err(Error::saved_state("the saved state belongs to another FMU"));
     }
     let (value, rest) = postcard::take_from_bytes(&content[HEADER..]).map_err(|_| damaged())?;
     if rest.is_empty() { Ok(value) } else { Err(damaged()) }
@@ -341,23 +343,29 @@ mod tests {
             ),
             (|s| set(s, "damping.beta", -1.0), "damping.beta = -1: must not be negative"),
             (|s| set(s, "integrator.step", 0.0), "integrator.step = 0: must be above zero"),
-            (|s| s.progress.motion.displacement.push(0.0), "its lists are not as long"),
-            (|s| s.progress.motion.velocity.clear(), "its lists are not as long"),
-            (|s| s.progress.reference.load.truncate(1), "its lists are not as long"),
-            (|s| s.progress.motion.contacts.truncate(1), "its lists are not as long"),
+            (|s| s.progress.motion.displacement.push(0.0), "its lists do not have the lengths"),
+            (|s| s.progress.motion.velocity.clear(), "its lists do not have the lengths"),
+            (|s| s.progress.reference.load.truncate(1), "its lists do not have the lengths"),
+            (|s| s.progress.motion.contacts.truncate(1), "its lists do not have the lengths"),
             (
                 |s| s.progress.motion.velocity[3] = f64::INFINITY,
-                "its motion is not of finite numbers",
+                "its motion has a number that is not finite",
             ),
             (
                 |s| s.progress.reference.load[0] = f64::NAN,
-                "its equilibrium is not of finite numbers",
+                "its equilibrium has a number that is not finite",
             ),
-            (|s| s.progress.motion.statistics.entered[2] = u64::MAX, "counted more than a run can"),
-            (|s| s.progress.motion.statistics.steps = u64::MAX, "counted more than a run can"),
-            (|s| s.progress.clock = Clock::at(f64::NAN), "its time is not that of its steps"),
+            (
+                |s| s.progress.motion.statistics.entered[2] = u64::MAX,
+                "larger than a run can make them",
+            ),
+            (|s| s.progress.motion.statistics.steps = u64::MAX, "larger than a run can make them"),
+            (
+                |s| s.progress.clock = Clock::at(f64::NAN),
+                "its time does not match its number of steps",
+            ),
             // A thousand million steps would have to be made up for.
-            (|s| set(s, "integrator.step", 1e-9), "its time is not that of its steps"),
+            (|s| set(s, "integrator.step", 1e-9), "its time does not match its number of steps"),
         ];
         let good = running().save();
         good.check(false).unwrap();
@@ -380,7 +388,10 @@ mod tests {
             forged.check(false).unwrap();
             forged.progress.motion.contacts[1] = ContactState::Stick;
             let error = forged.check(false).unwrap_err().to_string();
-            assert!(error.contains("contact[2] is St, which its law does not know"), "{error}");
+            assert!(
+                error.contains("contact[2] is in state St, which the law of contact excludes"),
+                "{error}"
+            );
         }
     }
 

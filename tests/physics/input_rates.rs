@@ -225,8 +225,8 @@ fn a_saved_state_brings_its_rates_along() {
 fn rates_of_what_is_no_input_and_rates_that_lead_nowhere_are_refused() {
     let mut simulation = Simulation::new(block(""), 0.0).unwrap();
     for (name, rate, part) in [
-        ("mass.a.x", 1.0, "it is no input"),
-        ("mass.a.mass", 1.0, "it is no input"),
+        ("mass.a.x", 1.0, "it is not an input"),
+        ("mass.a.mass", 1.0, "it is not an input"),
         ("mass.a.fx", f64::NAN, "must be finite"),
     ] {
         let variable = variable(&simulation, name);

@@ -68,13 +68,13 @@ unsafe extern "C" fn fmi2Instantiate(
             ptr::null_mut()
         };
         if name.is_none_or(CStr::is_empty) {
-            return refuse(&logger, "the instance needs a name");
+            return refuse(&logger, "the name of the instance is missing");
         }
         if kind != fmi2CoSimulation {
             return refuse(&logger, "this FMU is for co-simulation only");
         }
         let Some(guid) = guid.and_then(|guid| guid.to_str().ok()) else {
-            return refuse(&logger, "the GUID is missing");
+            return refuse(&logger, "the GUID is missing or is not UTF-8");
         };
         let Some(resources) = resources::folder(location) else {
             return refuse(&logger, "the resource location is not a local folder (file:///…)");

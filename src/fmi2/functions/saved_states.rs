@@ -99,7 +99,10 @@ unsafe extern "C" fn fmi2SerializeFMUstate(
         // SAFETY: the importer's contract.
         let room = unsafe { array_mut(serialized.cast::<u8>(), size) }?;
         let room = room.get_mut(..bytes.len()).ok_or_else(|| {
-            Error::saved_state(format!("the state needs {} bytes, not {size}", bytes.len()))
+            Error::saved_state(format!(
+                "the saved state needs {} bytes, but the buffer has only {size}",
+                bytes.len()
+            ))
         })?;
         for (place, byte) in room.iter_mut().zip(bytes) {
             place.write(byte);

@@ -19,7 +19,7 @@ impl Instance {
             if !change.is_finite() {
                 let name = &self.variables[place].name;
                 return Err(Error::variable(format!(
-                    "the change of {name} is {change:?}: must be finite"
+                    "the change of {name} is {change:?}, but must be finite"
                 )));
             }
         }
@@ -108,7 +108,7 @@ fn check_orders(orders: &[i32]) -> Result<(), Error> {
     match orders.iter().find(|order| **order != 1) {
         None => Ok(()),
         Some(order) => Err(Error::variable(format!(
-            "derivatives of order {order} are not known, only those of order 1"
+            "derivatives of order {order} are not supported, only those of order 1"
         ))),
     }
 }

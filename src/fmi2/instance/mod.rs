@@ -79,7 +79,11 @@ fn check_experiment(start: f64, stop: Option<f64>) -> Result<(), Error> {
         return Ok(());
     }
     let stop = stop.map_or_else(|| "none".to_owned(), |stop| Short(stop).to_string());
-    Err(Error::call(format!("start time {} and stop time {stop} do not fit", Short(start))))
+    Err(Error::call(format!(
+        "start time {} and stop time {stop} are invalid: the start time must be finite, and the stop time must \
+         not be before it",
+        Short(start)
+    )))
 }
 
 /// The types of number in calls of the C interface.
@@ -162,7 +166,7 @@ impl Instance {
                 self.setup.phase,
                 call.phases(),
                 if self.setup.phase == Phase::Error {
-                    "; fmi2Reset or a saved state leads out"
+                    "; call fmi2Reset or restore a saved state first"
                 } else {
                     ""
                 }
@@ -174,10 +178,11 @@ impl Instance {
     #[cold]
     fn tolerate(&mut self, call: Call, name: &str) -> Result<(), Error> {
         let message =
-            format!("{call}{name} in phase {:?}: FMI wants {}", self.setup.phase, call.wish());
+            format!("{call}{name} in phase {:?}: FMI requires {}", self.setup.phase, call.wish());
         if self.setup.strict {
             return Err(Error::call(message));
         }
+        let message = message + call.consequence();
         self.tolerated = true;
         if self.logger.wants(Category::Warning) && self.told.note(call) {
             self.warn(&message);
@@ -240,7 +245,7 @@ impl Instance {
         self.setup.phase = Phase::StepComplete;
         if let Some(selected) = self.start()?.selected() {
             if self.logger.wants(Category::Events) {
-                self.inform(&format!("chosen: {selected}"));
+                self.inform(&format!("chosen by the tolerance: {selected}"));
             }
             if let Some(shortfall) = selected.shortfall() {
                 self.warn(&shortfall);
@@ -250,10 +255,12 @@ impl Instance {
             let equilibrium = self.start()?.reference().clone();
             let forces: Vec<String> =
                 equilibrium.normal_force.iter().map(|force| format!("{force:.6}")).collect();
-            self.inform(&format!(
-                "initialized at the equilibrium with normal forces {} N",
-                forces.join(", ")
-            ));
+            let contacts = if forces.is_empty() {
+                " without contacts".to_owned()
+            } else {
+                format!(" with normal forces {} N", forces.join(", "))
+            };
+            self.inform(&format!("initialized at the equilibrium{contacts}"));
         }
         Ok(())
     }
@@ -289,7 +296,9 @@ impl Instance {
         if self.variables.get(place).is_some_and(|variable| Number::of(variable) == number) {
             return Ok(place);
         }
-        Err(Error::variable(format!("value reference {reference} is not one of a {number:?}")))
+        Err(Error::variable(format!(
+            "there is no {number:?} variable with value reference {reference}"
+        )))
     }
 
     pub(super) fn get(&mut self, reference: u32, number: Number) -> Result<f64, Error> {
@@ -363,12 +372,14 @@ impl Instance {
         let stop = self.setup.stop_time;
         let simulation = self.simulation.as_mut().expect("made when initialization ended");
         if !current.is_finite() || !size.is_finite() || size < 0.0 {
-            return Err(Error::call(format!("cannot step from {current} s by {size} s")));
+            return Err(Error::call(format!(
+                "cannot step from {current} s by {size} s: both must be finite, and the step must not be negative"
+            )));
         }
         let target = current + size;
         if !simulation.same_time(current, simulation.time()) {
             return Err(Error::call(format!(
-                "asked to step from {} s, but the instance is at {} s",
+                "fmi2DoStep begins at {} s, but the instance is at {} s",
                 Short(current),
                 Short(simulation.time())
             )));
@@ -377,7 +388,7 @@ impl Instance {
             && !simulation.same_time(target, stop)
         {
             return Err(Error::call(format!(
-                "asked to step to {} s, beyond the stop time {} s of the experiment",
+                "fmi2DoStep ends at {} s, after the stop time {} s of the experiment",
                 Short(target),
                 Short(stop)
             )));
@@ -387,7 +398,8 @@ impl Instance {
         let changes = simulation.statistics().state_changes() - before.state_changes();
         let broken = newly_broken(simulation, before);
         if listening && changes > 0 {
-            self.inform(&format!("{changes} changes of contact state up to {} s", Short(target)));
+            let time = Short(target);
+            self.inform(&format!("changes of contact state in the step to {time} s: {changes}"));
         }
         for assumption in broken {
             self.warn(&assumption);

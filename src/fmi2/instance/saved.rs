@@ -42,7 +42,7 @@ fn check(setup: &Setup, has_motion: bool) -> Result<(), Error> {
         )));
     }
     check_experiment(setup.start_time, setup.stop_time)
-        .map_err(|error| Error::saved_state(format!("in the saved state {error}")))
+        .map_err(|error| Error::saved_state(format!("in the saved state, {error}")))
 }
 
 impl Instance {
@@ -72,8 +72,9 @@ impl Instance {
         let (setup, values, progress): Record = from_bytes(bytes, &self.guid)?;
         for &(place, rate) in &setup.rates {
             let variable = self.variables.get(place);
-            let variable =
-                variable.ok_or_else(|| Error::saved_state("a rate is of no variable"))?;
+            let variable = variable.ok_or_else(|| {
+                Error::saved_state("the saved state has a rate of a variable that does not exist")
+            })?;
             check_rate(variable, rate)?;
         }
         check(&setup, progress.is_some())?;
@@ -111,7 +112,7 @@ impl Instance {
         if saved.guid == self.guid {
             return Ok(());
         }
-        Err(Error::saved_state("the saved state is of another FMU"))
+        Err(Error::saved_state("the saved state belongs to another FMU"))
     }
 }
 

@@ -65,7 +65,7 @@ impl Simulation {
             }
             _ => {
                 return Err(Error::variable(format!(
-                    "no derivative by {} is known: it is no input",
+                    "there is no derivative with respect to {}: it is not an input",
                     input.name
                 )));
             }

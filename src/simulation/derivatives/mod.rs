@@ -188,7 +188,9 @@ impl Simulation {
             | Quantity::OwnFriction
             | Quantity::OwnStaticFriction
             | Quantity::Strict => {
-                return Err(Error::variable(format!("{name} has no derivative: it is no output")));
+                return Err(Error::variable(format!(
+                    "{name} has no derivative: it is not an output"
+                )));
             }
         })
     }

@@ -157,15 +157,15 @@ def test_rates_that_were_set_before_the_run_and_those_of_a_saved_state_are_kept(
 @pytest.mark.parametrize(
     ("call", "part"),
     [
-        (lambda one: directional(one, ["module[1].m1"], {"module[1].f1": 1.0})[0], "no output"),
-        (lambda one: directional(one, FORCES, {"module[1].m1": 1.0})[0], "no input"),
+        (lambda one: directional(one, ["module[1].m1"], {"module[1].f1": 1.0})[0], "not an output"),
+        (lambda one: directional(one, FORCES, {"module[1].m1": 1.0})[0], "not an input"),
         (lambda one: directional(one, FORCES, {"contact[1].state": 1.0})[0], "Real"),
         (lambda one: output_rates(one, FORCES, order=2)[0], "order 2"),
-        (lambda one: output_rates(one, ["slider.velocity"])[0], "no output"),
+        (lambda one: output_rates(one, ["slider.velocity"])[0], "not an output"),
         (lambda one: set_rates(one, {"slider.velocity": 1.0}, order=2), "order 2"),
         (lambda one: set_rates(one, {"slider.velocity": np.nan}), "finite"),
-        (lambda one: set_rates(one, {"module[1].m1": 1.0}), "no input"),
-        (lambda one: set_rates(one, {"module[1].x1": 1.0}), "no input"),
+        (lambda one: set_rates(one, {"module[1].m1": 1.0}), "not an input"),
+        (lambda one: set_rates(one, {"module[1].x1": 1.0}), "not an input"),
     ],
 )
 def test_what_has_no_derivative_is_refused_with_the_reason(instance, call, part):

@@ -263,7 +263,7 @@ def test_the_state_of_another_version_is_refused_and_says_so(running):
         content[VERSION] = version
         status, state = one.DeSerializeFMUstate(sealed(bytes(content)))
         assert status == fmi2Error and not state.value
-        assert f"has version {version}, this FMU reads version {own}" in one.reason
+        assert f"has version {version}, but this FMU reads version {own}" in one.reason
 
 
 @pytest.mark.parametrize("value", [float("nan"), float("inf"), -1.0, 1e300, 5e-324])

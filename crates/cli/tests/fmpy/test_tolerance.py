@@ -78,7 +78,7 @@ def start(one, tolerance=None):
 def chosen(one):
     """Method and step that the instance told its logger last."""
     told = [m.text for m in one.messages if m.category == "logEvents" and m.text.startswith("chosen")]
-    return re.match(r"chosen: ([a-z-]+), step (\S+) s", told[-1]).groups()
+    return re.match(r"chosen by the tolerance: ([a-z-]+), step (\S+) s", told[-1]).groups()
 
 
 def options(one):
