@@ -65,12 +65,12 @@ impl fmt::Display for Part {
         f.write_str(match self {
             Self::Finite => "a value is not a number",
             Self::Penetration => "the mass is inside the slider",
-            Self::Approach => "a closed contact closes further",
-            Self::Adhesion => "the contact pulls",
-            Self::ForceAtADistance => "an open contact presses",
+            Self::Approach => "the surfaces of a closed contact approach each other",
+            Self::Adhesion => "the normal force pulls",
+            Self::ForceAtADistance => "an open contact carries a force",
             Self::FrictionLimit => "friction is above its limit",
-            Self::SlidingFriction => "friction that slips is not at its kinetic value",
-            Self::Feeding => "friction feeds the slip",
+            Self::SlidingFriction => "friction in slip differs from its kinetic value",
+            Self::Feeding => "friction adds energy to the slip",
         })
     }
 }
@@ -88,7 +88,7 @@ impl fmt::Display for Violation {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.part {
             Some(part) => write!(f, "{part}, by {:.3e}", self.size),
-            None => f.write_str("the law holds"),
+            None => f.write_str("the law of contact is satisfied"),
         }
     }
 }

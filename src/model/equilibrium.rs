@@ -124,8 +124,8 @@ impl LumpedModel {
         };
         if solve(0.0).is_err() {
             return Error::equilibrium(
-                "no equilibrium: the structure can move without straining a spring, or contacts \
-                 hold it twice over; hold every motion with a stiffness above zero, and once",
+                "no equilibrium: the structure can move without straining a spring, or its contacts \
+                 are redundant; restrain every motion by a stiffness above zero, and only once",
             );
         }
         let exists = |part: f64| solve(part).ok().filter(|found| found.pulled_contact().is_none());
@@ -135,7 +135,7 @@ impl LumpedModel {
             let (contact, force) = pulled.unwrap_or((0, 0.0));
             return Error::equilibrium(format!(
                 "no equilibrium in sliding: {} opens under the load \
-                 (it would have to pull with {:.4} N); press it on, by a preload or a force",
+                 (it would have to pull with {:.4} N); press it on by a preload or a force",
                 name(contact),
                 -force
             ));
@@ -156,12 +156,12 @@ impl LumpedModel {
         let common = if differ { " (and the others in proportion)" } else { "" };
         Error::equilibrium(match jams {
             Some(_) => format!(
-                "no equilibrium in sliding at friction.coefficient = {friction}{common}: {name} jams \
+                "no equilibrium in sliding with a friction coefficient of {friction}{common}: {name} jams \
                  from {limit:.6} on, where friction draws it into the slider; \
                  lower the coefficient or turn slider.angle"
             ),
             None => format!(
-                "no equilibrium in sliding at friction.coefficient = {friction}{common}: friction \
+                "no equilibrium in sliding with a friction coefficient of {friction}{common}: friction \
                  lifts {name} off from {limit:.6} on; press it on, or lower the \
                  coefficient"
             ),

@@ -63,7 +63,7 @@ impl LumpedModel {
             Ok(LinearModel { model: self, friction: Linearisation::Constant })
         } else {
             Err(Error::equilibrium(
-                "friction that depends on the slip velocity is linear only about an equilibrium, and there is none",
+                "friction that depends on the slip velocity can be linearised only about an equilibrium, and there is none",
             ))
         }
     }

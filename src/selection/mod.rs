@@ -70,7 +70,7 @@ impl Selected {
         let Self { tolerance, error, .. } = self;
         (!self.is_kept()).then(|| {
             format!(
-                "no method and step are known to keep a relative error of {tolerance:e}; expected is {error:.0e}"
+                "no method and step are known to keep a relative error of {tolerance:e}; the expected error is {error:.0e}"
             )
         })
     }

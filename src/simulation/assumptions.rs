@@ -32,23 +32,23 @@ fn words(simulation: &Simulation, [has_slipped, has_pulled, has_others]: [bool; 
     let time = Short(simulation.time());
     let slips = has_slipped.then(|| {
         format!(
-            "up to {time} s masses slipped against the direction that friction keeps in this scene \
-             (statistics.reversed_slips = {reversed_slips}): the motion is not that of contacts that can \
-             stick; leave `sticking = false` out"
+            "up to {time} s masses slipped against the fixed direction of friction \
+             (statistics.reversed_slips = {reversed_slips}), so that contacts that can stick would move \
+             differently; remove `sticking = false` from the scene"
         )
     });
     let pulls = has_pulled.then(|| {
         format!(
-            "up to {time} s contacts had to pull that cannot open in this scene \
-             (statistics.pulled_contacts = {pulled_contacts}): the motion is not that of contacts that can \
-             open; leave `detachment = false` out"
+            "up to {time} s contacts that cannot open had to pull \
+             (statistics.pulled_contacts = {pulled_contacts}), so that contacts that can open would move \
+             differently; remove `detachment = false` from the scene"
         )
     });
     let others = has_others.then(|| {
         format!(
-            "up to {time} s the law of contact had another solution besides the one that was taken, \
-             {other_solutions} times: contacts stay in the states that they are in as long as the \
-             law lets them; another motion is possible too, and another program may take it"
+            "up to {time} s the law of contact had more than one solution, {other_solutions} times: each \
+             contact kept its state as long as the law allowed it; other motions are possible too, and another \
+             program may compute one of them"
         )
     });
     slips.into_iter().chain(pulls).chain(others).collect()

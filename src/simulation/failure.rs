@@ -23,11 +23,11 @@ impl Simulation {
                 let name = contact_name(contact);
                 let last = if change.is_finite() {
                     format!(
-                        "in the last one that of {name} still changed by {change:.1e} of the largest force, \
-                         {tolerance:e} being enough"
+                        "in the last sweep the force of {name} still changed by {change:.1e} of the largest force, \
+                         above the tolerance of {tolerance:e}"
                     )
                 } else {
-                    format!("that of {name} grew beyond the range of numbers")
+                    format!("the force of {name} left the range of floating-point numbers")
                 };
                 let coupled = || {
                     "contacts that share masses are coupled too strongly: lower friction.coefficient, or make \
@@ -35,16 +35,13 @@ impl Simulation {
                         .to_owned()
                 };
                 let cause = self.huge_value().map_or_else(coupled, too_large);
-                format!("the contact forces did not converge in {sweeps} sweeps, {last}; {cause}")
+                format!("the contact forces did not converge in {sweeps} sweeps: {last}; {cause}")
             }
             StepFailure::NotFinite { contact } => {
                 self.out_of_range(self.pushed().or_else(|| Some(self.scene.contact_name(contact))))
             }
             StepFailure::TooManyEvents { contact } => {
-                format!(
-                    "{} changed its state again and again at one instant",
-                    contact_name(contact)
-                )
+                format!("{} changed its state too many times at one instant", contact_name(contact))
             }
             StepFailure::TooManySeries { most } => format!(
                 "one internal step took more than {most} power series; lower integrator.step, or look for \
@@ -55,13 +52,13 @@ impl Simulation {
                 contact_name(contact)
             ),
             StepFailure::Singular { contact } => format!(
-                "friction wedges {}, or nearly: the only contact forces that satisfy its law are nothing but rounding, \
-                 since their equations are singular; lower friction.coefficient",
+                "friction wedges {} or almost wedges it: the equations of its contact forces are singular, and their \
+                 solution is only rounding error; lower friction.coefficient",
                 contact_name(contact)
             ),
             StepFailure::NoneFound { contact } => format!(
-                "no contact force was found that satisfies the law of {}, which shares masses with too many contacts to \
-                 try all their states, so there may be one; lower friction.coefficient",
+                "no contact force was found that satisfies the law of {}; the contact shares masses with too many others \
+                 to try all their states, so that a solution may exist; lower friction.coefficient",
                 contact_name(contact)
             ),
         };
@@ -82,7 +79,10 @@ impl Simulation {
             let mut pairs = displacement.iter().zip(velocity);
             self.place(pairs.position(|(x, v)| !(x.is_finite() && v.is_finite())).unwrap_or(0))
         });
-        format!("the motion at {place} left the range of numbers; {}", self.likely_cause())
+        format!(
+            "the motion at {place} left the range of floating-point numbers; {}",
+            self.likely_cause()
+        )
     }
 
     /// Place of a force that is too large for any motion: within a few steps other degrees of freedom are not finite
@@ -109,23 +109,23 @@ impl Simulation {
             return error.clone();
         }
         let time = Short(self.time());
-        error.in_words(format!("{error}; up to {time} s all was well"))
+        error.in_words(format!("{error}; the state is valid up to t = {time} s"))
     }
 
     /// Error for a time (s) that no steps lead to.
     #[cold]
     pub(super) fn unreachable(&self, target: f64) -> Error {
         let (time, step) = (self.time(), self.scene.step);
-        let way = format!("cannot go from {} s to {} s", Short(time), Short(target));
+        let way = format!("cannot advance from {} s to {} s", Short(time), Short(target));
         if !target.is_finite() {
             return Error::step(format!("{way}: a time must be a finite number"));
         }
         if target < time {
-            return Error::step(format!("{way}: time does not go back"));
+            return Error::step(format!("{way}: time cannot go backwards"));
         }
         Error::step(format!(
-            "{way}: from the start that takes {} steps of integrator.step = {} s, more than can be counted; choose a longer \
-             step, of {} s at least",
+            "{way}: from the start of the run this needs {} steps of integrator.step = {} s, more than a run can count; \
+             choose a step of at least {} s",
             scene::count((target - self.clock.start()) / step),
             Short(step),
             scene::least((target - self.clock.start()) / scene::MAX_STEPS)
@@ -138,7 +138,9 @@ impl Simulation {
         if is_there {
             return Error::step(format!("at {time} s {what}"));
         }
-        Error::step(format!("between {time} s and {target} s {what}; up to {time} s all was well"))
+        Error::step(format!(
+            "between {time} s and {target} s {what}; the state is valid up to t = {time} s"
+        ))
     }
 
     /// Contact of a degree of freedom, or else of the mass or module to which it belongs.
@@ -162,7 +164,10 @@ impl Simulation {
     /// Likely cause of a motion that leaves the range of numbers: a value that is far too large, or flutter.
     fn likely_cause(&self) -> String {
         self.huge_value().map_or_else(
-            || "look for a flutter that nothing bounds, as where contacts cannot open".to_owned(),
+            || {
+                "look for flutter that grows without bound, as it can where contacts cannot open"
+                    .to_owned()
+            },
             too_large,
         )
     }
@@ -178,7 +183,7 @@ impl Simulation {
 }
 
 fn too_large((variable, value): (Variable, f64)) -> String {
-    format!("{} = {value:e} is more than a motion can follow", variable.name)
+    format!("{} = {value:e} is too large", variable.name)
 }
 
 #[cfg(test)]
@@ -219,8 +224,8 @@ mod tests {
                 assert_eq!(
                     rest,
                     format!(
-                        "{place} left the range of numbers; {force} = 1e308 is more than a motion can follow; \
-                         up to {start} s all was well"
+                        "{place} left the range of floating-point numbers; {force} = 1e308 is too large; \
+                         the state is valid up to t = {start} s"
                     )
                 );
             }
@@ -244,7 +249,11 @@ mod tests {
                     Err(error) => break error.to_string(),
                 }
             };
-            let words = ["left the range of numbers", "flutter that nothing bounds", "contact["];
+            let words = [
+                "left the range of floating-point numbers",
+                "flutter that grows without bound",
+                "contact[",
+            ];
             assert!(words.iter().all(|word| error.contains(word)), "{error}");
             // The growth over 300 powers of ten takes time.
             assert!(simulation.time() > 1.0);

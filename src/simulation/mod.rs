@@ -557,7 +557,7 @@ fn check_friction(model: &LumpedModel, scene: &Scene, time: f64) -> Result<(), E
         let Friction { kinetic, static_, .. } = contact.friction;
         if static_ < kinetic {
             return Err(Error::step(format!(
-                "at {} s static friction of {} is {}, below its kinetic friction of {}; raise it, or lower the \
+                "at {} s the static friction coefficient of {} is {}, below its kinetic one of {}; raise it, or lower the \
                  kinetic one",
                 Short(time),
                 scene.contact_name(i),

@@ -83,8 +83,8 @@ pub fn critical_step(model: &LumpedModel) -> Result<CriticalStep, Error> {
     let step = bound(friction).ok_or_else(|| {
         Error::step_too_large(format!(
             "no critical step is known for {} contacts with this friction: those that share masses may jam in \
-             some of their states, and nothing bounds the frequencies there; take less friction or the \
-             event-driven integrator",
+             some of their states, where the frequencies have no upper bound; lower the friction or use the \
+             event-driven method",
             model.contacts.len()
         ))
     })?;
@@ -195,7 +195,7 @@ pub(super) fn squares(
 ) -> Result<Vec<Complex<f64>>, Error> {
     let failed = || {
         Error::step_too_large(format!(
-            "no critical step is known: the eigenvalues of state {} were not found",
+            "no critical step is known: the eigenvalues of contact state {} were not found",
             Joined(states)
         ))
     };

@@ -28,7 +28,7 @@ pub fn stiffness_eigenvalues(
     let floor = rounding(&operator);
     let found = eigenvalues(operator).ok_or_else(|| {
         let states = Joined(states);
-        Error::analysis(format!("the eigenvalues of state {states} were not found"))
+        Error::analysis(format!("the eigenvalues of contact state {states} were not found"))
     })?;
     Ok(found.into_iter().map(|sigma| cleaned(sigma, floor)).collect())
 }
@@ -64,8 +64,8 @@ pub fn check_size(model: &LumpedModel) -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::analysis(format!(
-        "{} degrees of freedom: dense eigenvalues are found for up to {MAX_DENSE}; of longer rings \
-         only those of equal modules that are all in one state, wave by wave",
+        "the model has {} degrees of freedom, but eigenvalues are computed for at most {MAX_DENSE}, or for \
+         rings of equal modules that are all in one contact state",
         model.dofs()
     )))
 }
@@ -96,9 +96,11 @@ pub fn operator(reduced: &ReducedMatrices) -> Result<(DMatrix<f64>, Vec<f64>), E
 /// # Errors
 /// Returns an error if M̃ is singular, or if an entry leaves the range of numbers.
 pub fn per_mass(mass: &DMatrix<f64>, matrix: &DMatrix<f64>) -> Result<DMatrix<f64>, Error> {
-    let quotient = mass.clone().lu().solve(matrix).ok_or_else(|| {
-        Error::analysis("the masses that this contact state leaves free cannot be accelerated")
-    })?;
+    let quotient = mass
+        .clone()
+        .lu()
+        .solve(matrix)
+        .ok_or_else(|| Error::analysis("the mass matrix of this contact state is singular"))?;
     finite(&quotient)?;
     Ok(quotient)
 }
@@ -108,7 +110,7 @@ fn finite(matrix: &DMatrix<f64>) -> Result<(), Error> {
         return Ok(());
     }
     Err(Error::analysis(
-        "M⁻¹ K or M⁻¹ C leaves the range of numbers; look for a value that is too large",
+        "M⁻¹ K or M⁻¹ C leaves the range of floating-point numbers; look for a value that is too large",
     ))
 }
 

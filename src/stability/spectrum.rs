@@ -36,7 +36,7 @@ impl Spectrum {
             return Ok(found);
         }
         Err(Error::analysis(format!(
-            "the eigenvalues of state {} leave the range of numbers; look for a \
+            "the eigenvalues of contact state {} leave the range of floating-point numbers; look for a \
              value that is too large",
             Joined(states)
         )))

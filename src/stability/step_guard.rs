@@ -120,8 +120,8 @@ impl StepGuard {
                  choose a smaller step"
             ),
             Origin::Bound => format!(
-                "integrator.step = {step:e} s may be above the critical step: it is known to be \
-                 {critical}; choose a step up to that"
+                "integrator.step = {step:e} s may be above the critical step, which is {critical}; \
+                 choose a step of at most that value"
             ),
         }))
     }

@@ -211,5 +211,8 @@ fn numbers_that_leave_their_range_end_the_run_with_the_reason() {
         constant = { value = 1e308 }";
     let scene = parse("far", text).unwrap();
     let error = Simulation::new(scene, 0.0).unwrap().advance_to(0.1).unwrap_err();
-    assert!(error.is_step() && error.to_string().contains("range of numbers"), "{error}");
+    assert!(
+        error.is_step() && error.to_string().contains("range of floating-point numbers"),
+        "{error}"
+    );
 }

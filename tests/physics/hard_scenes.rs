@@ -605,5 +605,5 @@ fn forces_that_are_nothing_but_rounding_end_a_run_of_the_scheme() {
     let mut run = Run::new(scene, Method::ForwardIncrement);
     run.forgive(1e-8);
     let failure = judge_parts(&mut run, end).unwrap_err();
-    assert!(failure.to_string().contains("nothing but rounding"), "{failure}");
+    assert!(failure.to_string().contains("only rounding error"), "{failure}");
 }

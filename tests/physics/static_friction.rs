@@ -306,7 +306,10 @@ fn static_friction_below_the_kinetic_one_is_refused_whoever_brings_it_there() {
     for _ in 0..2 {
         // Not forgotten at the second try.
         let error = simulation.advance_to(0.01).unwrap_err().to_string();
-        assert!(error.contains("static friction of contact.c is 0.6, below"), "{error}");
+        assert!(
+            error.contains("static friction coefficient of contact.c is 0.6, below"),
+            "{error}"
+        );
     }
     // In either order, so both can be raised.
     simulation.write(static_, 0.8).unwrap();
@@ -315,7 +318,7 @@ fn static_friction_below_the_kinetic_one_is_refused_whoever_brings_it_there() {
     let ramp = "[[signal]]\ninput = \"friction.coefficient\"\nramp = { to = 0.4, end = 1.0 }";
     let mut driven = Simulation::new(pad(ramp), 0.0).unwrap();
     let error = driven.advance_to(1.0).unwrap_err().to_string();
-    assert!(error.contains("static friction of contact.c is 0.6, below"), "{error}");
+    assert!(error.contains("static friction coefficient of contact.c is 0.6, below"), "{error}");
 }
 
 #[test]

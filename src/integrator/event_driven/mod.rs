@@ -211,14 +211,14 @@ impl<W: Witness> EventDriven<W> {
         let about = model.law.friction.info();
         if !about.is_constant() {
             return Err(Error::scene(format!(
-                "exact motion cannot take the law \"{}\": between events the motion would not be linear",
+                "the event-driven method does not support the law \"{}\": the motion between events would not be linear",
                 about.name
             )));
         }
         if model.law.follows_size() {
             return Err(Error::scene(
-                "exact motion cannot take contacts that stick and cannot open: their friction follows |N|, \
-                 which is not linear where N changes its sign",
+                "the event-driven method does not support contacts that can stick but cannot open: their friction is \
+                 proportional to |N|, which is nonlinear where N changes sign",
             ));
         }
         let mut dynamics = Dynamics::new(model)?;
@@ -227,7 +227,7 @@ impl<W: Witness> EventDriven<W> {
         let together = dynamics.problem.delassus.largest_group();
         if together > MAX_GROUP {
             return Err(Error::scene(format!(
-                "{together} contacts share masses; the event-driven integrator takes up to {MAX_GROUP}"
+                "{together} contacts share masses, but the event-driven method supports at most {MAX_GROUP}"
             )));
         }
         Ok(Self {

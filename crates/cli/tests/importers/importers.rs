@@ -250,9 +250,12 @@ fn what_is_wrong_is_told() {
     let cases: [(&[&str], &str); 10] = [
         (
             &["fails.fmu"],
-            "at 0.0005 s static friction of contact[1] is 2.5, below its kinetic friction",
+            "at 0.0005 s the static friction coefficient of contact[1] is 2.5, below its kinetic one",
         ),
-        (&["fails.fmu", "--drive", &drive], "at 0.0005 s static friction of contact[1] is 2.5"),
+        (
+            &["fails.fmu", "--drive", &drive],
+            "at 0.0005 s the static friction coefficient of contact[1] is 2.5",
+        ),
         (&["nowhere.fmu"], "nowhere.fmu: there is no such file"),
         (&["text.fmu"], "text.fmu: this is no FMU"),
         (&["."], ".: this is a folder, not an FMU"),
