@@ -60,17 +60,20 @@ struct Item {
 
 fn read(name: &str) -> String {
     let path = Path::new("modelDescription").join(name);
-    fs::read_to_string(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    fs::read_to_string(&path)
+        .unwrap_or_else(|error| panic!("cannot read {}: {error}", path.display()))
 }
 
 pub fn write(out: &Path) {
-    let variables: Catalogue = toml::from_str(&read("variables.toml")).expect("variables.toml");
-    let units: Units = toml::from_str(&read("units.toml")).expect("units.toml");
+    let variables: Catalogue = toml::from_str(&read("variables.toml"))
+        .expect("variables.toml has the form of a catalogue");
+    let units: Units =
+        toml::from_str(&read("units.toml")).expect("units.toml has the form of a list of units");
     let mut code = String::new();
 
     let quantities: BTreeSet<&str> =
         variables.variable.iter().map(|variable| variable.quantity.as_str()).collect();
-    code.push_str("/// What a variable is to the program.\n");
+    code.push_str("/// Quantity of the model that a variable reads or writes.\n");
     code.push_str("#[derive(Clone, Copy, Debug, PartialEq, Eq)]\n#[allow(missing_docs)]\n");
     writeln!(code, "pub enum Quantity {{ {} }}\n", Vec::from_iter(quantities).join(", ")).unwrap();
 
@@ -80,13 +83,21 @@ pub fn write(out: &Path) {
         let kind = match variable.kind.as_str() {
             "Real" => {
                 let unit = variable.unit.as_deref().expect("a Real has a unit");
-                assert!(units.unit.contains_key(unit), "{}: undeclared unit", variable.name);
+                assert!(
+                    units.unit.contains_key(unit),
+                    "{}: units.toml does not declare the unit {unit}",
+                    variable.name
+                );
                 format!("Kind::Real {{ unit: {unit:?}, min: {:?} }}", variable.min)
             }
             "Integer" => "Kind::Integer".to_owned(),
             "Boolean" => "Kind::Boolean".to_owned(),
             name => {
-                assert!(units.enumeration.contains_key(name), "{}: no such type", variable.name);
+                assert!(
+                    units.enumeration.contains_key(name),
+                    "{}: units.toml does not declare the type {name}",
+                    variable.name
+                );
                 format!("Kind::Enumeration {{ name: {name:?} }}")
             }
         };
@@ -107,7 +118,7 @@ pub fn write(out: &Path) {
     }
     code.push_str("];\n\n");
 
-    code.push_str("/// All units, with their exponents of the SI base units.\n");
+    code.push_str("/// All units, each with its exponents of the SI base units.\n");
     code.push_str("pub static UNITS: &[Unit] = &[\n");
     for (name, exponents) in &units.unit {
         let exponents: Vec<_> = exponents.iter().collect();

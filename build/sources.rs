@@ -53,7 +53,8 @@ fn find(path: &Path, files: &mut Vec<PathBuf>) {
         files.push(path.to_owned());
         return;
     }
-    let entries = fs::read_dir(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()));
+    let entries = fs::read_dir(path)
+        .unwrap_or_else(|error| panic!("cannot read {}: {error}", path.display()));
     for entry in entries {
         let path = entry.expect("a folder's entry can be read").path();
         if path.is_dir() || is_source(&path) {
@@ -69,5 +70,5 @@ fn is_source(path: &Path) -> bool {
 }
 
 fn read(path: &Path) -> Vec<u8> {
-    fs::read(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+    fs::read(path).unwrap_or_else(|error| panic!("cannot read {}: {error}", path.display()))
 }
