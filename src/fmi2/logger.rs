@@ -15,10 +15,11 @@ pub(crate) enum Category {
 
 /// Names and descriptions of the categories, as the model description lists them.
 pub const CATEGORIES: [(&str, &str); 4] = [
-    ("logStatusError", "Why a call was refused or failed; always on"),
+    ("logStatusError", "Reasons why a call was refused or failed; always on"),
     (
         "logStatusWarning",
-        "What an importer should not do, but is answered; what a run needs and its scene leaves out",
+        "Calls that FMI forbids but the FMU answers; violated assumptions of the scene, a tolerance that may not be kept, \
+         several solutions of the law of contact",
     ),
     (
         "logEvents",
