@@ -83,7 +83,7 @@ fn word(state: ContactState) -> &'static str {
         ContactState::Slide => "slides",
         ContactState::ReverseSlide => "slides back",
         ContactState::Stick => "sticks",
-        ContactState::Detached => "is off",
+        ContactState::Detached => "is detached",
     }
 }
 

@@ -19,7 +19,7 @@ impl Format {
             "svg" => Ok(Self::Svg),
             "png" => Ok(Self::Png),
             _ => Err(Error::picture(format!(
-                "cannot write {}: the name of a picture ends in .svg or .png",
+                "cannot write {}: the name of a picture must end in .svg or .png",
                 path.display()
             ))),
         }

@@ -72,7 +72,9 @@ impl Map {
             }
             if let Some(class) = row.iter().find(|&&class| class >= self.classes.len()) {
                 let count = self.classes.len();
-                return Err(Failure(format!("row {place} has class {class} of {count} (from 0)")));
+                return Err(Failure(format!(
+                    "row {place} has class {class}, but there are {count} classes, counted from 0"
+                )));
             }
         }
         Ok(())

@@ -18,11 +18,11 @@ const MARGIN: f64 = 15.0;
 const HEAD: f64 = 42.0;
 /// Lines below the modes that say how to read them.
 pub(super) const NOTES: [&str; 3] = [
-    "Upper squares: m1, lower squares: m2 on its slider; pale: at rest. The links that leave left \
-     and right are one: the ring closes.",
-    "A hand shows the phase of its mass, one turn a cycle: parallel hands move together, opposite \
-     ones against each other; without one a mass rests.",
-    "All modes are drawn equally large and equally slow, without growth or decay.",
+    "Upper squares: m1; lower squares: m2 on its slider; pale squares: at rest. The links at the left \
+     and right ends are the same.",
+    "Hands show the phase, one turn per cycle: masses with parallel hands move in phase, with \
+     opposite hands in antiphase. A mass without a hand rests.",
+    "All modes are drawn with the same amplitude and frequency, without growth or decay.",
 ];
 const NOTE_ROW: f64 = 19.0;
 /// Width of hands and radius of what they turn about, px.

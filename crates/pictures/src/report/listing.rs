@@ -32,7 +32,7 @@ impl Listing {
     pub(super) fn caption(&self) -> String {
         let Self { title, rows, whole: (count, what), .. } = self;
         if rows.len() < *count {
-            format!("{title} ({} of {count} {what}, evenly taken)", rows.len())
+            format!("{title} ({} of {count} {what}, evenly selected)", rows.len())
         } else {
             title.clone()
         }
@@ -126,7 +126,7 @@ fn of_raster(chart: &Chart, panel: &Panel, raster: &Raster) -> Listing {
         }
     });
     Listing {
-        title: format!("Where {} is largest", raster.label),
+        title: format!("Maximum of {} over {}", raster.label, chart.x_label),
         head: vec![chart.x_label.clone(), panel.y_label.clone(), raster.label.clone()],
         rows: rows.collect(),
         whole: (columns, "columns"),

@@ -156,7 +156,7 @@ pub(super) fn reason(verdict: &Verdict) -> Option<String> {
         Verdict::Differs { reason } => {
             Some(format!("Reason: {}", text(reason.as_deref().unwrap_or("not known"))))
         }
-        Verdict::Unknown { decided_by } => Some(format!("Decided by: {}", text(decided_by))),
+        Verdict::Unknown { decided_by } => Some(format!("Needed to decide: {}", text(decided_by))),
     }
 }
 
@@ -170,7 +170,7 @@ fn claim_table(html: &mut String, heading: &str, claims: &[Claim], before: usize
             text(heading)
         ),
     );
-    for name in ["No.", "The paper says", "Came out", "Verdict"] {
+    for name in ["No.", "The paper says", "Result", "Verdict"] {
         add(html, format_args!("<th scope=\"col\" role=\"columnheader\">{name}</th>"));
     }
     html.push_str("</tr></thead>\n<tbody role=\"rowgroup\">\n");
@@ -181,7 +181,7 @@ fn claim_table(html: &mut String, heading: &str, claims: &[Claim], before: usize
             format_args!(
                 "<tr role=\"row\" id=\"claim-{number}\"><th scope=\"row\" role=\"rowheader\">{number}</th>\
              <td role=\"cell\" data-name=\"The paper says\">{}</td>\
-             <td role=\"cell\" data-name=\"Came out\">{}</td>\
+             <td role=\"cell\" data-name=\"Result\">{}</td>\
              <td role=\"cell\" data-name=\"Verdict\">{}",
                 text(&claim.paper),
                 text(&claim.found),

@@ -22,8 +22,8 @@ pub(super) fn summary(page: &Page) -> String {
     add(
         &mut html,
         format_args!(
-            "<p class=\"count\"><strong>{holding} of {count}</strong> {} hold.{unknown}</p>\n<ul class=\"verdicts\">\n",
-            if count == 1 { "claim" } else { "claims" },
+            "<p class=\"count\"><strong>{holding} of {count}</strong> {}.{unknown}</p>\n<ul class=\"verdicts\">\n",
+            if count == 1 { "claim holds" } else { "claims hold" },
         ),
     );
     let mut before = 0;
@@ -85,6 +85,6 @@ fn not_holding<'a>(all: impl Iterator<Item = (&'a Claim, usize)>) -> String {
     }
     match items.is_empty() {
         true => items,
-        false => format!("<h3>What differs or is unknown</h3>\n<ul>\n{items}</ul>\n"),
+        false => format!("<h3>Claims that differ or are unknown</h3>\n<ul>\n{items}</ul>\n"),
     }
 }

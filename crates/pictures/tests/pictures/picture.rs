@@ -655,7 +655,7 @@ fn lanes_have_the_colours_of_their_classes() {
         assert_eq!(texts.iter().filter(|text| **text == label).count(), 1, "{label}: {texts:?}");
     }
     let words = description(&elements);
-    assert!(words.contains("lanes “left”, “right”, each in parts “slip”, “stick”"), "{words}");
+    assert!(words.contains("lanes “left”, “right”, each divided into “slip”, “stick”"), "{words}");
 }
 
 #[test]
@@ -729,7 +729,7 @@ fn rasters_and_lanes_of_the_wrong_shape_are_refused() {
     let both = |panel: &mut Panel| panel.series = vec![Series::default()];
     refused(states(), &both, &["Contact state", "neither series nor a raster"]);
     let class = |panel: &mut Panel| panel.lanes[0].stretches[1].class = 2;
-    refused(states(), &class, &["stretch 1", "left", "class 2 of 2"]);
+    refused(states(), &class, &["stretch 1", "left", "class 2, but there are 2 classes"]);
     let turned = |panel: &mut Panel| panel.lanes[1].stretches[0].to = 5.0;
     refused(states(), &turned, &["stretch 0", "right", "from 6 to 5", "ascend"]);
 }

@@ -75,7 +75,10 @@ fn what_is_not_known_neither_holds_nor_differs_and_says_what_would_decide_it() {
     page.sections[1].claims[0].verdict = Verdict::Unknown { decided_by };
     let html = html(&page).unwrap();
     assert!(html.contains("<strong>3 of 6</strong> claims hold. One is unknown."));
-    assert_eq!(html.matches("Decided by: the colours of the &lt;printed&gt; picture").count(), 2);
+    assert_eq!(
+        html.matches("Needed to decide: the colours of the &lt;printed&gt; picture").count(),
+        2
+    );
     assert_eq!(html.matches("? </span>unknown</span>").count(), 1);
     assert!(!sample().contains("is unknown."));
 }
@@ -138,7 +141,7 @@ fn long_curves_are_thinned() {
     for table in between(&html, "<table>", "</table>") {
         assert!(table.matches("<tr>").count() <= 51, "with its head");
     }
-    assert!(html.contains("of 100001 points, evenly taken"));
+    assert!(html.contains("of 100001 points, evenly selected"));
 }
 
 #[test]

@@ -70,7 +70,9 @@ pub(super) fn check(panel: &Panel) -> Result<(), Failure> {
             let what = format!("has a stretch {place} in the lane {:?}", lane.name);
             if *class >= panel.classes.len() {
                 let count = panel.classes.len();
-                return wrong(format!("{what} of class {class} of {count} (from 0)"));
+                return wrong(format!(
+                    "{what} of class {class}, but there are {count} classes, counted from 0"
+                ));
             }
             if from > to {
                 return wrong(format!("{what} from {from} to {to}, which must ascend"));
@@ -89,7 +91,7 @@ pub(super) fn words(panel: &Panel) -> String {
     let list = |names: Vec<String>| names.join(", ");
     let lanes = panel.lanes.iter().map(|lane| format!("“{}”", lane.name));
     let classes = panel.classes.iter().map(|class| format!("“{}”", class.name));
-    format!("lanes {}, each in parts {}", list(lanes.collect()), list(classes.collect()))
+    format!("lanes {}, each divided into {}", list(lanes.collect()), list(classes.collect()))
 }
 
 /// The heading, which stands where its base is.

@@ -100,6 +100,7 @@ impl Panel {
             text += &format!(", {}", raster.words());
         }
         text += &match self.lanes.is_empty() {
+            true if self.series.len() == 1 => ", 1 curve".to_owned(),
             true => format!(", {} curves", self.series.len()),
             false => format!(", {}", lanes::words(self)),
         };

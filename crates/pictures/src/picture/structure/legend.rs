@@ -73,7 +73,7 @@ impl StructureLegend {
         add(*signals, "~ with a signal added over time", &|_| {});
         let acts = |s: &mut Vec<Shape>| symbols::acts(MIDDLE, [1.0, 0.0], 9.0, s);
         add(used.acts, "acts in this direction, wherever it is drawn", &acts);
-        add(used.named, "goes on at the mass named", &|s| symbols::arrow(LINE, INK, s));
+        add(used.named, "continues at the named mass", &|s| symbols::arrow(LINE, INK, s));
         legend
     }
 

@@ -148,7 +148,7 @@ impl Structure {
         };
         holds(count > 0, &|| "a structure has at least one mass".into())?;
         holds(count <= most, &|| {
-            format!("there are {count} masses, but such a picture is for up to {most} masses")
+            format!("the structure has {count} masses, but a picture shows up to {most} masses")
         })?;
         let there = |what: &str, mass: usize| {
             holds(mass < count, &|| {
@@ -182,7 +182,7 @@ impl Structure {
             there(&what, slider.mass)?;
             slider.on.map_or(Ok(()), |on| there(&what, on))?;
             holds(slider.on != Some(slider.mass), &|| {
-                format!("{what} must be another mass than what rubs on it")
+                format!("{what} is on the mass that rubs on it, but must be on another mass")
             })?;
         }
         Ok(())
