@@ -59,7 +59,7 @@ impl Grid {
         let kept = count * scene.external_forces().count() as f64;
         if kept > MOST_KEPT {
             return Err(Error::argument(format!(
-                "a window of {} s is {kept:.1e} displacements to compare, more than \
+                "a window of {} s has {kept:.1e} displacement values to compare, more than the limit of \
                  {MOST_KEPT:e}; choose a shorter --stop-time, or a longer output_interval in the scene's [experiment]",
                 Short(stop)
             )));

@@ -93,8 +93,8 @@ pub fn dof_named(scene: &Scene, name: &str) -> Result<usize, Error> {
     let names = scene.dof_names();
     names.iter().position(|known| known == name).ok_or_else(|| {
         let example = || match names.first() {
-            Some(first) => format!("displacements are named as {first}"),
-            None => "it has none".to_owned(),
+            Some(first) => format!("displacements have names such as {first}"),
+            None => "the scene has no displacements".to_owned(),
         };
         let help = did_you_mean(name, names.iter().map(|name| &**name)).unwrap_or_else(example);
         Error::argument(format!("{} has no displacement {name}; {help}", scene.name))
@@ -109,7 +109,7 @@ pub fn dof_named(scene: &Scene, name: &str) -> Result<usize, Error> {
 pub fn assign(scene: &mut Scene, name: &str, value: f64) -> Result<(), Error> {
     if name == "integrator.step" {
         return Err(Error::argument(
-            "integrator.step cannot be set here: both methods are looked at with a ladder of steps",
+            "integrator.step cannot be set here: each method is run with a ladder of steps",
         ));
     }
     crate::assign::assign(scene, name, value)
@@ -164,7 +164,8 @@ fn converge(
             break;
         }
     }
-    Err(failure.unwrap_or_else(|| Error::step("the reference does not converge")))
+    Err(failure
+        .unwrap_or_else(|| Error::step("the reference does not converge as its step is halved")))
 }
 
 /// A scene with its reference.
@@ -190,9 +191,9 @@ impl Study {
         let law = scene.contact_law();
         if !law.friction.info().is_constant() || law.follows_size() {
             return Err(Error::scene(format!(
-                "the errors of {} cannot be told: the reference is exact motion, which takes neither friction that \
-                 falls with the slip velocity nor contacts that stick and cannot open; compare runs with \
-                 different steps",
+                "the errors of {} cannot be computed: the reference is a run of the event-driven integrator, which \
+                 supports neither friction that falls with the slip velocity nor contacts that stick and cannot \
+                 open; compare runs with different steps instead",
                 scene.name
             )));
         }

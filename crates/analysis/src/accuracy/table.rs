@@ -20,10 +20,10 @@ pub const COLUMNS: [&str; 10] = [
 ];
 
 /// Meaning of the columns.
-pub const LEGEND: &str = "rms error: of all displacements, over their deviation from the mean; amplitude, \
-frequency: of the cycle above.\n≤: below the reference's own error. order: how often the rms error halves where \
-the step does; with few\nevents they hide it. events: changes of contact state, and how many more than the \
-reference has.\ntimes: of events, where each contact goes through the same states.";
+pub const LEGEND: &str = "rms error: error of all displacements, divided by their standard deviation. \
+amplitude, frequency: relative errors\nof the cycle above. ≤: below the reference's own error. order: order of \
+convergence from the row before; a few\nevents hide it. events: changes of contact state (difference from the \
+reference). times: rms error of the times\nof events, if each contact goes through the same states.";
 
 /// A number to four digits, without zeros at its end.
 #[must_use]
@@ -71,12 +71,18 @@ impl Study {
                 of("event times", event_time, " s"),
             ];
             let all = all.into_iter().flatten().collect::<Vec<_>>().join(", ");
-            facts.push(("its own error", format!("{all} (against itself at twice its step)")));
+            facts.push((
+                "its own error",
+                format!("{all} (difference from the same run with twice the step)"),
+            ));
         }
         if let Some(amplitude) = self.cycle.amplitude.filter(|_| self.scale.is_some()) {
             let dof = &self.scene.dof_names()[self.dof];
             let at = self.cycle.frequency.map_or_else(String::new, |hz| format!(" at {hz:.2} Hz"));
-            facts.push(("cycle", format!("{dof}: ±{amplitude:.4e} m{at}, over the last half")));
+            facts.push((
+                "cycle",
+                format!("{dof}: ±{amplitude:.4e} m{at}, over the last half of the run"),
+            ));
         }
         facts
     }
@@ -113,7 +119,7 @@ impl Study {
         match &self.critical {
             Ok(critical) if critical.step < self.scene.experiment.output_interval => {
                 notes.push(format!(
-                    "the paper's scheme has no steps above its critical one, {critical}"
+                    "the paper's scheme runs only with steps up to its critical step, {critical}"
                 ));
             }
             Ok(_) => {}
@@ -121,27 +127,27 @@ impl Study {
         }
         if self.scale.is_none() {
             notes.push(
-                "the scene does not move: there is no amplitude to measure errors by; give it an \
+                "the scene does not move, so there is no amplitude to compare the errors with; give it an \
                  [[initial]] velocity, or a [[signal]]"
                     .to_owned(),
             );
         } else if self.cycle.amplitude.is_none() {
             notes.push(format!(
-                "{} does not move over the last half: it has neither amplitude nor frequency to compare",
+                "{} does not move over the last half of the run, so it has no amplitude and no frequency to compare",
                 self.scene.dof_names()[self.dof]
             ));
         }
         if self.is_chaotic() {
             notes.push(format!(
-                "the reference agrees with itself to {:.0e} of the amplitude only, as motions do that \
-                 forget their start: judge by amplitude and frequency, over a shorter --stop-time by \
+                "the rms error of the reference is {:.0e}, as in a chaotic motion, which amplifies small \
+                 differences: compare amplitude and frequency, or use a shorter --stop-time to compare \
                  the rms error too",
                 self.floor.rms.unwrap_or(0.0)
             ));
         } else if rows.iter().any(Row::is_out_of_phase) {
             notes.push(
-                "out of phase: the displacements are off by more than half of the amplitude; judge by \
-                 amplitude and frequency"
+                "out of phase: the rms error is at least half of the displacements' standard deviation; compare \
+                 amplitude and frequency instead"
                     .to_owned(),
             );
         }
@@ -150,8 +156,8 @@ impl Study {
         let most = rows.iter().map(|row| ended(&row.statistics)).fold(reference, u64::max);
         if most > 0 {
             notes.push(format!(
-                "event-driven motion ended up to {most} hops of contacts that land many times within a step \
-                 (reference: {reference}); the errors of the rows have what that costs"
+                "event-driven runs ended up to {most} small bounces of contacts that land many times within a step \
+                 (reference: {reference}); the errors in the table include the effect of this"
             ));
         }
         notes
