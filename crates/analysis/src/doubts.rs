@@ -83,7 +83,7 @@ fn strained(scene: &Scene, reference: &Equilibrium) -> Option<String> {
     let (spring, strain, force) = doubtful.max_by(|a, b| a.1.total_cmp(&b.1))?;
     let (stiffness, meant) = (spring.stiffness, 1e3 * spring.stiffness);
     Some(format!(
-        "spring.{} yields by {strain:.3} m under {force:.1} N in the equilibrium; if its stiffness of {stiffness} is in \
+        "spring.{} deflects by {strain:.3} m under {force:.1} N in the equilibrium; if its stiffness of {stiffness} is in \
          N/mm, write {meant:e}, in N/m",
         spring.name
     ))
@@ -110,8 +110,8 @@ fn faint(scene: &Scene, reference: &Equilibrium) -> Option<String> {
     let (pressed, weight) = (reference.normal_force.iter().sum::<f64>(), weight(scene));
     (pressed > 0.0 && pressed < FAINT * weight).then(|| {
         format!(
-            "the preloads press the contacts on with {pressed:.3} N in all, and the masses weigh {weight:.3} N; is \
-             each stiffness in N/m, which is a thousand times its N/mm?"
+            "the preloads give the contacts a total normal force of only {pressed:.3} N, but the masses weigh {weight:.3} \
+             N; check that each stiffness is in N/m (1 N/mm is 1000 N/m)"
         )
     })
 }
@@ -143,8 +143,8 @@ fn parted(scene: &Scene) -> Option<String> {
         }
         let other = beside.find(|other| along(one, other) < 0.0)?;
         Some(format!(
-            "slider.velocity moves the surfaces of contact.{} and contact.{} in opposite directions, as a turning \
-             shaft does between two blocks; if they are two sides of a body that goes one way, as a disc between its \
+            "slider.velocity moves the surfaces of contact.{} and contact.{} in opposite directions, as a rotating \
+             shaft does between two blocks; if they are the two sides of one moving body, such as a disc between its \
              pads, give them `velocity = {velocity:?}` and `velocity = {:?}`",
             one.name, other.name, -velocity
         ))
@@ -218,7 +218,7 @@ mod tests {
             spring.stiffness *= 1e-3;
         }
         let told = of(scene);
-        let words = "yields by 0.100 m under 1000.0 N in the equilibrium; if its stiffness of 10000 is in N/mm, write 1e7";
+        let words = "deflects by 0.100 m under 1000.0 N in the equilibrium; if its stiffness of 10000 is in N/mm, write 1e7";
         assert!(told.len() == 1 && told[0].contains(words), "{told:?}");
         assert!(told[0].contains("_guide"), "{told:?}");
         // 110 N of Set 1's preload of 5 mm on 22 N/mm, a module; its masses are 1 kg each.

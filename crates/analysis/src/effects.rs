@@ -109,7 +109,7 @@ pub fn effects(scene: &Scene) -> Vec<Effect> {
     add("forces", forces, scene.roles.forces != ForceRole::None, &|scene, on| {
         scene.roles.forces = if on { ForceRole::Input } else { ForceRole::None };
     });
-    let energy = "T + U and the work of all forces; what does not add up";
+    let energy = "T + U, the work of all forces, and the residual of their balance";
     add("energy", energy, scene.effects.energy, &|scene, on| scene.effects.energy = on);
     let stability = "largest growth rate in the present contact state";
     add("stability", stability, scene.effects.stability, &|scene, on| {

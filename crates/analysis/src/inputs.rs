@@ -37,7 +37,7 @@ impl Inputs {
                 };
                 let (path, scene) = (path.display(), &scene.name);
                 return Err(Error::argument(format!(
-                    "column `{name}` of {path} is no input of {scene}; {help}"
+                    "column `{name}` of {path} is not an input of {scene}; {help}"
                 )));
             };
             columns.push((variable.clone(), table.column(i, Between::Linear)));

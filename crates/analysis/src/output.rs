@@ -29,7 +29,7 @@ pub fn check_inputs_stay(output: &Path, inputs: &[&Path]) -> Result<(), Error> {
     let real = |path: &Path| path.canonicalize().ok();
     match inputs.iter().find(|input| real(input).is_some_and(|input| real(output) == Some(input))) {
         Some(input) => Err(Error::argument(format!(
-            "-o {} would replace what this command reads: give another name",
+            "-o {} would replace a file that this command reads: give another name",
             input.display()
         ))),
         None => Ok(()),

@@ -28,8 +28,8 @@ pub fn step_warning(scene: &Scene) -> Option<String> {
         _ => return None,
     };
     Some(format!(
-        "integrator.step = {step:e} s is {relation}, {critical}; is a stiffness given in N/m and a \
-         mass in kg?"
+        "integrator.step = {step:e} s is {relation}, {critical}; check that stiffnesses are in \
+         N/m and masses in kg"
     ))
 }
 
@@ -66,8 +66,8 @@ fn direction_warning(scene: &Scene) -> Option<String> {
         places.iter().any(|place| place.velocity.unwrap_or(common) == 0.0)
     };
     stands.then(|| {
-        "friction without sticking has the direction of the surface's velocity: where that is zero \
-         there is none"
+        "without sticking, friction has the direction of the surface's velocity, so a contact on a surface that stands \
+         still has no friction"
             .to_owned()
     })
 }
@@ -79,7 +79,7 @@ fn signal_warnings(scene: &Scene) -> impl Iterator<Item = String> + '_ {
         let step = scene.step;
         let fault = match signal.shape {
             Shape::Sine(Sine { frequency, .. }) if frequency * step * STEPS_A_PERIOD > 1.0 => {
-                "has fewer than ten steps a period"
+                "has fewer than ten steps per period"
             }
             Shape::Pulse(Pulse { start, end: Some(end), .. }) if end - start < step => {
                 "is shorter than a step"
@@ -107,10 +107,10 @@ fn step_at_start_warnings(scene: &Scene) -> Vec<String> {
             Shape::Pulse(Pulse { start, .. }) | Shape::Sine(Sine { start, .. }) if *start == 0.0
         );
         let consequence = if forces.contains(input) {
-            "a run begins at rest in the equilibrium without it; write a load that always acts into the scene, or let \
-             the signal begin at zero"
+            "a run begins at rest in the equilibrium without this force; write a load that always acts into the scene, or \
+             let the signal begin at zero"
         } else if is_switched_on {
-            "a run begins in the equilibrium that has it already, so nothing of the step is seen; let it begin later"
+            "a run begins in the equilibrium with this value, so the step has no effect; let the signal begin later"
         } else {
             return None;
         };
@@ -136,7 +136,7 @@ fn load_warnings(simulation: &Simulation) -> Vec<String> {
     let idle = forces.filter(|(_, force)| **force == 0.0);
     let warning = |(i, _)| {
         format!(
-            "{} carries no load in the equilibrium; press it on, by a preload or a force",
+            "{} carries no load in the equilibrium; load it by a preload or a force",
             scene.contact_name(i)
         )
     };
@@ -206,8 +206,8 @@ mod tests {
     fn a_step_at_the_start_is_warned_of_as_what_a_run_makes_of_it() {
         let text = builtin("belt").unwrap().text;
         for (input, shape, words, moves) in [
-            ("mass.block.fx", "constant = { value = 1.0 }", "without it", true),
-            ("slider.velocity", "pulse = { value = 1.0 }", "nothing of the step is seen", false),
+            ("mass.block.fx", "constant = { value = 1.0 }", "without this force", true),
+            ("slider.velocity", "pulse = { value = 1.0 }", "the step has no effect", false),
         ] {
             let signal = format!("[[signal]]\ninput = \"{input}\"\n{shape}\n");
             let mut scene = parse("mine", &format!("{text}{signal}")).unwrap();

@@ -97,15 +97,15 @@ impl fmt::Display for Doubt {
         match self {
             Self::Short(window) => write!(
                 f,
-                "a window of {window:.4} s or more would tell: each quarter of it then has {PERIODS_TO_SETTLE} periods of \
-                 the slowest mode"
+                "a window of {window:.4} s or more is needed, which has {PERIODS_TO_SETTLE} periods of the slowest mode in \
+                 each quarter"
             ),
             Self::Mixed => f.write_str(
-                "sizes of displacements neither stay nor all go one way from quarter to quarter, as of a beat or a slow \
-                 decay; a longer --window that begins later may tell",
+                "from quarter to quarter of the window, the displacements neither keep their size nor all grow or all decay, \
+                 as in a beat or a slow decay; a longer --window that begins later may decide",
             ),
             Self::NoMode => f.write_str(
-                "no mode oscillates, so no time says how long a quarter of the window must be; `amontons study` may tell",
+                "no mode oscillates, so the necessary length of the window is unknown; `amontons study` may decide",
             ),
         }
     }
@@ -151,7 +151,7 @@ pub fn sweep(
         let rows = experiment.row_times().filter(|(time, is_whole)| *is_whole && *time >= begin);
         if rows.take(2).count() < 2 {
             return Err(Error::argument(format!(
-                "a window of {} s has no two rows, which are {} s apart; a longer --window or --stop-time has",
+                "a window of {} s has fewer than two rows, which are {} s apart; give a longer --window or --stop-time",
                 view.window, experiment.output_interval
             )));
         }

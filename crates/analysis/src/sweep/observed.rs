@@ -31,7 +31,8 @@ pub fn output(scene: &Scene, name: &str) -> Result<Variable, Error> {
         return Ok(outputs.swap_remove(place));
     }
     let meant = did_you_mean(name, outputs.iter().map(|output| &*output.name));
-    let help = meant.unwrap_or_else(|| "`amontons simulate` has them as columns".to_owned());
+    let help =
+        meant.unwrap_or_else(|| "`amontons simulate` writes the outputs as columns".to_owned());
     Err(Error::argument(format!("{} has no output {name}; {help}", scene.name)))
 }
 

@@ -47,7 +47,7 @@ impl Possible {
         Some(match self.skipped.len() {
             1 => format!("{name} = {first} is skipped: {why}"),
             count => format!(
-                "{count} values of {name} from {first} to {last} are skipped; with the first, {why}"
+                "{count} values of {name} from {first} to {last} are skipped; the reason for the first: {why}"
             ),
         })
     }

@@ -50,11 +50,11 @@ pub fn assignment(text: &str) -> Result<(String, f64), String> {
     let (name, value) = (name.trim(), value.trim());
     match (finite(value), with_point(value)) {
         (Some(number), _) => Ok((name.to_owned(), number)),
-        (None, Some(meant)) => {
-            Err(format!("{value} is not a number; write it as {name}={meant}, with a point"))
-        }
+        (None, Some(meant)) => Err(format!(
+            "{value} is not a number; write it as {name}={meant}, with a decimal point"
+        )),
         (None, None) => Err(format!(
-            "{value} is not a number; write a number alone, such as {name}=0.5: its unit is the variable's, in SI"
+            "{value} is not a number; write only the number, in SI units, such as {name}=0.5"
         )),
     }
 }
@@ -147,8 +147,8 @@ pub fn grid(text: &str) -> Result<Vec<f64>, String> {
         if value >= 2.0 && value.fract() == 0.0 && !third.contains('.') {
             let ends = text.trim_end_matches(third).trim_end_matches(':');
             return Err(format!(
-                "here {text} once was {value} values, and now {third} may be a step: write {ends}/{value} for {value} \
-                 values, or {ends}:{value}.0 for steps of {value}"
+                "{text} is ambiguous, since {third} was the number of values in earlier versions: write {ends}/{value} for \
+                 {value} values, or {ends}:{value}.0 for steps of {value}"
             ));
         }
     }
@@ -163,7 +163,7 @@ fn stepped([first, last]: [f64; 2], step: f64) -> Result<Vec<f64>, String> {
     }
     if step > (last - first) * (1.0 + 1e-9) {
         return Err(format!(
-            "the step {step} is longer than the way from {first} to {last}: write {first}:{last}/N for N values"
+            "the step {step} is longer than the range from {first} to {last}: write {first}:{last}/N for N values"
         ));
     }
     let mut values: Vec<f64> =
@@ -220,7 +220,7 @@ mod tests {
                 ("0:1/1", "from 2 to 1000000"),
                 ("0:1/2.5", "whole number"),
                 ("0:1:0", "above zero"),
-                ("0:1:20.5", "longer than the way from 0 to 1: write 0:1/N"),
+                ("0:1:20.5", "longer than the range from 0 to 1: write 0:1/N"),
                 ("0:1:1e-9", "at most 1e6 values"),
                 ("0,5:1:0.1", "0,5 is not a number; write 0.5"),
                 ("0:1:x", "x is not a number"),
@@ -257,7 +257,7 @@ mod tests {
         }
         let error = assignment("friction.coefficient=0,45").unwrap_err();
         assert!(error.contains("write it as friction.coefficient=0.45"), "{error}");
-        assert!(assignment("module[1].m1=5kg").unwrap_err().contains("a number alone"));
+        assert!(assignment("module[1].m1=5kg").unwrap_err().contains("write only the number"));
         assert_eq!(assignment(" a = 2 "), Ok(("a".to_owned(), 2.0)));
         assert!(ends("0:1:0.1").unwrap_err().contains("A:B, such as"));
         assert_eq!(ends("0:2.5"), Ok([0.0, 2.5]));

@@ -316,7 +316,11 @@ fn sweeps_that_make_no_sense_are_refused_with_what_would() {
     refused(&["friction.coefficient=0:1:3"], 2, &both);
     refused(&["friction.coefficient=1:0/3"], 2, &["first value must be below the last"]);
     refused(&["friction.coefficient=0:1/3", "--of", "module[1].x5"], 2, &["module[1].x"]);
-    refused(&["friction.coefficient=0:1/3", "--window", "1e-5"], 2, &["no two rows", "0.0002 s"]);
+    refused(
+        &["friction.coefficient=0:1/3", "--window", "1e-5"],
+        2,
+        &["fewer than two rows", "0.0002 s"],
+    );
     refused(&["friction.coefficient=0:1/3", "--input", "in.csv"], 2, &["--input"]);
     refused(&["friction.coefficient=0:1/3", "-o", "no/such/place.csv"], 1, &["place.csv"]);
 }

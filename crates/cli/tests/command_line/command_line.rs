@@ -94,8 +94,12 @@ fn inputs_from_a_file_act_between_the_rows_and_are_refused_by_name_and_line() {
     let times: Vec<&str> = printed.lines().map(|line| line.split(',').next().unwrap()).collect();
     assert_eq!(times, ["time", "0.0", "0.001", "0.0015", "0.002", "0.003"]);
     for (table, code, words) in [
-        ("time,friction.coeficient\n0,1\n", 2, &["no input", "mean \"friction.coefficient\"?"][..]),
-        ("time,module[1].x1\n0,1\n", 2, &["module[1].x1", "no input of set1"]),
+        (
+            "time,friction.coeficient\n0,1\n",
+            2,
+            &["not an input", "mean \"friction.coefficient\"?"][..],
+        ),
+        ("time,module[1].x1\n0,1\n", 2, &["module[1].x1", "not an input of set1"]),
         ("time,friction.coefficient\n0,1\n1,x\n", 3, &["in.csv", "line 3", "`x`"]),
         ("time,friction.coefficient\n0,1\n0.002,-1\n", 4, &["at 0.002 s", "not be negative"]),
         ("time,friction.coefficient,time\n0,1,0\n", 3, &["two columns", "`time`"]),
