@@ -21,7 +21,7 @@ pub fn signals_left_out(scene: &Scene, t: f64) -> Option<String> {
         [] => String::new(),
     };
     Some(format!(
-        "the scene is taken as it is at t = {} s, where its signals add {added}; how they change over time is left out",
+        "the scene is analysed at t = {} s, where its signals add {added}; their change over time is ignored",
         Short(t)
     ))
 }
@@ -36,8 +36,8 @@ pub fn require_undriven(scene: &Scene, name: &str) -> Result<(), Error> {
         return Ok(());
     };
     Err(Error::argument(format!(
-        "signal[{}] of {} drives {name}, so an analysis over {name} is one of another scene: take the signal out of \
-         the scene, or go through another parameter",
+        "signal[{}] of {} drives {name}, so the analysis cannot vary {name}: remove the signal from the scene, or vary \
+         another parameter",
         place + 1,
         scene.name
     )))

@@ -75,15 +75,17 @@ pub fn uniform_sliding(model: &LumpedModel) -> Result<Vec<ContactState>, Error> 
     };
     let all_stand = model.contacts.iter().all(|contact| contact.surface_velocity == 0.0);
     let problem = if all_stand {
-        "the slider stands still, so nothing slides: give slider.velocity another value".into()
+        "no surface moves, so no contact slides: give slider.velocity, or the velocity of a contact, a value other than zero"
+            .to_owned()
     } else {
         format!(
-            "what contact {} rubs on stands still, so it does not slide: give it another velocity",
+            "the surface under contact {} stands still, so the contact does not slide: give the surface a velocity other \
+             than zero",
             stuck + 1
         )
     };
     Err(Error::analysis(format!(
-        "{problem}, or name a contact state with --state where a command has it"
+        "{problem}, or name a contact state with --state if the command has this option"
     )))
 }
 
@@ -211,7 +213,7 @@ fn least_reach(
 fn possible_range(scene: &Scene, [first, last]: [f64; 2]) -> Result<[f64; 2], Error> {
     match scene.greatest_friction() {
         Some(greatest) if first >= greatest => Err(Error::argument(format!(
-            "friction.coefficient from {first} on is not below the static friction, {greatest}, which stays as it is: \
+            "the range of friction.coefficient begins at {first}, which is not below the static friction, {greatest}: \
              begin the range below {greatest}"
         ))),
         greatest => Ok([first, greatest.map_or(last, |greatest| last.min(greatest))]),

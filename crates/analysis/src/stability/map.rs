@@ -48,7 +48,7 @@ impl std::fmt::Display for Verdict {
         f.pad(match self {
             Self::Stable => "stable",
             Self::Candidate => "candidate",
-            Self::FarCandidate => "candidate if one opens or turns",
+            Self::FarCandidate => "candidate if a contact opens or reverses",
             Self::Unstable => "unstable",
             Self::NoEquilibrium => "no equilibrium in sliding",
             Self::Impossible => "static below kinetic friction",

@@ -28,8 +28,8 @@ impl StateClasses {
         let contacts = model.contacts.len();
         if contacts > MAX_CONTACTS {
             return Err(Error::analysis(format!(
-                "{contacts} contacts have 4^{contacts} states; all of them are looked at for up to \
-                 {MAX_CONTACTS} contacts: make a scene of fewer, or look at single states \
+                "{contacts} contacts have 4^{contacts} states, but all states are analysed only for up to \
+                 {MAX_CONTACTS} contacts: use a scene with fewer contacts, or analyse single states \
                  with `states --state` and `locus --state`"
             )));
         }

@@ -52,7 +52,7 @@ fn each_contact_slides_by_the_sign_of_its_own_velocity() {
     assert_eq!(sliding(-0.1).unwrap(), [ReverseSlide; 2]);
     // The second contact slides all the same.
     let error = sliding(0.0).unwrap_err().to_string();
-    assert!(error.contains("contact 1 rubs on stands still"), "{error}");
+    assert!(error.contains("surface under contact 1 stands still"), "{error}");
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn a_contact_whose_surface_stands_still_rests_stuck_and_does_not_slide() {
     let (_, model) = pressed("", &format!("{SECOND}velocity = 0.0\n"));
     assert_eq!(resting_state(&model), [Slide, Stick]);
     let error = uniform_sliding(&model).unwrap_err().to_string();
-    assert!(error.contains("contact 2 rubs on stands still"), "{error}");
+    assert!(error.contains("surface under contact 2 stands still"), "{error}");
 }
 
 #[test]

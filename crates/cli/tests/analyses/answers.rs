@@ -107,7 +107,7 @@ fn limits(said: &str) -> Answer {
     let has = |line: &str, words: &[&str]| words.iter().any(|words| line.contains(words));
     // A list of values that have not settled has commas; rows of its table are looked at one by one.
     let is_limit = |line: &&str| {
-        has(line, &["left out", "unknown"])
+        has(line, &["left out", "ignored", "unknown"])
             || has(line, &["not settled", "only uniform sliding"]) && !line.contains(',')
     };
     match said.lines().find(is_limit) {

@@ -104,7 +104,11 @@ impl Tracker<'_> {
     fn follow_to(&mut self, value: f64, halvings: u32) -> Result<(), Error> {
         let found = (self.evaluate)(value)?;
         if found.len() != self.roots.len() {
-            return Err(Error::analysis("the number of modes changes with the parameter"));
+            return Err(Error::analysis(format!(
+                "the modes cannot be followed: their number changes from {} to {} at the parameter value {value}",
+                self.roots.len(),
+                found.len()
+            )));
         }
         let step = value - self.value;
         let predicted: Vec<Complex<f64>> = self

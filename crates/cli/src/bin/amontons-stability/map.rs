@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         write!(out, "{}", given.head())?;
         let is_told = |verdict: &Verdict| *verdict != Verdict::Impossible || share(*verdict) > 0;
         for verdict in Verdict::ALL.into_iter().filter(is_told) {
-            writeln!(out, "  {:31} {}", verdict.to_string(), share(verdict))?;
+            writeln!(out, "  {:40} {}", verdict.to_string(), share(verdict))?;
         }
     }
     let Some(path) = &arguments.plot else { return Ok(()) };
