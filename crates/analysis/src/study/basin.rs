@@ -133,7 +133,7 @@ pub fn check_points([x, y]: [&Axis; 2]) -> Result<(), Error> {
     let [columns, rows] = [x, y].map(|axis| axis.values.len());
     match columns * rows {
         points if points > MOST_POINTS => Err(Error::argument(format!(
-            "{columns} by {rows} are {points} points, and a plane has at most {MOST_POINTS}; take fewer values"
+            "{columns} by {rows} values are {points} points, but a plane has at most {MOST_POINTS}; give fewer values"
         ))),
         _ => Ok(()),
     }
@@ -157,7 +157,7 @@ pub fn basin(
     let names = [initial_value(scene, &x.name)?, initial_value(scene, &y.name)?];
     if names[0] == names[1] {
         return Err(Error::argument(format!(
-            "both axes are {}; give another initial value to one of them",
+            "both axes vary {}; choose another initial value for one of them",
             names[0]
         )));
     }

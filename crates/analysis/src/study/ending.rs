@@ -199,46 +199,46 @@ impl Ending {
     pub fn evidence(&self) -> Option<String> {
         if let (Kind::Undecided, Some(step)) = (self.kind, self.longest_step) {
             return Some(format!(
-                "the paper's scheme sees changes of contact state at the ends of its steps only, too coarsely to tell whether the state comes \
-                 back; --step {:.1e} or less may decide",
+                "the paper's scheme detects changes of contact state only at the ends of its steps, too coarsely to decide if \
+                 the state returns; a --step of {:.1e} or less may decide",
                 0.95 * step
             ));
         }
         match (self.kind, self.period, self.closure, self.parting) {
             (Kind::Periodic, Some(period), Some(closure), _) => Some(format!(
-                "the state comes back after {period:.6e} s to within {closure:.1e} of its size"
+                "the state returns after {period:.6e} s to within {closure:.1e} of the motion's size"
             )),
             (Kind::QuasiPeriodic | Kind::Undecided, ..) if self.linear => Some(
-                "contacts stay in one state and modes neither grow nor decay: the motion is the sum of those modes, of any \
-                 size, and of what signals drive; it comes back only if all its frequencies are multiples of one \
-                 frequency, and amontons-stability states prints those of the modes"
+                "no contact changes its state, and modes neither grow nor decay: the motion is the sum of these modes, of any \
+                 amplitude, and of the response to signals; the state returns only if all frequencies are multiples of \
+                 one frequency; amontons-stability states prints the frequencies of the modes"
                     .to_owned(),
             ),
             (Kind::QuasiPeriodic, ..) if self.follows => Some(
-                "neighbouring motions come together: the motion follows its signals, which have no common period, or one of \
-                 more than 100 windows"
+                "neighbouring motions converge: the motion follows its signals, which have no common period, or one of more \
+                 than 100 windows"
                     .to_owned(),
             ),
             (Kind::QuasiPeriodic, ..) if !self.two_frequencies => Some(format!(
-                "the state does not come back within 64 periods, and neighbouring motions do not part over \
-                 {MOST_WINDOWS_APART} windows; not all strong lines combine two frequencies: there are more, or combinations of \
-                 high order"
+                "the state does not return within 64 periods, and neighbouring motions do not diverge over \
+                 {MOST_WINDOWS_APART} windows; not all strong spectral lines are combinations of two frequencies: there \
+                 are more independent frequencies, or combinations of high order"
             )),
             (Kind::QuasiPeriodic, ..) => Some(format!(
-                "the state does not come back within 64 periods, neighbouring motions do not part over \
-                 {MOST_WINDOWS_APART} windows, and all strong lines combine two frequencies"
+                "the state does not return within 64 periods, neighbouring motions do not diverge over \
+                 {MOST_WINDOWS_APART} windows, and all strong spectral lines are combinations of two frequencies"
             )),
             (Kind::Irregular, .., Some(rate)) => Some(format!(
-                "neighbouring motions part as fast as e^({rate:.0e} t/s), by one stretch of the motion: elsewhere the rate may \
-                 be half or twice as large"
+                "neighbouring motions diverge as e^({rate:.0e} t/s), estimated from one part of the motion: in other parts \
+                 the rate may be half or twice as large"
             )),
             (Kind::Undecided, Some(period), Some(closure), _) => Some(format!(
-                "the state comes back after {period:.6e} s to within {closure:.1e} of its size, and no nearer; a longer \
-                 --window or --longest or, of the paper's scheme, another --step may decide"
+                "the state returns after {period:.6e} s to within {closure:.1e} of the motion's size, but no closer; a longer \
+                 --window or --longest, or another --step of the paper's scheme, may decide"
             )),
             (Kind::Undecided, ..) => Some(
-                "neither is the state known to come back, nor neighbouring motions to part, nor all lines to combine two \
-                 frequencies; a longer --window may decide"
+                "it is not known if the state returns, if neighbouring motions diverge, or if all spectral lines are \
+                 combinations of two frequencies; a longer --window may decide"
                     .to_owned(),
             ),
             _ => None,

@@ -47,7 +47,7 @@ impl Journal {
             Ok(()) => {}
             Err(TryLockError::WouldBlock) => {
                 return Err(Error::unusable_file(format!(
-                    "{} is being written by another study; wait for it, or give another folder",
+                    "{} is being written by another study; wait for it, or give another folder with -o",
                     path.display()
                 )));
             }
@@ -102,14 +102,15 @@ impl Journal {
             return serde_json::from_value(value).map(Some).map_err(|_| damaged(path));
         }
         let Some(piece) = work()? else { return Ok(None) };
-        let value = serde_json::to_value(&piece)
-            .map_err(|error| Error::unusable_file(format!("cannot note {key}: {error}")))?;
+        let value = serde_json::to_value(&piece).map_err(|error| {
+            Error::unusable_file(format!("cannot record the result of {key}: {error}"))
+        })?;
         let pages = &mut *self.pages();
         if let (Some(file), Some(path)) = (&mut pages.file, &self.path) {
             append(file, &json!({ "key": key, "piece": value })).map_err(|error| {
                 Error::unusable_file(format!(
-                    "cannot write {}: {error}; what was finished before is kept there, and the same command \
-                     continues from it",
+                    "cannot write {}: {error}; the results that were finished before are kept there, and the same \
+                     command continues from them",
                     path.display()
                 ))
             })?;
@@ -153,7 +154,7 @@ impl Owner {
             Some(known) if known == study => Self::This,
             Some(known) => Self::Another { why: difference(known, study), has_pieces },
             None => Self::Another {
-                why: "its journal is none that a study of this version has written".to_owned(),
+                why: "its journal was not written by a study of this version".to_owned(),
                 has_pieces: true,
             },
         }
@@ -183,7 +184,7 @@ fn read(path: &Path, bytes: &[u8], study: &Value) -> Result<Option<HashMap<Strin
             return Ok(None);
         }
         return Err(Error::unusable_file(format!(
-            "{} is of another study: {}; give another folder with -o, or --anew to drop it",
+            "{} belongs to another study: {}; give another folder with -o, or --anew to drop it",
             path.display(),
             difference(known, study)
         )));
@@ -219,8 +220,10 @@ fn difference(there: &Value, here: &Value) -> String {
         _ => None,
     };
     match [told(two[0]), told(two[1])] {
-        [Some(there), Some(here)] => format!("{path} is {there} there and {here} here"),
-        _ => format!("{path} is another one there"),
+        [Some(there), Some(here)] => {
+            format!("{path} is {there} in that study and {here} in this one")
+        }
+        _ => format!("{path} differs"),
     }
 }
 
@@ -229,7 +232,7 @@ const LONGEST: usize = 60;
 
 fn damaged(path: &Path) -> Error {
     Error::unusable_file(format!(
-        "{} is not what a study of this version has written; give another folder with -o, or --anew to drop it",
+        "{} is damaged, or was not written by a study of this version; give another folder with -o, or --anew to drop it",
         path.display()
     ))
 }
@@ -291,9 +294,12 @@ mod tests {
         let path = folder.path().join("journal.jsonl");
         made(&Journal::open(&path, &json!({ "window": 1.0 }), false).unwrap(), "a", 1.0);
         let other = Journal::open(&path, &json!({ "window": 2.0 }), false).map(|_| ()).unwrap_err();
-        assert!(other.is_file() && other.to_string().contains("window is 1.0 there and 2.0 here"));
+        assert!(
+            other.is_file()
+                && other.to_string().contains("window is 1.0 in that study and 2.0 in this one")
+        );
         assert_eq!(Owner::of(&path, &json!({ "window": 1.0 })), Owner::This);
-        let why = "window is 1.0 there and 2.0 here".to_owned();
+        let why = "window is 1.0 in that study and 2.0 in this one".to_owned();
         let another = Owner::Another { why, has_pieces: true };
         assert_eq!(Owner::of(&path, &json!({ "window": 2.0 })), another);
         assert_eq!(Owner::of(&folder.path().join("none"), &json!({})), Owner::Nobody);
@@ -310,13 +316,16 @@ mod tests {
             json!({ "a": 1, "file": "x".repeat(100), "set": {}, "settings": { "of": null } });
         let mut here = there.clone();
         here["file"] = json!("another");
-        assert_eq!(difference(&there, &here), "file is another one there");
+        assert_eq!(difference(&there, &here), "file differs");
         here["settings"]["of"] = json!("block.x");
-        assert_eq!(difference(&there, &here), "settings.of is not given there and block.x here");
+        assert_eq!(
+            difference(&there, &here),
+            "settings.of is not given in that study and block.x in this one"
+        );
         here["set"] = json!({ "friction.coefficient": 0.5 });
         assert_eq!(
             difference(&there, &here),
-            "set.friction.coefficient is not given there and 0.5 here"
+            "set.friction.coefficient is not given in that study and 0.5 in this one"
         );
     }
 

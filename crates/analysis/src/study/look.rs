@@ -67,7 +67,7 @@ impl Look {
         let of = match wish.of {
             Some(name) => output(scene, name)?.name,
             None => scene.dof_names().into_iter().next().ok_or_else(|| {
-                Error::scene(format!("{} has no degree of freedom to look at", scene.name))
+                Error::scene(format!("{} has no degree of freedom to observe", scene.name))
             })?,
         };
         let frequencies = frequencies(scene);
@@ -106,8 +106,8 @@ impl Look {
             frequencies.filter(|[slowest, _]| window * slowest < FEWEST_PERIODS)
         {
             return Err(Error::argument(format!(
-                "a window of {window} s has {:.1} periods of the slowest mode ({slowest:.4} Hz), too few to know a \
-                 motion by; give a --window of {} s or more",
+                "a window of {window} s has {:.1} periods of the slowest mode ({slowest:.4} Hz), too few to \
+                 identify the kind of motion; give a --window of {} s or more",
                 window * slowest,
                 round_up(FEWEST_PERIODS / slowest)
             )));
@@ -119,8 +119,8 @@ impl Look {
             None if waits <= MOST_WAITED => waits + LONGEST,
             None => {
                 return Err(Error::argument(format!(
-                    "what a scene ends in is known after the last edge of its signals, at {} s, more than {MOST_WAITED} \
-                     windows of {} s away; give a --longest beyond it, or end the signals sooner",
+                    "the final motion can be found only after the last edge of the scene's signals, at {} s, more than \
+                     {MOST_WAITED} windows of {} s after the start; give a --longest beyond it, or end the signals sooner",
                     Short(edge),
                     Short(window)
                 )));

@@ -79,7 +79,7 @@ pub fn perturbation(
     let name = initial_value(scene, &direction.name)?;
     if !(1e-12..1.0).contains(&direction.resolution) {
         return Err(Error::argument(format!(
-            "a threshold cannot be found to {} of itself; give a --resolution from 1e-12 to 1, such as 1e-3",
+            "the relative resolution of thresholds cannot be {}; give a --resolution from 1e-12 to below 1, such as 1e-3",
             direction.resolution
         )));
     }

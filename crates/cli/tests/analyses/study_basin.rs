@@ -241,7 +241,7 @@ fn planes_that_make_no_sense_are_refused_with_what_would() {
         2,
         &["module[2].v9", "initial.module[2].v1", "initial.module[2].v4"],
     );
-    refused(x, "initial.module[1].v2=-1:1/4", 2, &["both axes are initial.module[1].v2"]);
+    refused(x, "initial.module[1].v2=-1:1/4", 2, &["both axes vary initial.module[1].v2"]);
     refused(x, "slider.velocity=-1:1/4", 2, &["no initial value slider.velocity"]);
     refused(x, "module[2].v2=-1:1", 2, &["A:B/N"]);
     refused(x, "module[2].v2", 2, &["NAME=A:B/N"]);

@@ -380,8 +380,10 @@ fn studies_of_one_scene_with_other_values_do_not_share_a_folder() {
         let second = study(&other);
         let note = text(&second.stderr);
         assert!(second.status.success(), "{note}");
-        for word in ["set.friction.coefficient is not given there and 1.5 here", "set1-transient-2"]
-        {
+        for word in [
+            "set.friction.coefficient is not given in that study and 1.5 in this one",
+            "set1-transient-2",
+        ] {
             assert!(note.contains(word), "{note}");
         }
     }

@@ -16,7 +16,9 @@ pub(super) struct Reached {
 impl Reached {
     /// A value at which a motion is not followed because it has taken too many rows.
     pub(super) fn not_tried(friction: f64) -> Self {
-        let ending = Err("the motion would have taken too long to be followed to here".to_owned());
+        let ending =
+            Err("the motion was not followed to this value because that would take too long"
+                .to_owned());
         Self { point: Point { friction, ending }, progress: None }
     }
 

@@ -148,7 +148,7 @@ pub fn transient(
     let kept = experiment.stop_time / interval * (outputs.len() + scene.contact_count()) as f64;
     if kept > MOST_KEPT {
         return Err(Error::argument(format!(
-            "{} s with a row each {} s are {kept:.1e} values, more than {MOST_KEPT:e}; choose a shorter \
+            "{} s with a row every {} s have {kept:.1e} values, more than the limit of {MOST_KEPT:e}; choose a shorter \
              --stop-time, a longer --output-interval, or a single output with --of",
             Short(experiment.stop_time),
             Short(interval)
@@ -254,23 +254,23 @@ fn leaves_out(here: &Linearised, scene: &Scene) -> Vec<String> {
     let mut found = Vec::new();
     if !scene.signals.is_empty() {
         found.push(
-            "signals act in the run; the eigenvalues beside a growth or decay are those of the values after the last jump \
-             or corner of a signal before it"
+            "signals act in the run; the eigenvalues beside a growth or decay are those of the scene with the values \
+             after the last jump or corner of a signal before it"
                 .to_owned(),
         );
     }
     if let Some(step) = scheme_step(scene) {
         found.push(format!(
-            "rates and frequencies are those of the paper's scheme, whose steps of {} s change them by parts that grow \
-             with the step: the eigenvalues beside them are the scene's own; a smaller --step or, where the scene allows \
-             it, --integrator event-driven comes nearer to these",
+            "rates and frequencies are those of the paper's scheme, whose errors grow with its step of {} s: the \
+             eigenvalues beside them are the scene's own; a smaller --step or, where the scene allows it, --integrator \
+             event-driven comes closer to these",
             Short(step)
         ));
     }
     if here.linear().is_ok_and(|linear| linear.friction().any(|friction| friction.damping != 0.0)) {
         found.push(
-            "friction depends on the slip velocity; the eigenvalues have its slope at the equilibrium, which is \
-             right for small motions"
+            "friction depends on the slip velocity; the eigenvalues use its slope at the equilibrium, which is \
+             valid for small motions"
                 .to_owned(),
         );
     }
