@@ -8,30 +8,32 @@ use std::io::{self, Write as _, stdout};
 use std::path::PathBuf;
 use std::time::Duration;
 
-const NOTES: &str = "Exit codes: 0 nothing found, 1 something found, 2 not readable as an FMU, 130 \
-interrupted. A finding is a line: its rule, the file (and line), what is wrong. Lines that begin with hint: \
-tell what is wrong on some hosts only; with --strict they are findings. Lines that begin with note: say \
-what could not be examined.\n\nThe run takes place in a process of its own with limits of time, memory \
-and file size. That is no sandbox: a library can do what its user can. --no-run reads files only.";
+const NOTES: &str = "Exit codes: 0 no findings, 1 at least one finding, 2 the file cannot be read as an FMU or \
+its library cannot be started, 130 interrupted. Each finding is one line: the rule, the file (and line), and what \
+is wrong. A line that begins with \"hint:\" names something that is wrong on some hosts only; with --strict it \
+counts as a finding. A line that begins with \"note:\" says what could not be examined.\n\nThe library runs in a \
+process of its own with limits on time, memory and file size. This is not a sandbox: the library can do whatever \
+its user can. With --no-run, files are only read and the library is not run.";
 
 /// The arguments of an examination.
 #[derive(Args, Clone, Debug)]
 #[command(after_help = NOTES, after_long_help = format!("{NOTES}\n\nRules:\n{}", rules()))]
 pub struct Arguments {
-    /// The FMU
+    /// The FMU to check
     #[arg(required_unless_present = "rules")]
     file: Option<PathBuf>,
     /// List all rules
     #[arg(long, conflicts_with = "file")]
     rules: bool,
-    /// Read files only: nothing of the FMU is run
+    /// Only read files; do not run the library
     #[arg(long)]
     no_run: bool,
-    /// How long the run may take, s
+    /// Time limit of the run, s
     #[arg(long, value_name = "SECONDS", default_value = "60", value_parser = clap::value_parser!(u64).range(1..=86400),
         conflicts_with = "no_run")]
     timeout: u64,
-    /// The newest glibc that a library for Linux may need; without it, needing a newer one than 2.17 is a hint
+    /// The newest glibc that a Linux library may need; without this option, a library that needs a newer one than 2.17
+    /// gets a hint
     #[arg(long, value_name = "VERSION")]
     glibc: Option<Glibc>,
     /// Count hints as findings
@@ -93,7 +95,7 @@ pub fn run(arguments: &Arguments, watch: Watch<'_>) -> Result<(), Failed> {
     } else {
         let program = std::env::current_exe().map_err(|error| {
             Error::new(format!(
-                "cannot run the library, since this program's file is unknown: {error}"
+                "cannot run the library: the path of this program is unknown: {error}"
             ))
         })?;
         Some(Run { program, timeout: Duration::from_secs(arguments.timeout) })

@@ -29,11 +29,14 @@ pub(super) fn examine(description: &Description<'_>, archive: &Archive, report: 
 
 fn model(root: &Element, report: &mut Report) {
     if root.attribute("guid").is_some_and(|guid| guid.trim().is_empty()) {
-        let message = "the guid is empty; it tells whether library and description belong together";
+        let message =
+            "the guid is empty; the library needs it to refuse a model description of another FMU";
         report.add(Rule::GuidEmpty, root.place(), message);
     }
     if let Some(date) = root.attribute("generationDateAndTime").filter(|date| !is_date(date)) {
-        let message = format!("{date} is not a date and time of UTC as 2024-12-31T23:59:59Z");
+        let message = format!(
+            "generationDateAndTime {date} is not a date and time in UTC, such as 2024-12-31T23:59:59Z"
+        );
         report.add(Rule::GenerationDate, root.place(), message);
     }
 }
@@ -59,19 +62,21 @@ fn is_date(text: &str) -> bool {
 fn abilities(simulation: &Element, archive: &Archive, report: &mut Report) {
     if let Some(name) = simulation.attribute("modelIdentifier").filter(|name| !is_identifier(name))
     {
-        let message =
-            format!("modelIdentifier {name} is no identifier of C (letters, digits and _ only)");
+        let message = format!(
+            "modelIdentifier {name} is not a C identifier (letters, digits and _, without a digit in front)"
+        );
         report.add(Rule::ModelIdentifier, simulation.place(), message);
     }
     let can = |flag: &str| simulation.attribute(flag).and_then(boolean).unwrap_or(false);
     if can("canSerializeFMUstate") && !can("canGetAndSetFMUstate") {
-        let message = "canSerializeFMUstate without canGetAndSetFMUstate, which it needs";
+        let message =
+            "canSerializeFMUstate is true, but canGetAndSetFMUstate, which it requires, is not";
         report.add(Rule::CapabilityFlags, simulation.place(), message);
     }
     for file in simulation.below("SourceFiles") {
         let Some(name) = file.attribute("name") else { continue };
         if archive.find(&format!("sources/{name}")).is_none() {
-            let message = format!("lists the source file {name}, which is not in sources/");
+            let message = format!("SourceFiles lists {name}, which is not in sources/");
             report.add(Rule::SourceFileMissing, file.place(), message);
         }
     }
@@ -136,8 +141,8 @@ fn units(description: &Description<'_>, report: &mut Report) {
         let Some(display) = element.attribute("displayUnit") else { return };
         if !unit.and_then(|unit| known.get(unit)).is_some_and(|names| names.contains(display)) {
             let below = unit.map_or_else(
-                || "it has no unit".to_owned(),
-                |unit| format!("it is no DisplayUnit of {unit}"),
+                || format!("{owner} has no unit"),
+                |unit| format!("{unit} has no such DisplayUnit"),
             );
             let message = format!("the display unit {display} of {owner} is not declared: {below}");
             report.add(Rule::DisplayUnitUndeclared, element.place(), message);
@@ -169,7 +174,8 @@ fn types(description: &Description<'_>, report: &mut Report) {
     for variable in &description.variables {
         let (name, place) = (variable.name, variable.element.place());
         if names.contains(name) {
-            report.add(Rule::TypeName, place.clone(), format!("{name} is also the name of a type"));
+            let message = format!("the variable {name} has the name of a type");
+            report.add(Rule::TypeName, place.clone(), message);
         }
         let Some(declared) = variable.element.attribute("declaredType") else { continue };
         match variable
@@ -179,11 +185,11 @@ fn types(description: &Description<'_>, report: &mut Report) {
             None => report.add(
                 Rule::TypeUndeclared,
                 place,
-                format!("the type {declared} of {name} is not declared"),
+                format!("the declaredType {declared} of {name} is not defined"),
             ),
             Some(Some(kind)) if kind != variable.kind => {
                 let message = format!(
-                    "{name} is of kind {:?}, its type {declared} of {kind:?}",
+                    "{name} is of kind {:?}, but its declaredType {declared} is of kind {kind:?}",
                     variable.kind
                 );
                 report.add(Rule::TypeKind, place, message);
@@ -219,7 +225,9 @@ fn enumeration(name: &str, items: &Element, report: &mut Report) {
         for item in &items.children {
             let Some(value) = item.attribute(attribute) else { continue };
             if !seen.insert(value.trim_ascii()) {
-                let message = format!("two items of {name} have the {attribute} {value}");
+                let message = format!(
+                    "two items of the enumeration {name} have the same {attribute}, {value}"
+                );
                 report.add(Rule::Enumeration, item.place(), message);
             }
         }

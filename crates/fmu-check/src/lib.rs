@@ -68,14 +68,17 @@ pub fn check(path: &Path, options: &Options, watch: Watch<'_>) -> Result<Option<
         .map_err(failed)?;
     if bytes.len() as u64 > MOST_BYTES {
         return Err(Error::new(format!(
-            "{} has more than {MOST_BYTES} bytes; FMUs of up to so many are read",
+            "{} has more than {MOST_BYTES} bytes, the limit for an FMU",
             path.display()
         )));
     }
-    let archive = Archive::read(bytes)?;
+    let archive = Archive::read(bytes)
+        .map_err(|reason| Error::new(format!("{} is not an FMU: {reason}", path.display())))?;
     let mut report = Report::default();
     if !archive::examine(&archive, &mut report) {
-        report.note("only the archive is examined: it is not unpacked");
+        report.note(
+            "only the headers of the archive are examined: it is not unpacked (see zip-bomb)",
+        );
         return Ok(Some(report));
     }
     let library = files(&archive, options.glibc, &mut report);
@@ -96,7 +99,7 @@ fn missing(archive: &Archive, folder: &str) -> String {
         return format!("there is no usable library in binaries/{folder}/");
     }
     let folders = Vec::from_iter(folders).join(", ");
-    format!("there is no library for this host ({folder}); those that there are: {folders}")
+    format!("there is no library for this host ({folder}), only for {folders}")
 }
 
 /// Examines the model description and the libraries. Returns the path of the library to run.
@@ -110,17 +113,17 @@ fn files(archive: &Archive, floor: Option<Glibc>, report: &mut Report) -> Option
     variables::examine(&description, report);
     structure::examine(&description, report);
     if description.simulation.is_none() {
-        report.note("there is no CoSimulation element: libraries are not examined");
+        report.note("modelDescription.xml has no CoSimulation element: libraries are not examined");
         return None;
     }
     let library = binaries::examine(&description, archive, floor, report);
     let note = match (&library, binaries::HOST) {
         (Some(_), _) if description.can("needsExecutionTool") => {
-            "it needs another program (needsExecutionTool)"
+            "the library needs another program (needsExecutionTool)"
         }
         (Some(_), _) => return library,
         (None, Some(folder)) => &missing(archive, folder),
-        (None, None) => "FMI 2.0 has no folder for this host",
+        (None, None) => "FMI 2.0 defines no platform folder for this host",
     };
     report.note(format!("nothing is run: {note}"));
     None

@@ -9,7 +9,7 @@ use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Find what an FMI 2.0 co-simulation FMU breaks, whoever made it: archive, description, libraries, a run
+/// Check an FMI 2.0 co-simulation FMU from any tool: archive, model description, libraries, and a run of the library
 #[derive(Parser)]
 #[command(
     version,

@@ -74,7 +74,8 @@ impl fmt::Display for Report {
             writeln!(f, "{finding}")?;
         }
         for (rule, count) in &self.more {
-            writeln!(f, "{} …: {count} more", rule.id())?;
+            let plural = if *count == 1 { "" } else { "s" };
+            writeln!(f, "{} …: {count} more finding{plural} of this rule", rule.id())?;
         }
         for hint in &self.hints {
             writeln!(f, "hint: {hint}")?;
@@ -123,6 +124,6 @@ mod tests {
             report.add(Rule::ZipLink, "a", "b");
         }
         assert_eq!(report.findings.len(), TOLD);
-        assert!(report.to_string().ends_with("zip-link …: 5 more\n"));
+        assert!(report.to_string().ends_with("zip-link …: 5 more findings of this rule\n"));
     }
 }

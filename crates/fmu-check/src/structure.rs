@@ -28,7 +28,7 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
         let Some(derivative) = lists.variables.get(index) else { continue };
         let Some(state) = derivative.element.attribute("derivative").and_then(count) else {
             let message =
-                format!("Derivatives lists {}, which states no derivative", derivative.name);
+                format!("Derivatives lists {}, which has no attribute derivative", derivative.name);
             report.add(Rule::DerivativesList, place("Derivatives"), message);
             continue;
         };
@@ -44,8 +44,10 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
     let what = (Rule::InitialUnknownsList, "InitialUnknowns", &*place("InitialUnknowns"));
     lists.compare(&initial, &wanted, what, report);
     if let Some(pair) = initial.windows(2).find(|pair| pair[0] > pair[1]) {
-        let message =
-            format!("InitialUnknowns has {} before {}; they must ascend", pair[0], pair[1]);
+        let message = format!(
+            "InitialUnknowns lists variable {} before variable {}; the indices must ascend",
+            pair[0], pair[1]
+        );
         report.add(Rule::InitialUnknownsOrder, place("InitialUnknowns"), message);
     }
 }
@@ -67,7 +69,7 @@ impl Lists<'_> {
             let index = index as usize;
             if index == 0 || index > self.count {
                 let message = format!(
-                    "{name} lists variable {index}; there are variables 1 to {}",
+                    "{name} lists variable {index}, but only the variables 1 to {} exist",
                     self.count
                 );
                 report.add(Rule::UnknownIndex, unknown.place(), message);
@@ -88,8 +90,10 @@ impl Lists<'_> {
         let dependencies = unknown.attribute("dependencies");
         for index in dependencies.unwrap_or_default().split_ascii_whitespace().filter_map(count) {
             if index == 0 || index as usize > self.count {
-                let message =
-                    format!("depends on variable {index}; there are variables 1 to {}", self.count);
+                let message = format!(
+                    "dependencies lists variable {index}, but only the variables 1 to {} exist",
+                    self.count
+                );
                 report.add(Rule::DependenciesIndex, unknown.place(), message);
             }
         }
@@ -99,13 +103,15 @@ impl Lists<'_> {
             report.add(
                 Rule::DependenciesKind,
                 unknown.place(),
-                "dependenciesKind without dependencies",
+                "dependenciesKind is stated without dependencies",
             );
             return;
         };
         let dependencies = dependencies.split_ascii_whitespace().count();
         if kinds != dependencies {
-            let message = format!("{kinds} dependenciesKind of {dependencies} dependencies");
+            let message = format!(
+                "dependenciesKind and dependencies need equal numbers of entries, but have {kinds} and {dependencies}"
+            );
             report.add(Rule::DependenciesKind, unknown.place(), message);
         }
     }
@@ -129,8 +135,8 @@ impl Lists<'_> {
         for index in wanted.symmetric_difference(&found) {
             // Variables that could not be read are reported by other rules.
             let Some(variable) = self.variables.get(index) else { continue };
-            let verb = if wanted.contains(index) { "lacks" } else { "should not list" };
-            let message = format!("{list} {verb} variable {index}, {}", variable.name);
+            let verb = if wanted.contains(index) { "is missing" } else { "should not list" };
+            let message = format!("{list} {verb} variable {index} ({})", variable.name);
             report.add(rule, place, message);
         }
     }

@@ -43,7 +43,7 @@ pub(super) fn examine(archive: &Archive, report: &mut Report) -> bool {
     let total: u64 = archive.entries.iter().fold(0, |sum, entry| sum.saturating_add(entry.size));
     if total > MOST_BYTES || total > FREE_BYTES && total / MOST_RATIO > archive.len() {
         let message = format!(
-            "{} bytes would unpack to {total}; the limits are {MOST_BYTES}, and {MOST_RATIO} times the archive",
+            "its {} bytes would unpack to {total}; the limits are {MOST_BYTES} and, above {FREE_BYTES}, {MOST_RATIO} times the size of the archive",
             archive.len()
         );
         report.add(Rule::ZipBomb, "the archive", message);
@@ -53,7 +53,7 @@ pub(super) fn examine(archive: &Archive, report: &mut Report) -> bool {
     let packed = archive.entries.iter().fold(0_u64, |sum, entry| sum.saturating_add(entry.packed));
     if packed > archive.len() {
         let message = format!(
-            "entries overlap: together their contents have {packed} bytes, the archive {}; each has a place of its own",
+            "entries overlap: their packed contents have {packed} bytes in total, but the archive has only {}",
             archive.len()
         );
         report.add(Rule::ZipBomb, "the archive", message);
@@ -81,16 +81,16 @@ fn header(entry: &Entry, report: &mut Report) {
         report.add(Rule::ZipVersion, &entry.name, message);
     }
     if entry.is_encrypted {
-        report.add(Rule::ZipMethod, &entry.name, "is encrypted");
+        report.add(Rule::ZipMethod, &entry.name, "is encrypted; FMI 2.0 does not allow encryption");
     } else if !is_readable(entry.method) {
         let message = format!(
-            "is compressed by method {}; FMI allows deflate (8) and none (0)",
+            "uses compression method {}; FMI allows 0 (stored) and 8 (deflate)",
             entry.method.as_u16()
         );
         report.add(Rule::ZipMethod, &entry.name, message);
     }
     if entry.has_data_descriptor {
-        let message = "has its sizes in a data descriptor behind the content; write them into the local header";
+        let message = "has its sizes in a data descriptor after the content; write them into the local header";
         report.add(Rule::ZipDataDescriptor, &entry.name, message);
     }
     let kind = entry.mode.map_or(0, |mode| mode & UNIX_TYPE);
@@ -115,9 +115,9 @@ fn name(entry: &Entry, report: &mut Report) {
     } else if name.starts_with('/') || drive {
         "is an absolute path"
     } else if name.split('/').any(|part| part == "..") {
-        "climbs out of the archive"
+        "leads out of the archive with .."
     } else if name.trim_end_matches('/').split('/').any(|part| part.is_empty() || part == ".") {
-        "has an empty part"
+        "has an empty part or the part ."
     } else if name.chars().any(char::is_control) {
         "has a control character"
     } else {
@@ -139,9 +139,9 @@ fn duplicates(archive: &Archive, report: &mut Report) {
     for entry in &archive.entries {
         let Some(first) = seen.insert(entry.name.to_lowercase(), &entry.name) else { continue };
         let message = if first == entry.name {
-            "is there twice".to_owned()
+            "occurs more than once in the archive".to_owned()
         } else {
-            format!("and {first} are one file where case does not count")
+            format!("has the same name as {first} on systems that ignore case")
         };
         report.add(Rule::ZipDuplicate, &entry.name, message);
     }
@@ -157,7 +157,7 @@ fn top_level(archive: &Archive, report: &mut Report) {
                 "is not at the top level but at {}; pack the folder's content, not the folder",
                 entry.name
             ),
-            None => "is not there".to_owned(),
+            None => "is missing from the archive".to_owned(),
         };
         report.add(Rule::ModelDescriptionMissing, DESCRIPTION, message);
         return;
@@ -169,7 +169,7 @@ fn top_level(archive: &Archive, report: &mut Report) {
         });
         // Names that are not safe paths are reported by the rule on names.
         if !known && is_safe(entry) {
-            let message = "is nothing that FMI 2.0 has at the top level; files for the model belong in resources/";
+            let message = "is not defined by FMI 2.0 at the top level; files that the model needs belong in resources/";
             report.add(Rule::ZipUnknownEntry, &entry.name, message);
         }
     }

@@ -1,7 +1,6 @@
 //! Reads a zip archive header by header. Most libraries hide the mistakes that the rules look for, such as a name that
 //! occurs twice or a local header that differs from the central directory; rawzip gives both headers unchanged.
 
-use crate::Error;
 use flate2::read::DeflateDecoder;
 use rawzip::extra_fields::{ExtraFieldId, ExtraFields};
 use rawzip::{
@@ -72,7 +71,9 @@ impl Entry {
             return Err(format!("its local header names another file: {other}"));
         }
         if local.compression_method() != self.method {
-            return Err("its two headers state two ways of compression".to_owned());
+            return Err(
+                "its local and its central header state different compression methods".to_owned()
+            );
         }
         self.version = self.version.max(version(archive, central.local_header_offset() + 4));
         self.is_encrypted |= local.flags().is_encrypted();
@@ -84,7 +85,9 @@ impl Entry {
             && !self.zip64
             && stated != (central.crc32(), self.size)
         {
-            return Err("its two headers state two sizes or checksums".to_owned());
+            return Err(
+                "its local and its central header state different sizes or checksums".to_owned()
+            );
         }
         Ok(())
     }
@@ -128,15 +131,14 @@ impl Archive {
     /// Reads the headers of an archive.
     ///
     /// # Errors
-    /// Returns an error if the bytes are not a zip archive or the directory cannot be read.
-    pub(crate) fn read(bytes: Vec<u8>) -> Result<Self, Error> {
-        let damaged =
-            || Error::new("not an FMU: the zip archive's directory is damaged or cut off");
-        let archive = ZipArchive::from_slice(bytes)
-            .map_err(|_| Error::new("not an FMU: it is not a zip archive"))?;
+    /// Returns the reason if the bytes are not a zip archive or the directory cannot be read.
+    pub(crate) fn read(bytes: Vec<u8>) -> Result<Self, String> {
+        let damaged = || "the directory of its zip archive is damaged or cut off".to_owned();
+        let archive =
+            ZipArchive::from_slice(bytes).map_err(|_| "it is not a zip archive".to_owned())?;
         let count = archive.entries_hint();
         if count > MOST_ENTRIES {
-            return Err(Error::new(format!("not an FMU: it states {count} entries")));
+            return Err(format!("it states {count} entries; the limit is {MOST_ENTRIES}"));
         }
         if !is_directory_as_stated(&archive) {
             return Err(damaged());
@@ -176,7 +178,7 @@ impl Archive {
             CompressionMethod::STORE => Box::new(content.data()),
             CompressionMethod::DEFLATE => Box::new(DeflateDecoder::new(content.data())),
             method => {
-                return Err(format!("its compression (method {}) is not known", method.as_u16()));
+                return Err(format!("its compression method {} is not supported", method.as_u16()));
             }
         };
         // The reader fails as soon as the content exceeds the stated size.
@@ -204,11 +206,11 @@ fn explain(error: &io::Error) -> String {
     match source.map(rawzip::Error::kind) {
         Some(ErrorKind::InvalidSize { expected, actual }) => {
             let more = if actual > expected { "more" } else { "fewer" };
-            format!("it unpacks to {more} than the {expected} bytes that it states")
+            format!("it unpacks to {more} than the {expected} bytes that the archive states")
         }
         Some(ErrorKind::InvalidChecksum { expected, actual }) => {
-            format!("its checksum is {actual:08x}, stated is {expected:08x}")
+            format!("its checksum is {actual:08x}, but the archive states {expected:08x}")
         }
-        _ => format!("it does not unpack: {error}"),
+        _ => format!("it cannot be unpacked: {error}"),
     }
 }

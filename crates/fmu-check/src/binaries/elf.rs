@@ -28,7 +28,7 @@ pub(super) fn examine<Elf: FileHeader<Endian = Endianness>>(
             for folder in entry.1.split(':').filter(|folder| below_origin(folder).is_none()) {
                 let folder = if folder.is_empty() { "the current folder" } else { folder };
                 let message = format!(
-                    "looks for libraries in {folder}, which other hosts do not have; use $ORIGIN or none"
+                    "searches {folder} for libraries; search paths must begin with $ORIGIN, the library's own folder"
                 );
                 report.add(Rule::RunPath, path, message);
             }
@@ -85,11 +85,11 @@ fn stack<Elf: FileHeader<Endian = Endianness>>(
     let header =
         file.elf_program_headers().iter().find(|header| header.p_type(endian) == PT_GNU_STACK);
     let why = match header {
-        None => "says nothing of its stack, which then is executable",
+        None => "has no GNU_STACK header, so its stack is executable",
         Some(header) if header.p_flags(endian).contains(PF_X) => "asks for an executable stack",
         Some(_) => return,
     };
-    let message = format!("{why}; hardened hosts refuse it (link with -z noexecstack)");
+    let message = format!("{why}; hardened hosts refuse to load it (link with -z noexecstack)");
     report.add(Rule::ExecutableStack, path, message);
 }
 
@@ -208,7 +208,7 @@ fn undefined<Elf: FileHeader<Endian = Endianness>>(
             String::new()
         };
         let message = format!(
-            "needs {some}{more}, which nothing that it links to has (link with -z defs to see it)"
+            "has undefined symbols that no linked library provides: {some}{more} (the linker option -z defs reports them)"
         );
         report.add(Rule::SymbolUndefined, path, message);
     }

@@ -60,7 +60,7 @@ impl PlatformLibrary<'_> {
                 ObjectKind::Executable | ObjectKind::Relocatable | ObjectKind::Core
             )
         }) {
-            self.wrong_format("no shared library but a program or an object file", report);
+            self.wrong_format("not a shared library but a program or an object file", report);
             return false;
         }
         let reach = fitting.iter().flat_map(|part| part.segments()).map(|segment| {
@@ -69,7 +69,7 @@ impl PlatformLibrary<'_> {
         });
         let (reach, length) = (reach.max().unwrap_or(0), content.len() as u64);
         if reach > length {
-            let message = format!("cut off (it has {length} bytes and says that it has {reach})");
+            let message = format!("cut off (it has {length} bytes, but its headers state {reach})");
             self.wrong_format(&message, report);
             return false;
         }
@@ -92,7 +92,9 @@ impl PlatformLibrary<'_> {
 
     fn wrong_format(&self, found: &str, report: &mut Report) {
         let Platform { folder, format, processors, .. } = self.platform;
-        let message = format!("is {found}; {folder} wants {format:?} for {:?}", processors[0]);
+        let processors: Vec<_> = processors.iter().map(|name| format!("{name:?}")).collect();
+        let wanted = processors.join(" or ");
+        let message = format!("is {found}; {folder} requires {format:?} for {wanted}");
         report.add(Rule::LibraryFormat, self.path, message);
     }
 
@@ -103,7 +105,7 @@ impl PlatformLibrary<'_> {
         });
         if let Err(error) = read {
             self.wrong_format(
-                &format!("damaged: what it exports is not readable ({error})"),
+                &format!("damaged: its table of exports cannot be read ({error})"),
                 report,
             );
             return;
@@ -117,7 +119,7 @@ impl PlatformLibrary<'_> {
             "exports no function of FMI 2.0 for co-simulation".to_owned()
         } else {
             format!(
-                "does not export {}; importers ask for it also where it only answers fmi2Error",
+                "does not export {}; FMI requires all functions, even those that only return fmi2Error",
                 lacking.join(", ")
             )
         };
@@ -144,11 +146,11 @@ impl PlatformLibrary<'_> {
                 continue;
             }
             let why = if is_beside {
-                "which lies beside it, where the loader does not look (link with -rpath '$ORIGIN' or @loader_path)"
+                "which lies beside it, but the loader does not search there (link with -rpath '$ORIGIN' or @loader_path)"
             } else if name.to_ascii_lowercase().starts_with("vcruntime")
                 || name.to_ascii_lowercase().starts_with("msvcp")
             {
-                "which is no part of Windows but of Visual C++'s runtime package (link with /MT)"
+                "which belongs to the Visual C++ runtime package, not to Windows (link with /MT)"
             } else {
                 "which not every host has; link it statically or put it beside the library"
             };
@@ -221,7 +223,7 @@ fn parts(content: &[u8]) -> Result<Vec<File<'_>>, String> {
         arches.iter().take(MOST_PARTS).filter_map(part).collect()
     }
     let unreadable = |error: object::Error| format!("not readable ({error})");
-    match FileKind::parse(content).map_err(|_| "no library at all".to_owned())? {
+    match FileKind::parse(content).map_err(|_| "not a library".to_owned())? {
         FileKind::MachOFat32 => MachOFatFile32::parse(content)
             .map(|file| fat(file.arches(), content))
             .map_err(unreadable),

@@ -73,7 +73,7 @@ pub(super) fn examine(
         if HOST == Some(folder) {
             host = Some(path);
         } else {
-            report.note(format!("{path} is read, not run: it is for another system than this"));
+            report.note(format!("{path} is read but not run: it is for another system"));
         }
     }
     host
@@ -85,10 +85,11 @@ fn foreign_folder(folder: &str, report: &mut Report) {
         .split_once('-')
         .is_some_and(|(processor, system)| !processor.is_empty() && !system.is_empty())
     {
-        report.note(format!("binaries/{folder}/ is not examined: FMI 2.0 has no such platform"));
+        report
+            .note(format!("binaries/{folder}/ is not examined: FMI 2.0 defines no such platform"));
     } else {
         let known: Vec<_> = platforms::PLATFORMS.iter().map(|platform| platform.folder).collect();
-        let message = format!("is no platform of FMI 2.0, which has {}", known.join(", "));
+        let message = format!("is not a platform of FMI 2.0; use one of {}", known.join(", "));
         report.add(Rule::PlatformFolder, format!("binaries/{folder}/"), message);
     }
 }
@@ -101,9 +102,9 @@ fn lacking(path: &str, platform: &Platform, entries: &[&Entry], report: &mut Rep
         .map(|entry| &*entry.name)
         .collect();
     let message = match others[..] {
-        [] => "is not there".to_owned(),
+        [] => "is missing".to_owned(),
         _ => format!(
-            "is not there, but {}; the library is called as modelIdentifier says",
+            "is missing; the folder holds {}, but the library must be named after modelIdentifier",
             others.join(", ")
         ),
     };

@@ -62,7 +62,7 @@ pub(super) fn examine(
         return Ok(None);
     };
     if !status.success() {
-        return Err(failed(&format!("what supervises it has ended early ({status})")));
+        return Err(failed(&format!("the process that supervises it ended early ({status})")));
     }
     // The folder has another name in each run, so findings do not show it.
     let told = journal::text(&journal).replace(&*folder.path().to_string_lossy(), "/…");
@@ -82,7 +82,10 @@ fn unpack(archive: &Archive, library: &str, folder: &Path) -> Result<(), String>
             continue;
         }
         if !is_safe(entry) {
-            return Err(format!("{} would not stay in its folder", entry.name));
+            return Err(format!(
+                "the entry {} has an unsafe name or is not a regular file",
+                entry.name
+            ));
         }
         let path = folder.join(&entry.name);
         let unpack = |path: PathBuf| -> Result<(), String> {

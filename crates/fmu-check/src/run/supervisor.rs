@@ -102,27 +102,35 @@ fn judge(
         WorkerEnd::Unwanted => return None,
         WorkerEnd::Late => {
             let seconds = timeout.as_secs_f64();
-            (Rule::TimeLimit, format!("is not done after {seconds} s, in {stage}"))
+            (Rule::TimeLimit, format!("does not finish within {seconds} s; stopped during {stage}"))
         }
         WorkerEnd::Large => {
             let gibibytes = process::MOST_MEMORY >> 30;
-            (Rule::MemoryLimit, format!("takes more than {gibibytes} GiB of memory, in {stage}"))
+            (
+                Rule::MemoryLimit,
+                format!("uses more than {gibibytes} GiB of memory; stopped during {stage}"),
+            )
         }
         WorkerEnd::Status(status) => match process::signal(*status) {
-            Some(signal) if state.done => {
-                (Rule::Crash, format!("crashes at the end of the process ({signal}){}", said()))
-            }
-            Some(signal) => (Rule::Crash, format!("crashes in {stage} ({signal}){}", said())),
+            Some(signal) if state.done => (
+                Rule::Crash,
+                format!("crashes after the run, as the process ends ({signal}){}", said()),
+            ),
+            Some(signal) => (Rule::Crash, format!("crashes during {stage} ({signal}){}", said())),
             None if !state.done => {
                 let code = status.code().unwrap_or_default();
-                (Rule::Exit, format!("ends the process in {stage} (exit code {code}){}", said()))
+                (
+                    Rule::Exit,
+                    format!("ends the process during {stage} (exit code {code}){}", said()),
+                )
             }
-            None if left => {
-                (Rule::LeavesProcesses, "leaves a process running behind its end".to_owned())
-            }
+            None if left => (
+                Rule::LeavesProcesses,
+                "leaves a process running after the run has ended".to_owned(),
+            ),
             None => {
                 let first = output.lines().next()?;
-                (Rule::Prints, format!("prints to standard output or error: {first}"))
+                (Rule::Prints, format!("prints to standard output or standard error: {first}"))
             }
         },
     })

@@ -30,7 +30,7 @@ pub(super) fn examine(variables: &[Variable<'_>], report: &mut Report) {
         let settable: Vec<_> = set.iter().filter(|variable| variable.is_settable()).collect();
         if let [first, .., last] = settable[..] {
             let message = format!(
-                "{} and {} have valueReference {} and can both be set; which one holds, no importer can tell",
+                "{} and {} share valueReference {} and can both be set; only one of them may be settable",
                 first.name, last.name, last.reference
             );
             report.add(Rule::AliasSettable, last.element.place(), message);
@@ -38,7 +38,7 @@ pub(super) fn examine(variables: &[Variable<'_>], report: &mut Report) {
         let with_unit: Vec<_> = set.iter().filter(|variable| unit(variable).is_some()).collect();
         if let Some(pair) = with_unit.windows(2).find(|pair| unit(pair[0]) != unit(pair[1])) {
             let message = format!(
-                "{} ({}) and {} ({}) have valueReference {}: one value has one unit",
+                "{} ({}) and {} ({}) share valueReference {} but have different units",
                 pair[0].name,
                 unit(pair[0]).unwrap_or_default(),
                 pair[1].name,
@@ -51,7 +51,7 @@ pub(super) fn examine(variables: &[Variable<'_>], report: &mut Report) {
             set.iter().filter(|variable| variable.variability == "constant").collect();
         if let Some(pair) = constants.windows(2).find(|pair| !is_same(pair[0], pair[1])) {
             let message = format!(
-                "the constants {} and {} have valueReference {} and two values",
+                "the constants {} and {} share valueReference {} but have different values",
                 pair[0].name, pair[1].name, pair[1].reference
             );
             report.add(Rule::AliasStart, pair[1].element.place(), message);

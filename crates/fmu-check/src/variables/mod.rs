@@ -19,7 +19,8 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
     let mut independent =
         description.variables.iter().filter(|variable| variable.causality == "independent");
     if let Some(variable) = independent.nth(1) {
-        let message = format!("{} is a second independent variable", variable.name);
+        let message =
+            format!("{} is a second independent variable; only one is allowed", variable.name);
         report.add(Rule::IndependentVariable, variable.element.place(), message);
     }
     aliases::examine(&description.variables, report);
@@ -31,7 +32,7 @@ fn roles(variable: &Variable<'_>, report: &mut Report) {
     let place = || variable.element.place();
     if variability == "continuous" && variable.kind != Kind::Real {
         let message = format!(
-            "{name} is of kind {:?} and continuous, which is also the default; state discrete, fixed or tunable",
+            "{name} is of kind {:?} but continuous (the default); state another variability, such as discrete",
             variable.kind
         );
         report.add(Rule::ContinuousNotReal, place(), message);
@@ -53,19 +54,22 @@ fn roles(variable: &Variable<'_>, report: &mut Report) {
         // Words that FMI does not define are reported by the check against the schema.
         _ if !CAUSALITIES.contains(&causality) || !VARIABILITIES.contains(&variability) => return,
         _ => {
-            let message =
-                format!("{name}: causality {causality} does not go with variability {variability}");
+            let message = format!(
+                "{name}: causality {causality} cannot be combined with variability {variability}"
+            );
             report.add(Rule::CausalityVariability, place(), message);
             return;
         }
     };
     let message = match initial {
         Some(initial) if right.is_empty() => {
-            format!("{name}: causality {causality} takes no initial ({initial})")
+            format!(
+                "{name}: causality {causality} does not allow the attribute initial ({initial})"
+            )
         }
         Some(initial) if !right.contains(&initial) => {
             format!(
-                "{name}: initial {initial} does not go with causality {causality} and variability {variability}"
+                "{name}: initial {initial} cannot be combined with causality {causality} and variability {variability}"
             )
         }
         _ => return,
@@ -82,12 +86,12 @@ fn derivative(variable: &Variable<'_>, description: &Description<'_>, report: &m
     let state = place.ok().map(|place| &description.variables[place]);
     let problem = match state {
         _ if index == 0 || index > description.count() => {
-            format!("there are variables 1 to {}", description.count())
+            format!("only the variables 1 to {} exist", description.count())
         }
-        _ if index == variable.index => "that is the variable itself".to_owned(),
+        _ if index == variable.index => "this is the variable itself".to_owned(),
         Some(state) if state.kind != Kind::Real => format!("{} is not a Real", state.name),
         _ => return,
     };
-    let message = format!("{} is the derivative of variable {stated}: {problem}", variable.name);
+    let message = format!("{} has derivative=\"{stated}\", but {problem}", variable.name);
     report.add(Rule::DerivativeIndex, variable.element.place(), message);
 }

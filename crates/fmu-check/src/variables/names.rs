@@ -14,20 +14,17 @@ pub(super) fn examine(description: &Description<'_>, report: &mut Report) {
             report.add(
                 Rule::NameDuplicate,
                 scalar.place(),
-                format!("there is another variable {name}"),
+                format!("another variable is also named {name}"),
             );
         }
         if structured && !is_structured(name) {
             let message = format!(
-                "{name} is no structured name (such as a.b[1,2].c or der(a.b)), which variableNamingConvention promises"
+                "{name} is not a structured name (such as a.b[1,2].c or der(a.b)), but variableNamingConvention is structured"
             );
             report.add(Rule::NameStructured, scalar.place(), message);
         } else if name.is_empty() || name.contains(['\t', '\n', '\r']) {
-            report.add(
-                Rule::NameFlat,
-                scalar.place(),
-                "the name is empty, or has a tab or a line end",
-            );
+            let message = "the name of the variable is empty or contains a tab or a line end";
+            report.add(Rule::NameFlat, scalar.place(), message);
         }
     }
 }

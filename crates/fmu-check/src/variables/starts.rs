@@ -41,7 +41,7 @@ pub(super) fn examine(variable: &Variable<'_>, report: &mut Report) {
             .iter()
             .any(|item| item.attribute("value").and_then(integer) == integer(stated))
     {
-        "is no item of its enumeration".to_owned()
+        "is not an item of its enumeration".to_owned()
     } else {
         return;
     };
@@ -66,12 +66,12 @@ fn presence(variable: &Variable<'_>, report: &mut Report) {
             report.add(
                 Rule::StartForbidden,
                 place,
-                format!("{name} is independent; start {start} has no meaning"),
+                format!("{name} is independent and must not have a start value ({start})"),
             );
         }
         Some(start) if causality != "input" && initial == Some("calculated") => {
             let message = format!(
-                "{name} is calculated; start {start} has no meaning (initial approx, if it is a guess)"
+                "{name} has initial calculated and must not have a start value ({start}); state initial approx if the value is a guess"
             );
             report.add(Rule::StartForbidden, place, message);
         }

@@ -26,11 +26,12 @@ pub(super) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
         Some("2.0") | None => {}
         Some(version) => {
             let message =
-                format!("fmiVersion is {version}; of FMI 2.0, whatever its revision, it is 2.0");
+                format!("fmiVersion is {version}; every revision of FMI 2.0 requires 2.0");
             report.add(Rule::FmiVersion, root.place(), message);
             if !version.starts_with("2.0") {
-                report
-                    .note(format!("this is an FMU of version {version}; only FMI 2.0 is examined"));
+                report.note(format!(
+                    "the FMU states FMI version {version}; only FMI 2.0 is examined"
+                ));
                 return None;
             }
         }

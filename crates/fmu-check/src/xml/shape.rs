@@ -34,7 +34,7 @@ fn attributes(element: &Element, kind: &ElementKind, report: &mut Report) {
             continue;
         }
         let Some((_, kind, _)) = kind.attributes.iter().find(|(known, ..)| known == name) else {
-            let message = format!("<{tag}> has no attribute {name} in FMI 2.0");
+            let message = format!("FMI 2.0 defines no attribute {name} of <{tag}>");
             report.add(Rule::AttributeUnknown, element.place(), message);
             continue;
         };
@@ -52,7 +52,7 @@ fn attributes(element: &Element, kind: &ElementKind, report: &mut Report) {
     }
     for (name, _, _) in kind.attributes.iter().filter(|(.., required)| *required) {
         if element.attribute(name).is_none() {
-            let message = format!("<{tag}> lacks the attribute {name}");
+            let message = format!("<{tag}> is missing the attribute {name}");
             report.add(Rule::AttributeMissing, element.place(), message);
         }
     }
@@ -64,7 +64,7 @@ fn children(element: &Element, kind: &ElementKind, report: &mut Report) {
         report.add(
             Rule::XmlElement,
             element.place(),
-            format!("<{tag}> has a text; FMI has attributes only"),
+            format!("<{tag}> contains text, which FMI 2.0 does not allow"),
         );
     }
     let mut reached = 0;
@@ -76,7 +76,7 @@ fn children(element: &Element, kind: &ElementKind, report: &mut Report) {
             report.add(
                 Rule::XmlElement,
                 child.place(),
-                format!("<{tag}> has no <{name}> in FMI 2.0"),
+                format!("FMI 2.0 defines no <{name}> in <{tag}>"),
             );
             continue;
         };
@@ -85,7 +85,7 @@ fn children(element: &Element, kind: &ElementKind, report: &mut Report) {
             report.add(
                 Rule::XmlElement,
                 child.place(),
-                format!("<{name}> must stand before {before} in <{tag}>"),
+                format!("<{name}> must come before {before} in <{tag}>"),
             );
         }
         reached = reached.max(step);
@@ -95,7 +95,7 @@ fn children(element: &Element, kind: &ElementKind, report: &mut Report) {
             report.add(
                 Rule::XmlElement,
                 child.place(),
-                format!("<{name}> is one too many in <{tag}>"),
+                format!("<{tag}> contains one <{name}> too many"),
             );
         }
         examine(child, tag, report);
@@ -103,7 +103,8 @@ fn children(element: &Element, kind: &ElementKind, report: &mut Report) {
     for step in kind.children.iter().filter(|step| step.required) {
         if !element.children.iter().any(|child| step.names.contains(&child.name.as_str())) {
             let names = step.names.join(" or ");
-            report.add(Rule::XmlElement, element.place(), format!("<{tag}> lacks {names}"));
+            let message = format!("<{tag}> is missing the element {names}");
+            report.add(Rule::XmlElement, element.place(), message);
         }
     }
 }

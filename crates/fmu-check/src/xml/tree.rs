@@ -60,7 +60,7 @@ pub(crate) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
         Ok(text) => text.strip_prefix('\u{feff}').unwrap_or(text),
         Err(error) => {
             let place = format!("{PATH}:{}", line(&bytes[..error.valid_up_to()]));
-            report.add(Rule::XmlEncoding, place, "is not in UTF-8 from here on");
+            report.add(Rule::XmlEncoding, place, "is not in UTF-8 from this line on");
             return None;
         }
     };
@@ -70,7 +70,7 @@ pub(crate) fn read(bytes: &[u8], report: &mut Report) -> Option<Element> {
     };
     if let Some(at) = text.find(illegal) {
         let place = format!("{PATH}:{}", line(&text.as_bytes()[..at]));
-        report.add(Rule::XmlMalformed, place, "has a character that XML 1.0 does not");
+        report.add(Rule::XmlMalformed, place, "contains a character that XML 1.0 does not allow");
         return None;
     }
     let mut parser =
@@ -119,7 +119,7 @@ impl Parser<'_> {
                     if self.open.len() == DEEPEST {
                         return Err((
                             Rule::XmlLimits,
-                            format!("elements are nested deeper than {DEEPEST}"),
+                            format!("elements are nested deeper than {DEEPEST} levels"),
                         ));
                     }
                     self.open.push(element);
@@ -130,12 +130,12 @@ impl Parser<'_> {
                 }
                 Event::End(_) => {
                     let element =
-                        self.open.pop().ok_or_else(|| malformed("an end without a start"))?;
+                        self.open.pop().ok_or_else(|| malformed("an end tag has no start tag"))?;
                     self.close(element)?;
                 }
                 Event::Text(text) => {
                     if text.contains("]]>") {
-                        return Err(malformed("]]> in a text"));
+                        return Err(malformed("text contains ]]>"));
                     }
                     if !text.trim_ascii().is_empty() {
                         self.text()?;
@@ -145,19 +145,24 @@ impl Parser<'_> {
                 Event::GeneralRef(reference) => {
                     let predefined = matches!(&*reference, "lt" | "gt" | "amp" | "apos" | "quot");
                     if !predefined && !matches!(reference.resolve_char_ref(), Ok(Some(_))) {
-                        return Err(malformed(format!("&{}; is not declared", &*reference)));
+                        return Err(malformed(format!(
+                            "the entity &{}; is not declared",
+                            &*reference
+                        )));
                     }
                     self.text()?;
                 }
                 Event::Decl(declaration) => {
                     if before != 0 {
-                        return Err(malformed("the XML declaration is not at the beginning"));
+                        return Err(malformed(
+                            "the XML declaration is not at the beginning of the file",
+                        ));
                     }
                     if let Some(encoding) = declaration.encoding() {
                         let encoding = encoding.map_err(malformed)?;
                         if !encoding.eq_ignore_ascii_case("UTF-8") {
                             let message =
-                                format!("states the encoding {encoding}; FMI asks for UTF-8");
+                                format!("declares the encoding {encoding}; FMI requires UTF-8");
                             report.add(Rule::XmlEncoding, format!("{PATH}:1"), message);
                         }
                     }
@@ -165,7 +170,7 @@ impl Parser<'_> {
                 Event::DocType(_) => {
                     return Err((
                         Rule::XmlDtd,
-                        "has a document type declaration, which is not read; FMI needs none"
+                        "has a document type declaration (DTD), which is not read; remove it"
                             .to_owned(),
                     ));
                 }
@@ -175,12 +180,12 @@ impl Parser<'_> {
         }
         if let Some(element) = self.open.last() {
             return Err(malformed(format!(
-                "<{}> of line {} has no end",
+                "<{}> of line {} has no end tag",
                 element.name, element.line
             )));
         }
         if self.root.is_none() {
-            return Err(malformed("there is no element"));
+            return Err(malformed("the file contains no element"));
         }
         Ok(())
     }
@@ -203,7 +208,7 @@ impl Parser<'_> {
         }
         let name = start.name().as_ref().to_owned();
         if !is_name(&name) {
-            return Err(malformed(format!("<{name}> is not a name")));
+            return Err(malformed(format!("<{name}> is not a valid element name")));
         }
         let mut attributes = Vec::new();
         for attribute in start.attributes() {
@@ -216,7 +221,7 @@ impl Parser<'_> {
             }
             let attribute = attribute.map_err(malformed)?;
             if attribute.value.contains('<') {
-                return Err(malformed("< in an attribute's value"));
+                return Err(malformed("an attribute value contains <"));
             }
             let value = attribute.normalized_value(XmlVersion::Implicit1_0).map_err(malformed)?;
             attributes.push((attribute.key.as_ref().to_owned(), value.into_owned()));
@@ -241,8 +246,10 @@ impl Parser<'_> {
     }
 
     fn text(&mut self) -> Result<(), Problem> {
-        let element =
-            self.open.last_mut().ok_or_else(|| malformed("text outside the root element"))?;
+        let element = self
+            .open
+            .last_mut()
+            .ok_or_else(|| malformed("there is text outside the root element"))?;
         element.has_text = true;
         Ok(())
     }

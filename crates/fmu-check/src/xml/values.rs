@@ -27,7 +27,7 @@ impl Type {
         match self {
             Self::Text => Ok(()),
             Self::Boolean => is(boolean(value).is_some(), "true or false"),
-            Self::Integer => is(integer(value).is_some(), "a whole number of 32 bits"),
+            Self::Integer => is(integer(value).is_some(), "a 32-bit integer"),
             Self::Count => is(count(value).is_some(), "a whole number from 0 to 4294967295"),
             Self::Double => match value.trim_ascii().parse::<f64>() {
                 Ok(number) if !number.is_finite() => Err(Wrong::NotFinite),
@@ -43,7 +43,7 @@ impl Type {
             ),
             Self::Words(words) => is(
                 value.split_ascii_whitespace().all(|part| words.contains(&part)),
-                &format!("a list of {}", words.join(", ")),
+                &format!("a list of the words {}", words.join(", ")),
             ),
         }
     }

@@ -228,6 +228,6 @@ fn a_model_for_model_exchange_alone_is_no_fault() {
     let (code, printed) = super::fmu::check(&exchange.pack(), &[]);
     assert_eq!(
         (code, printed.as_str()),
-        (0, "note: there is no CoSimulation element: libraries are not examined\n")
+        (0, "note: modelDescription.xml has no CoSimulation element: libraries are not examined\n")
     );
 }

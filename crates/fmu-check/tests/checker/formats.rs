@@ -131,7 +131,7 @@ fn mac(library: &[u8]) -> Files {
 fn assert_passes(fmu: &Files) {
     let (code, printed) = check(&fmu.pack(), &["--no-run"]);
     assert_eq!((code, rules(&printed)), (0, [].into()), "{printed}");
-    assert!(printed.contains("is read, not run"), "{printed}");
+    assert!(printed.contains("is read but not run"), "{printed}");
 }
 
 fn assert_found(rule: &str, words: &str, fmu: &Files) {
@@ -155,10 +155,10 @@ fn libraries_for_windows_are_read() {
     assert_passes(&runtime.add("binaries/win64/vcruntime140.dll", &sound));
     let mut program = sound.clone();
     program[87] = 0;
-    assert_found("library-format", "no shared library", &windows(&program));
+    assert_found("library-format", "not a shared library", &windows(&program));
     let mut arm = sound.clone();
     put(&mut arm, 68, &[0x64, 0xaa]);
-    assert_found("library-format", "Aarch64; win64 wants Pe for X86_64", &windows(&arm));
+    assert_found("library-format", "Aarch64; win64 requires Pe for X86_64", &windows(&arm));
     assert_found("library-format", "not readable", &windows(&sound[..300]));
     assert_found("library-format", "cut off (it has 600 bytes", &windows(&sound[..600]));
 }
@@ -180,7 +180,7 @@ fn libraries_for_macos_are_read() {
     assert_passes(&beside.add("binaries/darwin64/libomp.dylib", &sound));
     let mut program = sound.clone();
     program[12] = 2;
-    assert_found("library-format", "no shared library", &mac(&program));
+    assert_found("library-format", "not a shared library", &mac(&program));
     assert_found("library-format", "MachO for PowerPc", &mac(&macho(18, &all, &[])));
     let two =
         |arm: &[String]| universal(&[(X86_64, sound.clone()), (ARM64, macho(ARM64, arm, &[]))]);

@@ -13,8 +13,8 @@ impl Subject<'_> {
                 let value = f64::from_bits(*bits);
                 if !value.is_finite() {
                     let time = self.plan.start + f64::from(step) * self.plan.step;
-                    self.journal
-                        .finding(Rule::OutputNotFinite, &format!("{name} is {value} at {time} s"));
+                    let message = format!("the output {name} is {value} at {time} s");
+                    self.journal.finding(Rule::OutputNotFinite, &message);
                     return;
                 }
             }
@@ -30,14 +30,16 @@ impl Subject<'_> {
             return match self.plan.reals.get(at) {
                 Some((name, _)) => {
                     let [one, other] = [one[at], other[at]].map(f64::from_bits);
-                    format!("{name} is {other:?} after step {step} of the run, and was {one:?}")
+                    format!(
+                        "{name} is {other:?} after step {step}, but was {one:?} in the first run"
+                    )
                 }
                 None => format!(
-                    "an output is {} after step {step} of the run, and was {}",
+                    "an Integer or Boolean output is {} after step {step}, but was {} in the first run",
                     other[at], one[at]
                 ),
             };
         }
-        "the run has another length".to_owned()
+        "the number of completed steps is different".to_owned()
     }
 }

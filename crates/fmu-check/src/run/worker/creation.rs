@@ -16,7 +16,7 @@ impl Subject<'_> {
         self.journal.at("fmi2Instantiate with a wrong guid");
         let guid = "{00000000-dead-4bad-8bad-000000000000}";
         if library.instantiate(guid, &self.location(), true).is_some() {
-            let message = "makes an instance with a guid that is not the model description's; it should answer NULL";
+            let message = "fmi2Instantiate accepts a guid that is not the model description's; it must return NULL";
             self.journal.finding(Rule::WrongGuid, message);
         }
     }
@@ -38,7 +38,7 @@ impl Subject<'_> {
             self.journal.at("fmi2Instantiate with NULL for the memory callbacks");
             if !self.comes_up(library, &self.location(), false) {
                 let message = format!(
-                    "with NULL for the memory callbacks no instance comes up, though canNotUseMemoryManagementFunctions is true{}",
+                    "no instance can be initialized with NULL for the memory callbacks, although canNotUseMemoryManagementFunctions is true{}",
                     said()
                 );
                 self.journal.finding(Rule::NullCallbacks, &message);
@@ -50,8 +50,10 @@ impl Subject<'_> {
         heard();
         self.journal.at(&format!("fmi2Instantiate with the resource location {location}"));
         if !self.comes_up(library, location, true) {
-            let message =
-                format!("with the resource location {location} no instance comes up{}", said());
+            let message = format!(
+                "no instance can be initialized with the resource location {location}{}",
+                said()
+            );
             self.journal.finding(Rule::ResourceLocation, &message);
         }
     }

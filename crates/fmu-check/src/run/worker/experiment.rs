@@ -12,7 +12,7 @@ impl Subject<'_> {
         self.journal.at("fmi2Instantiate");
         let guid = &self.plan.guid;
         library.instantiate(guid, &self.location(), true).ok_or_else(|| {
-            let message = format!("fmi2Instantiate answers NULL to the guid {guid}{}", said());
+            let message = format!("fmi2Instantiate returns NULL for the guid {guid}{}", said());
             self.journal.finding(Rule::Instantiate, &message);
             Told
         })
@@ -42,7 +42,7 @@ impl Subject<'_> {
             self.journal.at(&name);
             match instance.step(time, self.plan.step) {
                 Err(refused) if refused.is_no_step() => {
-                    self.journal.note(&format!("{name} answers {refused}: the run ends there"));
+                    self.journal.note(&format!("{name} returns {refused}: the run ends there"));
                     break;
                 }
                 result => self.called(&name, result)?,
@@ -53,7 +53,7 @@ impl Subject<'_> {
     }
 
     fn outputs(&self, instance: &Instance<'_>) -> Result<Vec<u64>, Told> {
-        self.journal.at("reading outputs");
+        self.journal.at("reading of the outputs");
         let Plan { reals, integers, booleans, .. } = &self.plan;
         let mut values = Vec::new();
         if !reals.is_empty() {

@@ -25,7 +25,7 @@ const LEAST_ADDRESSES: i64 = 4096;
 
 /// Makes, runs and frees instances for no longer than `room`, and reports growth of memory.
 pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
-    subject.journal.at("making and freeing instances");
+    subject.journal.at("repeated instantiation");
     let begin = Instant::now();
     if round(subject).is_none() {
         return;
@@ -35,7 +35,7 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
         SIZES.iter().find(|size| one * (size.before + size.counts * size.rounds) <= room)
     else {
         let note = format!(
-            "whether memory grows is not examined: one instance takes {:.1} s",
+            "memory growth is not examined: one instance takes {:.1} s, too long to repeat it",
             one.as_secs_f64()
         );
         subject.journal.note(&note);
@@ -59,7 +59,9 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
         return;
     }
     if used.is_empty() && mapped.is_empty() {
-        subject.journal.note("whether memory grows is not examined: this system does not tell");
+        subject
+            .journal
+            .note("memory growth is not examined: this system does not report memory use");
         return;
     }
     // A leak grows between all counts; growth between some counts only is due to the allocator.
@@ -70,7 +72,7 @@ pub(super) fn watch(subject: &Subject<'_>, room: Duration) {
     let (what, bytes) = if heap >= LEAST {
         ("the heap", heap)
     } else if addresses >= LEAST_ADDRESSES {
-        ("address space", addresses)
+        ("the address space", addresses)
     } else {
         return;
     };

@@ -43,12 +43,14 @@ pub(super) fn run(
     subject.refusals(&library);
     let first = subject.plain(&library).ok()?;
     if subject.plan.once_per_process {
-        journal.note("only one instance may be made: no other runs, and memory is not watched");
+        journal.note(
+            "canBeInstantiatedOnlyOncePerProcess is true: checks that need a second instance are left out",
+        );
         return Some(());
     }
     subject.repeated(&library, &first);
     subject.other_beginnings(&library);
-    journal.at("unloading it");
+    journal.at("unloading of the library");
     drop(library);
     growth::watch(&subject, timeout / 4);
     Some(())
@@ -69,7 +71,7 @@ struct Told;
 
 impl Subject<'_> {
     fn load(&self) -> Option<Library> {
-        self.journal.at("loading it");
+        self.journal.at("loading of the library");
         match Library::load(&self.path) {
             Ok(library) => Some(library),
             Err(error) => {
@@ -88,7 +90,8 @@ impl Subject<'_> {
             self.journal.at(name);
             let answer = library.answer(name);
             if answer != right {
-                self.journal.finding(rule, &format!("{name} answers {answer}, not {right}"));
+                let message = format!("{name} returns {answer}; FMI 2.0 requires \"{right}\"");
+                self.journal.finding(rule, &message);
             }
         }
     }
@@ -96,7 +99,7 @@ impl Subject<'_> {
     /// Reports a call that failed.
     fn called<T>(&self, name: &str, result: Result<T, Refused>) -> Result<T, Told> {
         result.map_err(|refused| {
-            let message = format!("{name} answers {refused}{}", said());
+            let message = format!("{name} returns {refused}{}", said());
             self.journal.finding(Rule::CallFailed, &message);
             Told
         })
@@ -116,5 +119,5 @@ impl Subject<'_> {
 /// Text that quotes the last message of the library to its logger; empty if there is none.
 fn said() -> String {
     let heard = heard();
-    if heard.is_empty() { String::new() } else { format!(" and says: {heard}") }
+    if heard.is_empty() { String::new() } else { format!("; its last log message: {heard}") }
 }

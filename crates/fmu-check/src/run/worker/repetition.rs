@@ -27,7 +27,8 @@ impl Subject<'_> {
         // Some models are random by intent: a difference after a reset is a mistake only if a new instance shows none.
         let fresh = if self.plan.once_per_process { again.clone() } else { self.fresh(library)? };
         if fresh == first {
-            let message = format!("after fmi2Reset {}", self.difference(&first, &again));
+            let message =
+                format!("in the run after fmi2Reset, {}", self.difference(&first, &again));
             self.journal.finding(Rule::ResetDiffers, &message);
         }
         Ok(first)
@@ -43,9 +44,8 @@ impl Subject<'_> {
     pub(super) fn repeated(&self, library: &Library, first: &Course) {
         let Ok(again) = self.fresh(library) else { return };
         if again != *first {
-            self.journal.note(
-                "two instances give two courses: whether saved states are right cannot be judged",
-            );
+            self.journal
+                .note("two instances give different outputs: saved states are not examined");
         } else if self.plan.saves_states {
             // Failed calls have been reported.
             let _ = self.states(library, first);
@@ -87,7 +87,11 @@ impl Subject<'_> {
         let again = self.steps(instance, middle, self.plan.steps)?;
         let rest = &first[(middle as usize).min(first.len())..];
         if again != rest {
-            let message = format!("after fmi2SetFMUstate {}", self.difference(rest, &again));
+            let message = format!(
+                "in the run after fmi2SetFMUstate, whose step 1 is step {} of the first run, {}",
+                middle + 1,
+                self.difference(rest, &again)
+            );
             self.journal.finding(rule, &message);
         }
         Ok(())

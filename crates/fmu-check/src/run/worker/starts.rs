@@ -9,7 +9,7 @@ impl Subject<'_> {
     /// Reads variables with exact start values after the initialization: before its end the standard allows importers
     /// to read outputs and states only, and nothing but an importer changes these variables.
     pub(super) fn starts(&self, instance: &Instance<'_>) -> Result<(), Told> {
-        self.journal.at("reading start values");
+        self.journal.at("reading of the start values");
         for (name, reference, start) in &self.plan.exact {
             let reference = [*reference];
             let get = |kind| format!("fmi2Get{kind} of {name} before the first step");
@@ -38,7 +38,7 @@ impl Subject<'_> {
             };
             if let (Some(found), Some(stated)) = (found, stated) {
                 let message = format!(
-                    "{name} begins with {found}; the model description's start is {stated}"
+                    "{name} is {found} after initialization, but its start value is {stated}"
                 );
                 self.journal.finding(Rule::StartDiffers, &message);
             }

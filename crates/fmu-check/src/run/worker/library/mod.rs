@@ -62,7 +62,7 @@ impl Library {
     /// Returns the answer of `fmi2GetTypesPlatform` or `fmi2GetVersion`.
     pub(super) fn answer(&self, name: &str) -> String {
         let Ok(function) = self.function::<unsafe extern "C" fn() -> Text>(name) else {
-            return "nothing: it is not exported".to_owned();
+            return "nothing (it is not exported)".to_owned();
         };
         // SAFETY: the function takes nothing and returns a string that stays.
         let text = unsafe { function() };

@@ -39,9 +39,9 @@ impl fmt::Display for Refused {
             Self::Status(ERROR) => f.write_str("fmi2Error"),
             Self::Status(FATAL) => f.write_str("fmi2Fatal"),
             Self::Status(PENDING) => f.write_str("fmi2Pending"),
-            Self::Status(other) => write!(f, "{other}, which is no status"),
-            Self::Missing => f.write_str("nothing: it is not exported"),
-            Self::Size(size) => write!(f, "a size of {size} bytes, which no memory has"),
+            Self::Status(other) => write!(f, "{other}, which is not a value of fmi2Status"),
+            Self::Missing => f.write_str("nothing (it is not exported)"),
+            Self::Size(size) => write!(f, "a size of {size} bytes, which cannot be allocated"),
         }
     }
 }
