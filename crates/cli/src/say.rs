@@ -15,7 +15,7 @@ macro_rules! say {
 pub fn line(words: Arguments<'_>) {
     match writeln!(stdout(), "{words}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => {
-            eprintln!("error: cannot print: {error}");
+            eprintln!("error: cannot write to standard output: {error}");
             exit(crate::exit::FAILED.into())
         }
         _ => {}

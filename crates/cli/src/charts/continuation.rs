@@ -71,7 +71,7 @@ pub fn chart(
         });
     }
     Chart {
-        title: format!("{}: what it ends in over µ", scene.name),
+        title: format!("{}: motions over µ", scene.name),
         x_label: "Friction coefficient µ [–]".to_owned(),
         panels,
         logarithmic: false,

@@ -77,7 +77,7 @@ impl Results<'_> {
             panel.series.iter().flat_map(|series| &series.points).any(|point| point[1].is_finite())
         });
         Chart {
-            title: format!("{}: what {} ends in", self.scene.name, self.of),
+            title: format!("{}: limit cycles of {}", self.scene.name, self.of),
             x_label: axis(self.scene, &self.question.name),
             panels,
             logarithmic: false,

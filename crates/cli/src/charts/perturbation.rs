@@ -46,7 +46,7 @@ pub fn endings(scene: &Scene, direction: &Direction, look: &Look, found: &Pertur
         Mark { x: middle, label: Some(format!("threshold {}", four_digits(middle, perturbed))) }
     });
     Chart {
-        title: format!("{}: what perturbations end in", scene.name),
+        title: format!("{}: attractors reached from perturbations", scene.name),
         x_label: format!("{} [{perturbed}]", direction.name),
         panels: vec![Panel {
             y_label: format!("Final amplitude of {} [{unit}]", look.of),

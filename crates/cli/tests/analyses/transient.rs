@@ -526,7 +526,11 @@ fn an_interrupted_run_leaves_what_it_has_done() {
     let id = child.id().to_string();
     assert!(Command::new("kill").args(["-INT", &id]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
-    assert_refused(&output, 130, &["the run ended at", "of 1000 s", "runs it anew"]);
+    assert_refused(
+        &output,
+        130,
+        &["the run ended at", "of 1000 s", "starts again from the beginning"],
+    );
     let rows = read(&folder.path().join("out/history.csv")).lines().count() - 1;
     let study: Value = serde_json::from_str(&read(&folder.path().join("out/study.json"))).unwrap();
     assert_eq!(study["results"]["complete"], false);

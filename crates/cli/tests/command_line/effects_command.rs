@@ -39,7 +39,7 @@ fn every_effect_is_listed_with_its_state_its_cost_and_its_variables() {
     let output = effects("set1");
     let printed = text(&output.stdout);
     assert!(output.status.success() && printed.starts_with("set1: a step of 1e-6 s takes "));
-    let (_, table) = printed.split_once("cannot be here\n\n").unwrap();
+    let (_, table) = printed.split_once("cannot have\n\n").unwrap();
     let mut lines = table.lines().peekable();
     for (name, state, variables) in OF_SET1 {
         let line = lines.next().unwrap();

@@ -5,8 +5,7 @@ use amontons_analysis::sweep::range::{self, assignment, ends};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use std::path::PathBuf;
 
-/// Complex eigenvalues of a scene in its contact states: which modes grow, and from which friction
-/// coefficient on?
+/// Complex eigenvalues of a scene in its contact states: unstable modes and their critical friction coefficients
 #[derive(Parser)]
 #[command(name = "amontons-stability", version, arg_required_else_help = true, after_help = EXIT_CODES)]
 pub struct Arguments {
@@ -14,10 +13,11 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Runs, studies of motions and FMUs are the first program's: `amontons --help`; `amontons scenes` \
-lists scenes to begin from.\n\nExit codes: 0 done, 1 a file could not be read or written, 2 the \
-command line makes no sense (an unknown option, variable or contact state), 3 the scene is \
-impossible or cannot be analysed";
+const EXIT_CODES: &str = "For runs, studies of motions and FMUs see the first program: `amontons --help`; `amontons \
+                          scenes` lists the built-in \
+                          scenes.\n\nExit codes: 0 success, 1 a file could not be read or written, 2 the command line \
+                          is wrong (for example an unknown option, variable or contact state), 3 the scene is invalid \
+                          or cannot be analysed";
 
 /// The exit code that belongs to an error.
 pub fn exit_code(error: &Error) -> u8 {
@@ -38,7 +38,7 @@ pub enum Command {
     Modes(Modes),
     /// Ranges of the friction coefficient that can be bi-stable
     Bistable(Bistable),
-    /// Stable, candidate, unstable over two parameters
+    /// Stability map over two parameters: stable, candidate for bi-stability, unstable
     Map(Map),
 }
 
@@ -49,7 +49,7 @@ pub struct Common {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
-    /// When the signals of the scene are looked at, s: eigenvalues are those of one instant [default: 0]
+    /// Instant at which the signals of the scene are evaluated, s; the eigenvalues hold for this instant [default: 0]
     #[arg(long, value_name = "TIME", value_parser = time, allow_hyphen_values = true)]
     pub at: Option<f64>,
 }
@@ -67,8 +67,9 @@ pub struct Point {
     /// Friction coefficient [default: the scene's]
     #[arg(long, value_name = "MU", allow_hyphen_values = true)]
     pub friction: Option<f64>,
-    /// Contact state, of Sl (slip velocity v − ẋ above 0), R-Sl (below 0), St (sticks), Dt (detached): one for all
-    /// contacts, or one for each, such as Sl-St [default of states: all of them; of modes: uniform sliding]
+    /// Contact state: Sl (slip velocity v − ẋ above 0), R-Sl (below 0), St (sticks) or Dt (detached), one for all
+    /// contacts, or one for each, such as Sl-St [default: all contact states for `states`, uniform sliding for
+    /// `modes`]
     #[arg(long, value_name = "STATE")]
     pub state: Option<String>,
 }
@@ -79,7 +80,7 @@ pub struct States {
     pub common: Common,
     #[command(flatten)]
     pub point: Point,
-    /// How to print
+    /// Format of the output
     #[arg(long, value_enum, default_value = "table")]
     pub format: Format,
 }
@@ -88,7 +89,7 @@ pub struct States {
 pub struct Locus {
     #[command(flatten)]
     pub common: Common,
-    /// Friction coefficients from A to B, in steps or N of them
+    /// Friction coefficients from A to B, in steps of STEP or as N values
     #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = steps, allow_hyphen_values = true,
         required_unless_present = "parameter")]
     pub friction: Option<Values>,
@@ -112,7 +113,7 @@ pub struct Modes {
     pub common: Common,
     #[command(flatten)]
     pub point: Point,
-    /// Draw the shapes; an SVG moves
+    /// Draw the mode shapes; an SVG is animated
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
 }
@@ -124,7 +125,7 @@ pub struct Bistable {
     /// Friction coefficients from A to B
     #[arg(long, value_name = "A:B", value_parser = ends, allow_hyphen_values = true)]
     pub friction: [f64; 2],
-    /// Push the scene along the mode of each candidate, and say which are met by a motion that stays
+    /// Push the scene along the mode of each candidate, and report which candidates a lasting motion visits
     #[arg(long)]
     pub confirm: bool,
 }
@@ -133,13 +134,13 @@ pub struct Bistable {
 pub struct Map {
     #[command(flatten)]
     pub common: Common,
-    /// The parameter along x and its values from A to B, in steps or N of them
+    /// Parameter along x with its values from A to B, in steps of STEP or as N values
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     pub x: (String, Values),
-    /// The parameter along y and its values from A to B, in steps or N of them
+    /// Parameter along y with its values from A to B, in steps of STEP or as N values
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_grid)]
     pub y: (String, Values),
-    /// Print every point as CSV instead of their numbers
+    /// Print every point as CSV instead of the number of points with each verdict
     #[arg(long)]
     pub csv: bool,
     /// Draw the map

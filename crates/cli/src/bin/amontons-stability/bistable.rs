@@ -86,13 +86,13 @@ fn print_candidates(
 ) -> Result<(), Failure> {
     writeln!(
         out,
-        "\nCandidates: states that grow where uniform sliding does not (a transient confirms)"
+        "\nCandidates: contact states with a growing mode where uniform sliding is stable (--confirm tests them)"
     )?;
     if candidates.is_empty() {
         writeln!(
             out,
-            "  none, which does not say that there is no second motion: stick and slip, for one, need no state that grows; \
-             `amontons study continuation` looks for motions"
+            "  none; a second motion may still exist, since stick-slip, for example, needs no contact state with a \
+             growing mode; `amontons study continuation` looks for motions"
         )?;
         return print_width(widest, out);
     }
@@ -133,14 +133,18 @@ fn print_candidates(
         )?;
     }
     if candidates.iter().any(|candidate| !candidate.begins) {
-        writeln!(out, "\n< grows already where the range of stable sliding begins")?;
+        writeln!(
+            out,
+            "\n< the state already grows at the lower end of the range of stable sliding"
+        )?;
     }
     writeln!(
         out,
-        "\n`needs` ranks the states, the least first: contacts that stick or turn round then have the velocities of their \
-         surfaces, and the normal force of each that opens falls to zero while the others slide. `push` is the velocity of \
-         the heaviest degree of freedom with this energy. Neither is a threshold: friction feeds smaller motions until they \
-         are as large, and a blow that lifts a mass off opens its contact with less"
+        "\n`needs` is an energy that ranks the states, the least first: with it, contacts that stick or reverse have \
+         the velocities of their surfaces, and the normal force of each contact that opens falls to zero while the \
+         others slide. `push` is the velocity of the heaviest degree of freedom with this energy. Neither is a \
+         threshold: friction feeds smaller motions until they are as large, and an impact that lifts a mass off opens \
+         its contact with less energy"
     )?;
     print_width(widest, out)
 }
@@ -159,8 +163,8 @@ fn confirm_candidates(
     if all.is_empty() {
         writeln!(
             out,
-            "\nNothing to confirm: there is no candidate that a push may reach; a second motion may exist all the same, \
-             which `amontons study continuation` looks for"
+            "\nNothing to confirm: no candidate can be reached by a push; a second motion may still exist, and \
+             `amontons study continuation` looks for it"
         )?;
         return Ok(());
     }
@@ -169,14 +173,17 @@ fn confirm_candidates(
     let watch = Watch { progress: &|part| bar.set_part(part), ..Watch::IDLE };
     let tried = confirm(scene, first, watch)?.unwrap_or_default();
     bar.finish();
-    writeln!(out, "\nConfirmed by pushes along each candidate's mode, out of the equilibrium")?;
+    writeln!(
+        out,
+        "\nConfirmation by pushes from the equilibrium along the mode of each candidate"
+    )?;
     for (candidate, tried) in first.iter().zip(&tried) {
         let (states, hz) = (Joined(&candidate.states), candidate.frequency_hz);
         write!(out, "  {states} ({hz:.2} Hz): ")?;
         match &tried.met {
             Some(Attempt { friction, push, ending: Ok(ending), .. }) => writeln!(
                 out,
-                "met at µ = {} by a push of {} m/s: {}, {:.4e} of {}{}",
+                "confirmed at µ = {} by a push of {} m/s: {}, {:.4e} of {}{}",
                 significant(*friction, 6),
                 significant(*push, 3),
                 ending.kind.name(),
@@ -190,7 +197,8 @@ fn confirm_candidates(
     if first.len() < all.len() {
         writeln!(
             out,
-            "  the other {} were not tried: these {MOST_CONFIRMED} need least; a narrower --friction has fewer",
+            "  the other {} were not tried: these {MOST_CONFIRMED} need the least energy; a narrower --friction has \
+             fewer candidates",
             all.len() - first.len()
         )?;
     }
@@ -209,16 +217,16 @@ fn print_not_met(tried: &Tried, out: &mut dyn Write) -> Result<(), Failure> {
     let second =
         tried.attempts.iter().find(|attempt| attempt.moves()).map_or_else(String::new, |attempt| {
             format!(
-                "; a second motion there is all the same: a push of {} m/s at µ = {} ends in it",
+                "; a second motion still exists: a push of {} m/s at µ = {} leads to it",
                 significant(attempt.push, 3),
                 significant(attempt.friction, 6)
             )
         });
     writeln!(
         out,
-        "not met by what was tried: pushes of {} m/s at µ = {}, each followed until it had settled or for {} s; \
-         {rested} came to rest, {other} ended in a motion that has not all of these states at one time, {unsettled} had not settled, {failed} \
-         failed{second}",
+        "not confirmed by pushes of {} m/s at µ = {}, each run until the motion had settled or for {} s; {rested} \
+         came to rest, {other} ended in a motion that does not have all of these states at the same time, {unsettled} \
+         had not settled, {failed} failed{second}",
         list(|attempt| attempt.push, 3),
         list(|attempt| attempt.friction, 4),
         tried.longest,
@@ -232,8 +240,8 @@ fn print_width(widest: f64, out: &mut dyn Write) -> Result<(), Failure> {
         let widest = significant(widest, 2);
         writeln!(
             out,
-            "\nEach state was looked at every {widest} of µ: a mode that grows over less may be missed; a \
-             narrower --friction looks closer"
+            "\nEach state was examined in steps of µ up to {widest}: a mode that grows only within a smaller range \
+             may be missed; a narrower --friction takes smaller steps"
         )?;
     }
     Ok(())

@@ -70,8 +70,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     }
     if arguments.plot.is_some() && count > MAX_DRAWN {
         return Err(Failure::Usage(format!(
-            "a picture tells at most {MAX_DRAWN} loci apart, not {count}; choose a longer step, or \
-             leave --plot out"
+            "a picture shows at most {MAX_DRAWN} loci, not {count}; choose a larger step, or leave out --plot"
         )));
     }
     let is_uniform = arguments.state.is_none();
@@ -111,8 +110,10 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
         notes.extend(possible.note(name));
         values = possible.values;
         if values.len() < 2 {
-            let only =
-                format!("only {} of {name} is possible; a locus needs two values", values[0]);
+            let only = format!(
+                "only the value {} of {name} is possible; a locus needs at least two values",
+                values[0]
+            );
             return Err(Failure::Usage(only));
         }
         if is_uniform {
@@ -325,10 +326,13 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
     if locus.is_damped {
         writeln!(
             out,
-            "  single dampers or falling friction keep modes from merging exactly; they come nearest:"
+            "  individual dampers or falling friction prevent modes from merging exactly; closest approaches:"
         )?;
     } else {
-        writeln!(out, "  modes merge or part, exactly, damped or not (C = α M + β K):")?;
+        writeln!(
+            out,
+            "  modes merge or part exactly, also with proportional damping (C = α M + β K):"
+        )?;
     }
     for event in &locus.approaches {
         let [a, b] = event.modes.map(|mode| mode + 1);
@@ -359,11 +363,15 @@ fn print_events(locus: &Locus, out: &mut dyn Write) -> Result<(), Failure> {
     }
     if locus.crossings.is_empty() {
         let grows = locus.branches.iter().any(|branch| branch[0].lambda.re > 0.0);
-        writeln!(out, "    none found: {}", if grows { "unstable" } else { "no mode grows" })?;
+        writeln!(
+            out,
+            "    none found: {}",
+            if grows { "a mode grows everywhere" } else { "no mode grows" }
+        )?;
     }
     for value in &locus.undecided {
         let value = significant(*value, LOCATED);
-        writeln!(out, "  note: modes may have changed their numbers at {value}")?;
+        writeln!(out, "  note: the numbering of modes may have changed at {value}")?;
     }
     Ok(())
 }

@@ -62,7 +62,7 @@ fn main() -> ExitCode {
             ExitCode::SUCCESS
         }
         Err(Failure::Output(error)) => {
-            eprintln!("error: cannot print: {error}");
+            eprintln!("error: cannot write to standard output: {error}");
             ExitCode::from(1)
         }
         Err(Failure::Usage(wish)) => {
@@ -115,7 +115,7 @@ fn configured(common: &Common, friction: Option<f64>, varied: &[&str]) -> Result
     let time = common.at.unwrap_or(0.0);
     let left_out = signals_left_out(&scene, time);
     match (&left_out, common.at) {
-        (Some(left_out), None) => eprintln!("note: {left_out}; --at TIME takes another instant"),
+        (Some(left_out), None) => eprintln!("note: {left_out}; --at TIME selects another instant"),
         (Some(left_out), Some(_)) => eprintln!("note: {left_out}"),
         (None, Some(_)) => eprintln!("note: the scene has no signals, so --at changes nothing"),
         (None, None) => {}
@@ -163,7 +163,7 @@ fn check_effect<T: PartialEq>(
             }
         }
     }
-    Err(Failure::Usage(format!("nothing here depends on {name}; {wish}")))
+    Err(Failure::Usage(format!("{name} has no effect on this analysis: {wish}")))
 }
 
 /// Returns the scene with another value of a parameter.

@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<(), Failure> {
     }
     let contacts = scene.contact_count();
     if contacts > MAX_CONTACTS {
-        eprintln!("note: {contacts} contacts: only uniform sliding is looked at");
+        eprintln!("note: {contacts} contacts: only uniform sliding is examined");
     }
     let scene_at = |column: usize, row: usize| {
         let mut scene = scene.clone();

@@ -65,7 +65,7 @@ pub fn run(arguments: &States, out: &mut dyn Write) -> Result<(), Failure> {
         rows: rows.collect(),
         departures: match scene.contact_count() {
             0..=MAX_LEAVING => departures(&here).map_err(|error| error.to_string()),
-            _ => Err(format!("they are looked at for up to {MAX_LEAVING} contacts")),
+            _ => Err(format!("they are computed for up to {MAX_LEAVING} contacts")),
         },
         equilibrium: here.equilibrium().cloned(),
         resting,
@@ -89,8 +89,7 @@ fn spectra(
     let contacts = here.model().contacts.len();
     if name.is_none() && contacts > MAX_CONTACTS {
         eprintln!(
-            "note: {contacts} contacts: only uniform sliding is looked at; name another state with \
-             --state"
+            "note: {contacts} contacts: only uniform sliding is examined; name another state with --state"
         );
     }
     if name.is_some() || contacts > MAX_CONTACTS {
@@ -206,13 +205,13 @@ impl Report {
         let departures = match &self.departures {
             Ok(departures) => departures,
             Err(error) => {
-                writeln!(out, "Uniform sliding has no departures: {error}")?;
+                writeln!(out, "Departures from uniform sliding are unknown: {error}")?;
                 return Ok(());
             }
         };
         writeln!(
             out,
-            "Uniform sliding: how large each mode may become before a contact leaves sliding"
+            "Departures from uniform sliding: largest amplitude of each mode before a contact stops sliding"
         )?;
         let names = self.given.scene.dof_names();
         for (Leaving { frequency_hz, rate, .. }, departure) in departures {
@@ -221,7 +220,7 @@ impl Report {
                 frequency_hz => format!("{frequency_hz:.2} Hz"),
             };
             let Some(Departure { contact, into, amplitude, dof }) = departure else {
-                writeln!(out, "  {frequency:>11}  makes no contact leave it")?;
+                writeln!(out, "  {frequency:>11}  stops no contact from sliding")?;
                 continue;
             };
             writeln!(

@@ -18,11 +18,15 @@ pub struct Arguments {
     pub command: Command,
 }
 
-const EXIT_CODES: &str = "Start with `amontons scenes`, which lists scenes to begin from. Eigenvalues (which modes \
-grow, from which friction on) are the second program's: `amontons-stability --help`.\n\nExit codes: 0 done, 1 a file could not be read or written or a picture not \
-drawn, 2 the command line makes no sense (an unknown option or variable), 3 the \
-scene is impossible (its file, a value, no equilibrium, a step above the critical one), 4 the run \
-failed, 130 interrupted (simulate leaves its rows in FILE.csv.partial, accuracy and --sweep print what is done, studies keep it and continue from it, export writes nothing)";
+const EXIT_CODES: &str = "Start with `amontons scenes`, which lists the built-in scenes. For complex eigenvalues \
+                          (unstable modes and the friction coefficients at which they become unstable) see the second \
+                          program: `amontons-stability \
+                          --help`.\n\nExit codes: 0 success, 1 a file could not be read or written, or a picture \
+                          could not be drawn, 2 the command line is wrong (for example an unknown option or \
+                          variable), 3 the scene is invalid (its file, a value, no equilibrium, a step above the \
+                          critical step), 4 the run failed, 130 interrupted (simulate keeps its rows in \
+                          FILE.csv.partial, accuracy and --sweep print the finished rows, studies keep the finished \
+                          pieces and continue from them, export writes nothing)";
 
 #[derive(Subcommand)]
 pub enum Command {
@@ -30,16 +34,17 @@ pub enum Command {
     Export(Export),
     /// Run a scene without an importer and write its outputs as CSV
     Simulate(Simulate),
-    /// Show what accuracy costs: errors and times of each method and step, against a proven reference
+    /// Measure the cost of accuracy: errors and computing times of each method and step, against a converged reference
     Accuracy(Accuracy),
-    /// List every effect, on or off in a scene: its equation, the variables it brings, what it costs a step
+    /// List all effects, on or off in a scene: equation, additional variables, computing time per step
     Effects(Effects),
-    /// What a scene ends in: limit cycles over a parameter, growth of a transient, perturbations, branches over µ, basins
+    /// Study the long-term motion of a scene: limit cycles over a parameter, growth of a transient, perturbations,
+    /// branches over µ, basins of attraction
     Study {
         #[command(subcommand)]
         command: Study,
     },
-    /// Examine an FMI 2.0 co-simulation FMU, whoever made it: archive, description, libraries, a run
+    /// Check an FMI 2.0 co-simulation FMU from any tool: archive, model description, libraries, a run
     Check(fmu_check::command::Arguments),
     /// Run the library of an unpacked FMU; `check` calls this
     #[command(name = fmu_check::COMMAND, hide = true)]
@@ -55,7 +60,7 @@ pub enum Command {
 pub struct Export {
     /// A scene file (TOML), or the name of a built-in scene
     pub scene: String,
-    /// Where to write the FMU [default: the scene's name with .fmu, here]
+    /// Path of the FMU [default: the scene's name with .fmu, in the current folder]
     #[arg(short, long, value_name = "FILE.fmu")]
     pub output: Option<PathBuf>,
     #[command(flatten)]
@@ -63,7 +68,8 @@ pub struct Export {
     /// Put the table of `amontons accuracy` into the FMU's documentation, without times
     #[arg(long)]
     pub with_accuracy: bool,
-    /// Write a reference run beside the FMU, as the FMI cross-check has it: NAME_ref.csv, NAME_ref.opt, NAME_in.csv
+    /// Write a reference run beside the FMU in the format of the FMI
+    /// cross-check: NAME_ref.csv, NAME_ref.opt, NAME_in.csv
     #[arg(long)]
     pub with_reference: bool,
     #[arg(long, value_name = "PLATFORM,…", value_delimiter = ',', value_parser = Library::of, help = platforms_help())]
@@ -85,23 +91,24 @@ pub struct Simulate {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
-    /// Inputs over time: a CSV file with a column `time` (s) and others named as the FMU's inputs, set
-    /// before each output interval and held over it, as importers do; linear between rows
+    /// Inputs over time: a CSV file with a column `time` (s) and columns named after the FMU's inputs; values are
+    /// interpolated linearly between rows, set before each output interval and held over it, as importers do
     #[arg(long, value_name = "FILE.csv")]
     pub input: Option<PathBuf>,
-    /// Run the values from A to B of a parameter or input, in steps or N of them, on all cores; the CSV then has a
-    /// row a value: amplitude of each displacement (m, half of peak to peak), frequency of the one that moves most (Hz), and how
-    /// much of the time contacts are in each state. The course of a value is that of --set NAME=VALUE
+    /// Run the scene with values of a parameter or input from A to B, in steps of STEP or as N values, on all cores;
+    /// the CSV then has one row per value: amplitude of each displacement (m, half of peak to peak), frequency of the
+    /// displacement that moves most (Hz), and share of time in each contact state. For the time history of one value
+    /// use --set NAME=VALUE
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values, conflicts_with = "input")]
     pub sweep: Option<(String, Values)>,
-    /// The only displacement whose amplitude and frequency a sweep looks at [default: all]
+    /// Displacement whose amplitude and frequency a sweep evaluates [default: all displacements]
     #[arg(long, value_name = "NAME", requires = "sweep")]
     pub of: Option<String>,
-    /// How long before the end of a run a sweep looks at it, s [default: the last quarter]
+    /// Length of the window at the end of each run that a sweep evaluates, s [default: a quarter of the run]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true,
         requires = "sweep")]
     pub window: Option<f64>,
-    /// Where to write the CSV [default: standard output]
+    /// Path of the CSV file [default: standard output]
     #[arg(short, long, value_name = "FILE.csv")]
     pub output: Option<PathBuf>,
 }
@@ -116,19 +123,19 @@ pub struct Effects {
 pub struct Accuracy {
     /// A scene file (TOML), or the name of a built-in scene
     pub scene: String,
-    /// End of the window, s [default: the scene's]
+    /// End of the run, s [default: the scene's]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub stop_time: Option<f64>,
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
-    /// The displacement whose amplitude and frequency are looked at [default: the one that moves most]
+    /// Displacement whose amplitude and frequency are compared [default: the one that moves most]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
-    /// How to print
+    /// Format of the output
     #[arg(long, value_enum, default_value = "table")]
     pub format: Format,
-    /// Draw error against time
+    /// Draw the error over the computing time
     #[arg(long, value_name = "FILE.svg|png")]
     pub plot: Option<PathBuf>,
 }
@@ -143,14 +150,13 @@ pub enum Format {
 /// In place of the scene's `[integrator]`.
 #[derive(Args)]
 pub struct Integrator {
-    /// Internal time step, s [default: the scene's; a study's look at the motion]
+    /// Internal time step, s [default: the scene's; in event-driven studies the time between two observations]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub step: Option<f64>,
-    /// How the motion is computed [default: the scene's; of studies other than basins event-driven, where the scene
-    /// allows it]
+    /// Integration method [default: the scene's; in studies other than basins event-driven, if the scene allows it]
     #[arg(long, value_parser = methods())]
     pub integrator: Option<Method>,
-    /// Choose integrator and step by the relative error that is accepted
+    /// Choose integrator and step for an accepted relative error
     #[arg(long, conflicts_with_all = ["step", "integrator"])]
     #[arg(value_parser = presets())]
     pub preset: Option<Preset>,
@@ -169,9 +175,9 @@ fn methods() -> impl TypedValueParser<Value = Method> {
 /// A parser of the presets' names, with a help text for each.
 fn presets() -> impl TypedValueParser<Value = Preset> {
     one_of(&Preset::ALL, Preset::name, |preset| match preset {
-        Preset::Preview => "1e-2: no difference is seen in a picture of the motion",
-        Preset::Design => "1e-4: below what masses and stiffnesses are known to",
-        Preset::Reference => "1e-9: to compare others with",
+        Preset::Preview => "1e-2: the error is not visible in a plot of the motion",
+        Preset::Design => "1e-4: the error is below the uncertainty of masses and stiffnesses",
+        Preset::Reference => "1e-9: for comparison with other results",
     })
 }
 
@@ -204,14 +210,14 @@ impl Integrator {
 pub enum Scenes {
     /// Print the file of a built-in scene
     Show {
-        /// Its name
+        /// Name of the scene
         name: String,
     },
     /// Draw a scene's masses, springs, dampers and contacts (up to 40 masses)
     Draw {
         /// A scene file (TOML), or the name of a built-in scene
         scene: String,
-        /// Where to write the picture; the ending says which kind
+        /// Path of the picture; the file extension sets the format
         #[arg(short, long, value_name = "FILE.svg|png")]
         output: PathBuf,
     },
@@ -221,9 +227,7 @@ pub enum Scenes {
 
 fn platforms_help() -> String {
     let carried = platforms(Library::carried());
-    format!(
-        "The platforms that the FMU is to run on [default: all that this program carries: {carried}]"
-    )
+    format!("Platforms on which the FMU runs [default: all platforms of this program: {carried}]")
 }
 
 pub fn positive(text: &str) -> Result<f64, String> {

@@ -88,9 +88,10 @@ impl Course {
 fn print(scene: &Scene, all: &[Effect], times: &Times, out: &mut dyn Write) -> std::io::Result<()> {
     writeln!(
         out,
-        "{}: a step of {:e} s takes {:.3} µs here\n\n\
-         cost: in parts of that step, what is saved without an effect that is on, or what one that is off adds\n\
-         (a law of friction in place of the one that there is); some percent are noise, – is what cannot be here\n",
+        "{}: a step of {:e} s takes {:.3} µs on this machine\n\n\
+         cost: part of that step that is saved without an effect that is on, or added by an effect that is off\n\
+         (a friction law replaces the present one); a few percent are noise; – marks an effect that \
+         this scene cannot have\n",
         scene.name,
         scene.step,
         1e6 * times.own

@@ -41,7 +41,8 @@ pub fn run(arguments: &Simulate) -> Result<(), Box<dyn Error>> {
         eprintln!("{}: {selected}", scene.name);
         if experiment.stop_time > scene.experiment.stop_time {
             eprintln!(
-                "note: that is for the scene's {} s; for {} s give them in its [experiment]",
+                "note: this choice is for the scene's stop time, {} s; to choose for {} s, set stop_time in its \
+                 [experiment]",
                 Short(scene.experiment.stop_time),
                 Short(experiment.stop_time)
             );
@@ -71,7 +72,7 @@ fn write_output(
                 if error.is::<Interrupted>() {
                     let [time, stop] = [run.simulation.time(), experiment.stop_time].map(Short);
                     eprintln!("note: interrupted at {time} s of {stop} s");
-                    rows = "its rows";
+                    rows = "the rows up to then";
                 }
                 if let Some(partial) = file.partial() {
                     eprintln!("{rows} are in {}", partial.display());

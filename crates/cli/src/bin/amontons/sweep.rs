@@ -70,9 +70,9 @@ pub fn run(
     }
     tell_doubts(name, &rows);
     if !is_complete {
-        eprintln!("note: interrupted: {} of {} values", rows.len(), values.len());
+        eprintln!("note: interrupted after {} of {} values", rows.len(), values.len());
         if let Some(partial) = file.as_ref().and_then(Pending::partial) {
-            eprintln!("their rows are in {}", partial.display());
+            eprintln!("the finished rows are in {}", partial.display());
         }
         return Err(Box::new(Interrupted));
     }
@@ -99,7 +99,9 @@ fn tell_doubts(name: &str, rows: &[(f64, Summary)]) {
     }
     for (first, count, doubt) in told {
         let values = counted(count, "value", "values");
-        eprintln!("note: settled is unknown of {values}, the first {name} = {first:?}: {doubt}");
+        eprintln!(
+            "note: settled is unknown for {values}, the first at {name} = {first:?}: {doubt}"
+        );
     }
 }
 

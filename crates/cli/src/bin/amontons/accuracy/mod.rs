@@ -107,7 +107,8 @@ impl Report<'_> {
                 }
                 Err(error) => {
                     let (method, step) = (rung.method, short(rung.step));
-                    self.notes.push(format!("{method} with {step} s is left out: {error}"));
+                    self.notes
+                        .push(format!("{method} with a step of {step} s is left out: {error}"));
                 }
             }
             done += cost(rung);
@@ -122,7 +123,7 @@ impl Report<'_> {
         self.notes.extend(self.study.notes(&rows));
         if !self.complete {
             let all = self.study.ladder().len();
-            self.notes.push(format!("interrupted: {} of {all} rows", rows.len()));
+            self.notes.push(format!("interrupted after {} of {all} rows", rows.len()));
         }
     }
 }

@@ -37,7 +37,8 @@ impl Report<'_> {
         }
         writeln!(
             out,
-            "{LEGEND} ms per s: one thread, best of several runs,\nwithout making the simulation."
+            "{LEGEND} ms per s: computing time of a simulated\nsecond on one thread without set-up, best of several \
+             runs."
         )
     }
 

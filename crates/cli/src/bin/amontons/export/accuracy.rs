@@ -31,7 +31,10 @@ pub fn page(scene: &Scene) -> Result<String, Box<dyn Error>> {
             }
             Err(error) => {
                 let Rung { method, step, .. } = rung;
-                notes.push(format!("{method} with {} s is left out: {error}", short(step)));
+                notes.push(format!(
+                    "{method} with a step of {} s is left out: {error}",
+                    short(step)
+                ));
             }
         }
     }

@@ -60,7 +60,7 @@ pub fn run(arguments: &Export) -> Result<(), Box<dyn std::error::Error>> {
     }
     if let Some(left_out @ 1..) = check.map(|check| check.left_out) {
         eprintln!(
-            "note: the reference, whose size is limited, leaves out the last {}",
+            "note: the reference run leaves out the last {}, because the size of its file is limited",
             counted(left_out, "output", "outputs")
         );
     }

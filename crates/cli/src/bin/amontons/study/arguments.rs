@@ -12,24 +12,25 @@ use std::path::PathBuf;
 
 #[derive(Subcommand)]
 pub enum Study {
-    /// Follow what a scene ends in over the friction coefficient, upwards and downwards: branches, folds, ranges with
-    /// two motions
+    /// Follow the motions of a scene over the friction coefficient, upwards and downwards: branches, folds, ranges
+    /// with two motions
     Continuation(super::continuation::Arguments),
-    /// Amplitude, frequency and contact states of limit cycles over a parameter, and where they change (Fig. 3)
+    /// Amplitude, frequency and contact states of limit cycles over a parameter, and the values at which they change
+    /// (Fig. 3)
     LimitCycle(LimitCycle),
-    /// One run: growth and decay of its motion, band by band, beside eigenvalues; spectrogram and contact states
+    /// Growth and decay of the motion in one run, band by band, beside eigenvalues; spectrogram and contact states
     ///
-    /// It writes history.csv (the output and the contacts' states), results.csv (each growth and decay) and study.json.
-    /// Ctrl-C ends the run, and what it has done is looked at and written (exit code 130). A run takes a second or
-    /// so, so the same command runs it anew.
+    /// The study writes history.csv (the output and the contact states), results.csv (each growth and decay) and
+    /// study.json. Ctrl-C ends the run; the part up to then is analysed and written (exit code 130). A run takes about
+    /// a second, so the same command starts again from the beginning.
     Transient(super::transient::Arguments),
-    /// What perturbations of one initial value end in, and the thresholds between
+    /// Attractors reached from perturbations of one initial value, and the thresholds between them
     Perturbation(Perturbation),
-    /// Which points of a plane of two initial values end in which attractor
+    /// Basins of attraction in a plane of two initial values
     Basin(Basin),
 }
 
-/// What all studies take.
+/// Arguments of all studies.
 #[derive(Args)]
 pub struct Common {
     /// A scene file (TOML), or the name of a built-in scene
@@ -37,18 +38,18 @@ pub struct Common {
     /// Give a parameter or input another value; the names are those of the FMU
     #[arg(long, value_name = "NAME=VALUE", value_parser = assignment)]
     pub set: Vec<(String, f64)>,
-    /// Unless given, exact motion from look to look; what that does not take keeps the scene's own method. A basin
-    /// takes the scene's own method
+    /// By default the motion is event-driven with a step of one observation interval; a scene that the event-driven
+    /// integrator cannot run keeps its own method, and so does a basin
     #[command(flatten)]
     pub integrator: Integrator,
-    /// Folder for results, pictures and the journal of finished work [default: the scene's name and the study's, here,
-    /// with a number where another study has that]
+    /// Folder for results, pictures and the journal of finished work [default: SCENE-STUDY in the current folder, with
+    /// a number if that folder holds another study]
     #[arg(short, long, value_name = "DIR")]
     pub output: Option<PathBuf>,
-    /// How to write pictures
+    /// Format of the pictures
     #[arg(long, value_enum, default_value = "svg")]
     pub pictures: Pictures,
-    /// Begin anew: drop what the folder's journal holds, of another study too where -o names the folder
+    /// Start from the beginning and discard the folder's journal, even that of another study if -o names the folder
     #[arg(long)]
     pub anew: bool,
 }
@@ -68,19 +69,19 @@ impl Pictures {
     }
 }
 
-/// How a study looks at motions, in place of what it derives from the scene.
+/// Settings with which a study observes motions, in place of those that it derives from the scene.
 #[derive(Args, Serialize)]
 pub struct Looking {
-    /// The output whose amplitude and frequency are looked at [default: the first displacement]
+    /// Output whose amplitude and frequency are evaluated [default: the first displacement]
     #[arg(long, value_name = "NAME")]
     pub of: Option<String>,
-    /// How long one looks at a motion to know it, s [default: 50 periods of the slowest mode]
+    /// Length of the window in which a motion is classified, s [default: 50 periods of the slowest mode]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub window: Option<f64>,
-    /// Time between two looks, s [default: a twentieth of the fastest mode's period]
+    /// Time between two observations, s [default: a twentieth of the fastest mode's period]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub interval: Option<f64>,
-    /// How long a motion may take to settle, s [default: 60 windows after the last edge of a signal]
+    /// Longest time for a motion to settle, s [default: 60 windows after the last edge of a signal]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     pub longest: Option<f64>,
 }

@@ -12,8 +12,8 @@ pub fn number(attractor: Option<usize>) -> String {
 /// Prints the attractors, one per line.
 pub fn print(attractors: &[Ending], of: &str, unit: &str) {
     say!(
-        "\nattractors (amplitude and strongest frequency of {of}; motions that differ in their place alone, or are mirror \
-         images of each other, are one)"
+        "\nattractors (amplitude and strongest frequency of {of}; motions that differ only in position, or are mirror \
+         images of each other, count as one)"
     );
     for (place, ending) in attractors.iter().enumerate() {
         say!("  {}  {}", place + 1, words(ending, unit));

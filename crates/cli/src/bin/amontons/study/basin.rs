@@ -23,15 +23,15 @@ pub struct Basin {
     common: Common,
     #[command(flatten)]
     looking: Looking,
-    /// Values from A to B of an initial value, such as module[1].v2, in steps or N of them, across; those that no axis has stay as the
-    /// scene or --set has them
+    /// Initial value on the horizontal axis, such as module[1].v2, from A to B in steps of STEP or as N values;
+    /// initial values on no axis are those of the scene or of --set
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
     x: (String, Values),
-    /// Values from A to B of another initial value, up
+    /// Initial value on the vertical axis, from A to B in steps of STEP or as N values
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N", value_parser = named_values)]
     y: (String, Values),
-    /// Run every point; else every fourth one along both axes is run and all between which basins meet, and the others are
-    /// filled in
+    /// Run every point; otherwise the study runs every fourth point along both axes and the points near basin
+    /// boundaries, and fills in the others
     #[arg(long)]
     every_point: bool,
 }
@@ -114,7 +114,7 @@ fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
         }
     }
     say!(
-        "{} of {} were decided early, by windows of {} s",
+        "{} of {} runs were decided early, with windows of {} s",
         count(found, |cell| cell.early),
         count(found, |cell| cell.run),
         look.window / f64::from(SHORT_WINDOWS)
@@ -122,12 +122,12 @@ fn print(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) {
     let filled_in = count(found, |cell| !cell.run);
     if filled_in > 0 {
         say!(
-            "{filled_in} were not run and are filled in, as all points around each that were run end alike; \
-             --every-point runs them"
+            "{filled_in} points were not run but filled in, because all points around each that were run end in the \
+             same attractor; --every-point runs them"
         );
     }
     if let Some(failure) = found.rows.iter().flatten().find_map(|cell| cell.failure.as_ref()) {
-        eprintln!("note: the first that failed: {failure}");
+        eprintln!("note: the first failed run: {failure}");
     }
 }
 
@@ -154,7 +154,7 @@ fn map(scene: &Scene, [x, y]: [&Axis; 2], look: &Look, found: &Found) -> Map {
     let ends = |axis: &Axis| [axis.values[0], axis.values[axis.values.len() - 1]];
     let label = |axis: &Axis| format!("{} [{}]", axis.name, unit_of(scene, &axis.name));
     Map {
-        title: format!("{}: what each point ends in", scene.name),
+        title: format!("{}: basins of attraction", scene.name),
         x_label: label(x),
         y_label: label(y),
         x: ends(x),

@@ -26,11 +26,12 @@ pub struct Arguments {
     pub common: Common,
     #[command(flatten)]
     pub looking: Looking,
-    /// Values of the friction coefficient, in steps or N of them, followed upwards from A and downwards from B
+    /// Values of the friction coefficient from A to B, in steps of STEP or as N values, followed upwards from A and
+    /// downwards from B
     #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
     pub friction: Values,
-    /// The size of a change of µ that a motion must survive to be followed, and how near the bounds of a jump are brought
-    /// together [default: a hundredth of the step]
+    /// Distance in µ to which the bounds of a jump are narrowed; a motion is followed only if it survives a change of
+    /// µ of this size [default: a hundredth of the step]
     #[arg(long, value_name = "µ", value_parser = resolution, allow_hyphen_values = true)]
     pub resolution: Option<f64>,
 }
@@ -62,7 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     let values = &possible.values;
     let [first, .., last] = values[..] else {
         return Err(format!(
-            "of --friction only {} is possible; a way from one value to another needs two values",
+            "only the value {} of --friction is possible; a continuation needs at least two values",
             values[0]
         )
         .into());
@@ -87,9 +88,10 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
     print_eigenvalues(&scene, &found, known);
     if only_rests(&found) {
         eprintln!(
-            "note: downwards it starts at rest too, so a cycle beside rest is not found: end --friction where sliding is \
-             unstable, or give a start that leads into the cycle at one of the values, as --set initial.NAME=VALUE; \
-             `amontons study perturbation` looks for such starts"
+            "note: the downward pass also starts at rest, so it cannot find a limit cycle that coexists with rest: \
+             extend --friction to a value at which sliding is unstable, or give an initial value that leads to the \
+             cycle at one of the values, as --set initial.NAME=VALUE; `amontons study perturbation` looks for such \
+             initial values"
         );
     }
     say!("\n{}", folder.path().display());
@@ -180,7 +182,7 @@ fn bracket([from, to]: &[f64; 2]) -> [String; 2] {
 }
 
 fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
-    say!("{}: what it ends in over µ\n{}\n", scene.name, heading(&[(scene, look)]));
+    say!("{}: motions over µ\n{}\n", scene.name, heading(&[(scene, look)]));
     for (way, points) in Way::ALL.into_iter().zip([&found.rising, &found.falling]) {
         say!("µ {}", way.name());
         for run in points.chunk_by(|a, b| kind(a) == kind(b)) {
@@ -194,7 +196,7 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
             }
         }
     }
-    say!("\nJumps: where one motion gives way to another");
+    say!("\nJumps: values of µ at which one motion gives way to another");
     if found.jumps.is_empty() {
         say!("  none");
     }
@@ -206,7 +208,7 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
     say!("\nRanges with two motions");
     for both in &found.bistable {
         let Bistable { range, bounded, third, .. } = both;
-        let open = |is_bounded: &bool| if *is_bounded { "" } else { " (as far as was looked)" };
+        let open = |is_bounded: &bool| if *is_bounded { "" } else { " (limit of the search)" };
         let [from, to] = bracket(range);
         say!("  {from}{} to {to}{}: {}", open(&bounded[0]), open(&bounded[1]), both.words());
         if let Some(Third { friction, ending }) = third {
@@ -216,8 +218,8 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
     for range in &found.unknown {
         let [from, to] = bracket(range);
         say!(
-            "  {from} to {to}: unknown, for a motion that was met there has not settled, which a longer --longest may \
-             decide, or could not be followed"
+            "  {from} to {to}: unknown, because a motion there had not settled (a larger --longest may decide) or \
+             could not be followed"
         );
     }
     if found.bistable.is_empty() && found.unknown.is_empty() {
@@ -225,12 +227,13 @@ fn print(scene: &Scene, look: &Look, resolution: f64, found: &Continuation) {
     }
     if found.more {
         say!(
-            "  Not all motions that were met are followed to their ends, which takes too long: ranges may be wider. A \
-             narrower --friction follows them further."
+            "  Not all motions were followed to the ends of their ranges, because that takes too long: ranges may be \
+             wider. A narrower --friction follows them further."
         );
     }
     say!(
-        "  Known are only motions met from rest, from the scene's own start, or where one of these ends; others may exist."
+        "  The study finds only motions reached from rest, from the scene's own initial state, or from the end of one \
+         of these; others may exist."
     );
 }
 
@@ -243,11 +246,11 @@ fn only_rests(found: &Continuation) -> bool {
 /// Text on second motions if both ways have ended in the same motion at every compared value.
 fn none(found: &Continuation, resolution: f64) -> String {
     if only_rests(found) {
-        "unknown: the downward way has begun at rest too, and a motion beside rest may exist that no start has led to"
+        "unknown: the downward pass also started at rest; a motion that no initial state led to may coexist with rest"
             .to_owned()
     } else {
         format!(
-            "none was met that is wider than two resolutions, {:.1e}: where motions were compared, they are the same one",
+            "none wider than two resolutions, {:.1e}, was found: wherever motions were compared, they are the same",
             2.0 * resolution
         )
     }
@@ -267,7 +270,7 @@ fn print_eigenvalues(
     found: &Continuation,
     known: Result<&Bistability, &amontons::Error>,
 ) {
-    say!("\nWhat eigenvalues say");
+    say!("\nEigenvalues");
     if let Some(left_out) = signals_left_out(scene, 0.0) {
         say!("  {left_out}");
     }
@@ -284,7 +287,7 @@ fn print_eigenvalues(
                 known.stable.iter().any(|stable| stable[0] <= *from && *to <= stable[1]);
             let verb =
                 if is_stable { "no mode of sliding grows" } else { "a mode of sliding grows" };
-            say!("  {verb} from {from} to {to}");
+            say!("  {verb} for µ from {from} to {to}");
         }
     }
     for crossing in &known.uniform {
@@ -294,14 +297,17 @@ fn print_eigenvalues(
         let [from, to] = candidate.range;
         let met = met(compared);
         let found = match (&met[..], compared.is_empty()) {
-            ([], true) => "not known: no cycle beside rest was found in this range".to_owned(),
+            ([], true) => {
+                "unknown: no limit cycle that coexists with rest was found in this range".to_owned()
+            }
             ([], false) => format!(
-                "not met by the cycles beside rest that were followed, at {}; another one may meet it",
+                "not visited by the limit cycles that were followed beside rest, at µ = {}; another limit cycle may \
+                 visit it",
                 listed(looked_at(compared.iter()).into_iter())
             ),
             (values, _) => {
                 let values = listed(values.iter().copied());
-                format!("met by a cycle beside rest, seen at {values}")
+                format!("visited by a limit cycle that coexists with rest, at µ = {values}")
             }
         };
         let states = Joined(&candidate.states);
@@ -321,7 +327,7 @@ fn told(ending: &Ending) -> String {
         Kind::Unbounded => "growth without bound".to_owned(),
         Kind::Equilibrium => "rest".to_owned(),
         Kind::Unsettled => {
-            format!("{} ({} when it was left)", describe(ending), metres(ending.amplitude))
+            format!("{} ({} at the end of the run)", describe(ending), metres(ending.amplitude))
         }
         _ => format!("{} of {}", describe(ending), metres(ending.amplitude)),
     }

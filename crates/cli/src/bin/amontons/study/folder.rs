@@ -56,7 +56,7 @@ impl Folder {
         }
         if let (Some(why), false) = (other(&path, &study), common.anew) {
             let error = std::io::Error::other(format!(
-                "it holds another study: {why}; give another folder with -o, or --anew to drop it"
+                "the folder holds another study: {why}; give another folder with -o, or discard its journal with --anew"
             ));
             return Err(amontons::Error::file(&path, &error).into());
         }
@@ -168,7 +168,7 @@ fn other(path: &Path, study: &Value) -> Option<String> {
         // A folder with neither pieces nor results was left by a study that ended before its first piece.
         Owner::Another { why, has_pieces } => (has_pieces || has_results).then_some(why),
         Owner::Nobody if has_results => {
-            Some(format!("it has results, but no {JOURNAL} that says of what"))
+            Some(format!("the folder has results, but no {JOURNAL} that identifies their study"))
         }
         Owner::Nobody => None,
     }

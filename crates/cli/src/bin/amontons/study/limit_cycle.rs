@@ -23,20 +23,20 @@ use std::io::{Write, stdout};
 pub struct LimitCycle {
     #[command(flatten)]
     pub common: Common,
-    /// The parameter or input, and its values from A to B, in steps or N of them, or its one value [default: the slider's
-    /// velocity, as the scene has it]
+    /// Parameter or input with its values from A to B, in steps of STEP or as N values, or with one value [default:
+    /// the slider's velocity, with the value of the scene]
     #[arg(long, value_name = "NAME=A:B:STEP|A:B/N|VALUE", value_parser = named_values)]
     pub parameter: Option<(String, Values)>,
     #[command(flatten)]
     pub looking: Looking,
-    /// Find where the motion changes to this part of the distance between two values
+    /// Accuracy of the values at which the motion changes, as a part of the distance between two values
     #[arg(long, value_name = "PART", default_value = "1e-3", value_parser = part, allow_hyphen_values = true)]
     pub resolution: f64,
-    /// Draw the phase portraits of the motion with this value; may be given again [default: of one value in the
-    /// middle of each regime]
+    /// Draw the phase portraits of the motion at this value of the parameter; may be repeated [default: one value in
+    /// the middle of each regime]
     #[arg(long, value_name = "VALUE", value_parser = number, allow_hyphen_values = true)]
     pub portrait: Vec<f64>,
-    /// How many contacts portraits show, the first ones
+    /// Number of contacts in the phase portraits, counted from the first
     #[arg(long, value_name = "N", default_value = "2")]
     pub contacts: usize,
 }
@@ -84,7 +84,8 @@ pub fn run(arguments: &LimitCycle) -> Result<(), Box<dyn Error>> {
     }
     if let Some(push) = Push::of_resting(&first) {
         eprintln!(
-            "note: {} starts at rest in its equilibrium; {} is pushed, with {:?} m/s where {name} = {:?}",
+            "note: {} starts at rest in its equilibrium; to start a motion, {} gets an initial velocity, {:?} m/s at \
+             {name} = {:?}",
             scene.name,
             scene.dof_names()[push.dof],
             push.velocity,
@@ -184,12 +185,8 @@ fn print(
     match &question.values[..] {
         [value] => {
             let is_driven = scene.signals.iter().any(|signal| signal.input == question.name);
-            let added = if is_driven { ", to which a signal adds" } else { "" };
-            writeln!(
-                out,
-                "{}: what it ends in with {} = {value:?}{added}",
-                scene.name, question.name
-            )?;
+            let added = if is_driven { ", to which a signal is added" } else { "" };
+            writeln!(out, "{}: motion at {} = {value:?}{added}", scene.name, question.name)?;
         }
         _ => writeln!(out, "{}: limit cycles over {}", scene.name, question.name)?,
     }
@@ -240,21 +237,23 @@ fn print(
     if !found.thresholds.is_empty() {
         writeln!(out, "as {} rises:", question.name)?;
     } else if question.values.len() > 1 {
-        writeln!(out, "no thresholds between values that have settled")?;
+        writeln!(out, "no thresholds between values whose motion has settled")?;
     }
     for threshold in &found.thresholds {
         let [low, high] = bounds(threshold);
         write!(out, "  between {low} and {high}: {}", changes(threshold))?;
         match threshold.unknown {
-            Some(value) => writeln!(out, " (no nearer: {value:?} has not settled)")?,
+            Some(value) => {
+                writeln!(out, " (not narrowed further: the motion at {value:?} has not settled)")?;
+            }
             None => writeln!(out)?,
         }
     }
     if question.values.len() > 1 {
         writeln!(
             out,
-            "changes that come and go between two neighbouring values are not seen; a smaller step of --parameter shows \
-                 them"
+            "changes that occur and revert between two neighbouring values are not detected; a smaller step of \
+             --parameter shows them"
         )?;
     }
     let is_left = |outcome: &Outcome| matches!(outcome, Outcome::Ending(ending) if ending.kind == Kind::Unsettled);
@@ -269,8 +268,7 @@ fn print(
         let values: Vec<String> = left.iter().map(|(value, _)| format!("{value:?}")).collect();
         writeln!(
             out,
-            "not settled within {longest} s: {}; a longer --longest or, of a beat, a --window that holds more of it may \
-                 decide",
+            "not settled within {longest} s: {}; a larger --longest or, for a beat, a larger --window may decide",
             values.join(", ")
         )?;
     }
@@ -281,7 +279,7 @@ fn print(
     if let Some(value) = results.outcomes().find_map(stands) {
         writeln!(
             out,
-            "{} does not move at {value:?}, where others do: look at another output with --of",
+            "{} does not move at {value:?}, although other outputs do: choose another output with --of",
             results.of
         )?;
     }
@@ -321,7 +319,8 @@ fn print_evidence(results: &Results<'_>, out: &mut dyn Write) -> std::io::Result
         };
         writeln!(
             out,
-            "{values} contacts take {states} ever more briefly, and in the end not at all: the table leaves this out"
+            "{values} contacts take {states} for ever shorter times and finally not at all; the table leaves these \
+             states out"
         )?;
     }
     Ok(())

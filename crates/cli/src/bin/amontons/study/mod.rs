@@ -125,7 +125,7 @@ fn heading(runs: &[(&Scene, &Look)]) -> String {
         Method::ForwardIncrement => "the paper's scheme",
     };
     format!(
-        "{method}, step {} s; {} every {} s, windows of {} s, up to {} s",
+        "{method}, step {} s; {} observed every {} s in windows of {} s, for at most {} s",
         over(runs.iter().map(|(scene, _)| scene.step)),
         runs[0].1.of,
         over(runs.iter().map(|(_, look)| look.interval)),

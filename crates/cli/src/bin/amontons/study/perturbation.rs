@@ -13,6 +13,7 @@ use amontons_analysis::study::{Look, initial_value};
 use amontons_cli::charts::attractor::unit_of;
 use amontons_cli::charts::perturbation::{endings, histories};
 use amontons_cli::say;
+use amontons_export::documentation::counted;
 use clap::Args;
 use serde_json::json;
 use std::error::Error;
@@ -23,13 +24,13 @@ pub struct Perturbation {
     common: Common,
     #[command(flatten)]
     looking: Looking,
-    /// The initial value that is varied, such as module[1].v2; the others stay as the scene or --set has them
+    /// Initial value to vary, such as module[1].v2; the other initial values are those of the scene or of --set
     #[arg(long, value_name = "NAME")]
     direction: String,
-    /// Its values from A to B, in steps or N of them
+    /// Values of this initial value from A to B, in steps of STEP or as N values
     #[arg(long, value_name = "A:B:STEP|A:B/N", value_parser = values, allow_hyphen_values = true)]
     amplitude: Values,
-    /// How closely thresholds are found: to this part of themselves
+    /// Relative accuracy of the thresholds
     #[arg(long, value_name = "PART", default_value_t = 1e-3, allow_hyphen_values = true)]
     resolution: f64,
 }
@@ -95,24 +96,25 @@ fn print(scene: &Scene, direction: &Direction, look: &Look, found: &Perturbation
         say!("{range:<27}  {:>4}  {}", same.len(), class(&same[0]));
     }
     if let Some(failure) = found.runs.iter().find_map(|run| run.failure.as_ref()) {
-        eprintln!("note: the first that failed: {failure}");
+        eprintln!("note: the first failed run: {failure}");
     }
-    say!("\nthresholds, to {:e} of themselves", direction.resolution);
+    say!("\nthresholds, to a relative accuracy of {:e}", direction.resolution);
     for Threshold { between: [below, above], attractors: [from, to] } in &found.thresholds {
         say!("  between {below} and {above} {unit}: below {}, above {}", from + 1, to + 1);
     }
     let left = found.runs.iter().filter(|run| run.attractor.is_none()).count();
     if found.thresholds.is_empty() && left < found.runs.len() {
-        say!("  none between neighbours that both end in an attractor");
+        say!("  none between neighbouring amplitudes that both end in an attractor");
     }
     if found.runs.len() > 1 {
         say!(
-            "  changes that come and go between two neighbouring amplitudes are not seen; a smaller step of --amplitude shows \
-             them"
+            "  changes that occur and revert between two neighbouring amplitudes are not detected; a smaller step of \
+             --amplitude shows them"
         );
     }
     if left > 0 {
-        say!("  unknown beside the runs that have not ended in an attractor, {left} of them");
+        let runs = counted(left, "run", "runs");
+        say!("  unknown next to the {runs} that did not end in an attractor");
     }
 }
 

@@ -23,14 +23,14 @@ use std::io::{ErrorKind, Write, stdout};
 pub struct Arguments {
     #[command(flatten)]
     common: Common,
-    /// The output that is looked at, such as a displacement or a velocity [default: the displacement that moves most]
+    /// Output to analyse, such as a displacement or a velocity [default: the displacement that moves most]
     #[arg(long, value_name = "NAME")]
     of: Option<String>,
     /// End of the run, s [default: the scene's]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     stop_time: Option<f64>,
-    /// Time between two values, s; a whole part of it where the fastest mode's period would have less than 20
-    /// [default: the scene's]
+    /// Time between two values of the output, s; divided by a whole number if the fastest mode's period would have
+    /// fewer than 20 values [default: the scene's]
     #[arg(long, value_name = "S", value_parser = positive, allow_hyphen_values = true)]
     output_interval: Option<f64>,
 }
@@ -70,7 +70,8 @@ pub fn run(arguments: &Arguments) -> Result<(), Box<dyn Error>> {
         return Ok(());
     }
     eprintln!(
-        "note: the run ended at {} of {stop_time} s; {} has what was found so far, and the same command runs it anew",
+        "note: the run ended at {} s of {stop_time} s; the results up to then are in {}, and the same command starts \
+         again from the beginning",
         found.end,
         folder.path().display()
     );
@@ -168,7 +169,12 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
     let Transient { output, unit, interval, end, growth, findings, open, left_out, .. } = found;
     // Without the digits of a third.
     let shown = to_significant(*interval, 5);
-    writeln!(out, "{}: {output} over {} s, each {shown:?} s", scene.name, Rounded(*end))?;
+    writeln!(
+        out,
+        "{}: {output} over {} s, one value every {shown:?} s",
+        scene.name,
+        Rounded(*end)
+    )?;
     match growth.dominant {
         Some(dominant) => writeln!(out, "strongest line: {dominant:.2} Hz")?,
         None if findings.iter().any(|finding| finding.phase.frequency > 0.0) => {
@@ -176,18 +182,18 @@ fn print(scene: &Scene, found: &Transient, out: &mut dyn Write) -> std::io::Resu
         }
         None => writeln!(
             out,
-            "no strongest line: the output does not oscillate, or for too few periods to tell"
+            "no strongest line: the output does not oscillate, or the run has too few periods"
         )?,
     }
     match growth.window {
-        window if window > 0.0 => writeln!(out, "bands seen through windows of {window:.3} s")?,
+        window if window > 0.0 => writeln!(out, "bands evaluated in windows of {window:.3} s")?,
         _ => {}
     }
     for sentence in left_out {
         writeln!(out, "note: {sentence}")?;
     }
     if findings.is_empty() {
-        writeln!(out, "no tenfold growth or decay along an exponential was found")?;
+        writeln!(out, "no exponential growth or decay by a factor of ten was found")?;
     }
     let listed = most_telling(findings);
     for finding in &listed {
@@ -259,17 +265,17 @@ fn time(time: f64, interval: f64) -> String {
 }
 
 /// The reason why a motion is not followed mode by mode, with the replacement.
-const NO_MODES: &str = "growth is looked for in the lines of the output, not mode by mode (contacts change their states, signals drive \
-                        the scene, or friction is not linear)";
+const NO_MODES: &str = "growth is evaluated by the spectral lines of the output, not mode by mode (contacts change \
+                        their states, signals drive the scene, or friction is not linear)";
 
 /// A note on results that need no run.
 const STATES_TELL: &str =
-    "amontons-stability states tells the growth rate of each mode without a run";
+    "amontons-stability states computes the growth rate of each mode without a run";
 
 fn asked(question: &Open, interval: f64) -> String {
     let rate = |phase: &Phase| {
         format!(
-            "a mode {} with a {} {}, by a factor of {:.3}",
+            "a mode {} ({} {}) by a factor of {:.3}",
             verb(phase.rate),
             growth_rate(phase),
             at_frequency(phase),
@@ -280,12 +286,12 @@ fn asked(question: &Open, interval: f64) -> String {
         Open::LessThanTenfold { phase, stop_time, is_beside_growth } => {
             let decides = format!("--stop-time {} or more", rounded_up(*stop_time));
             let unless = if *is_beside_growth {
-                ", unless the mode that grows beside it hides it or makes a contact change its state before"
+                ", unless a growing mode hides it or makes a contact change its state first"
             } else {
                 ""
             };
             format!(
-                "{} by the end of the run; {decides} would show if it does so tenfold{unless}; {STATES_TELL}",
+                "{} by the end of the run; {decides} would show whether the factor reaches ten{unless}; {STATES_TELL}",
                 rate(phase)
             )
         }
@@ -297,7 +303,7 @@ fn asked(question: &Open, interval: f64) -> String {
                 "; a run with a smaller initial perturbation shows it for longer"
             };
             format!(
-                "{} until {until} s, as long as it can be followed mode by mode; {STATES_TELL}{decides}",
+                "{} until {until} s, the end of the part that can be followed mode by mode; {STATES_TELL}{decides}",
                 rate(phase),
             )
         }
@@ -323,7 +329,8 @@ fn asked(question: &Open, interval: f64) -> String {
         Open::Slower { span, rate } => format!(
             "from {} s on {NO_MODES}; a tenfold change that is slower than {rate:.2} 1/s, or of a line beside \
              stronger ones, may not be seen: a longer run (--stop-time), another output (--of), a smaller initial \
-             perturbation or the scene without its signals may show it; amontons study limit-cycle tells what it ends in",
+             perturbation or the scene without its signals may show it; amontons study limit-cycle finds the final \
+             motion",
             time(span[0], interval),
         ),
     }
