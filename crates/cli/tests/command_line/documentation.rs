@@ -252,7 +252,7 @@ fn the_page_says_whether_a_scene_squeals_and_from_which_friction_on() {
     };
     for (scene, verdict, friction, hertz) in [
         ("set1", "Yes, it squeals", "1.18361", 220.0),
-        ("set2", "Small disturbances decay", "2.06257", 172.0),
+        ("set2", "Small disturbances of this state decay", "2.06257", 172.0),
     ] {
         let page = page(scene);
         has(&page, &[verdict, "both contacts slide (state Sl-Sl)", "mode 6\n", "this scene\n"]);
@@ -263,9 +263,12 @@ fn the_page_says_whether_a_scene_squeals_and_from_which_friction_on() {
     has(&page("hoffmann"), &["Yes, it squeals", "the contact slides", "µ = 0.2559"]);
     let merging = format!("1–3: {:.5}", 3.0 - 6.0_f64.sqrt());
     has(&page("disc_brake"), &["Yes, it squeals", "(state Sl-R-Sl)", &merging]);
-    has(&page("den_hartog"), &["what the contact rubs on stands still", "which this is not"]);
+    has(
+        &page("den_hartog"),
+        &["the surface under the contact stands still", "not all contacts slide"],
+    );
     has(&page("belt"), &["the contact slides", "no mode grows"]);
-    has(&page("corner"), &["nothing can move"]);
+    has(&page("corner"), &["no degree of freedom can move"]);
 }
 
 /// The connections that `examples/coupled.rs` makes; the velocity of its drive is relative to a nut that moves, so the
@@ -287,8 +290,8 @@ fn the_page_says_what_to_couple_and_what_contact_states_mean() {
     assert!(
         disc.contains(
             "a drive gives contact.upper_lining.velocity = v and contact.lower_lining.velocity = −v, and takes \
-             −contact.upper_lining.friction_force + contact.lower_lining.friction_force. In the equilibrium that is \
-             −3000.0 N, against its velocity. "
+             −contact.upper_lining.friction_force + contact.lower_lining.friction_force. In the equilibrium this force \
+             is −3000.0 N, against its velocity. "
         ),
         "{disc}"
     );
@@ -330,9 +333,9 @@ fn contacts_are_summed_by_the_body_that_moves_their_surfaces() {
     for words in [
         "a drive gives contact.one.velocity = v, contact.two.velocity = v and contact.under.velocity = −v, and takes \
          −contact.one.friction_force − contact.two.friction_force + contact.under.friction_force. In the equilibrium \
-         that is −60.000 N, against its velocity. ",
-        "Another drive gives contact.alone.velocity and takes −contact.alone.friction_force. In the equilibrium that \
-         is 20.000 N, against its velocity. ",
+         this force is −60.000 N, against its velocity. ",
+        "Another drive gives contact.alone.velocity and takes −contact.alone.friction_force. In the equilibrium this \
+         force is 20.000 N, against its velocity. ",
     ] {
         assert!(page.contains(words), "{words} is not in {page}");
     }
@@ -342,12 +345,12 @@ fn contacts_are_summed_by_the_body_that_moves_their_surfaces() {
 fn what_makes_no_sense_for_a_scene_is_said_in_a_sentence() {
     let page = page_of(FREE);
     assert!(page.contains("a &lt;mass&gt; &amp; a spring"));
-    assert!(page.contains("nothing can squeal") && page.contains("There is no friction"));
+    assert!(page.contains("nothing can squeal") && page.contains("The scene has no friction"));
     // ω = √(200 / 0.5) = 20 rad/s.
     assert!(page.contains("at 3.1831 Hz"), "its frequency");
     assert!(!page.contains("id=\"locus\"") && page.contains("id=\"drawing\""));
     let page = page_of(GUIDED);
-    assert!(page.contains("without friction: that cannot squeal"), "{page}");
+    assert!(page.contains("without friction: the scene cannot squeal"), "{page}");
     assert!(page.contains("5.0000 N at contact.foot"));
     // Force times velocity is power: slip counts against the mass's velocity, from a floor that nothing ties it to.
     assert!(page.contains("another FMU gives mass.a.fx and takes mass.a.vx. "));
@@ -361,7 +364,7 @@ fn a_ring_too_large_for_pictures_and_eigenvalues_says_so() {
     let mut fmu =
         export(folder.path(), "large.toml", &["--integrator", "event-driven", "--step", "1e-3"]);
     let page = fmu.page();
-    assert!(page.contains("There is no drawing of it") && !fmu.has("model.png"));
+    assert!(page.contains("There is no drawing of this scene") && !fmu.has("model.png"));
     assert!(page.contains("With 280 degrees of freedom"));
     assert!(cells(&page, "all-variables").len() > 1000);
 }

@@ -36,9 +36,12 @@ fn a_platform_whose_library_is_not_carried_is_refused_with_a_way_to_get_it() {
         {
             let output = run(AMONTONS, folder.path(), &["export", "set1", "--platform", &list]);
             let carried = Library::carried()[0].platform;
-            let way =
-                if platform == "win64" { "release" } else { "FMUs are made for linux64 and win64" };
-            assert_refused(&output, 2, &["--platform", "carries", carried, way]);
+            let way = if platform == "win64" {
+                "release"
+            } else {
+                "FMUs can be made for linux64 and win64"
+            };
+            assert_refused(&output, 2, &["--platform", "contains", carried, way]);
         }
     }
     assert!(!folder.path().join("set1.fmu").exists());

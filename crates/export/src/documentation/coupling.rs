@@ -4,8 +4,8 @@
 //! drive gives the velocity of a surface and takes the force on it along that velocity; contacts that rub on one body
 //! are one surface, and count with the signs by which the body moves them.
 
-use super::can_squeal;
 use super::importing::first;
+use super::{can_squeal, counted};
 use amontons::model::Equilibrium;
 use amontons::scene::{Network, RubbingPlace, Scene, direction};
 use amontons::simulation::catalogue::{Causality, Quantity, Variable};
@@ -13,8 +13,8 @@ use amontons_pictures::picture::significant;
 
 /// Conditions under which a coupling converges (`examples/importers/README.md`).
 const EXCHANGE: &str = "While contacts slide, a communication step well below the period of the motion is short \
-                        enough; where they stick, give values with their derivatives, since held ones lose momentum at \
-                        any step.";
+                        enough; while they stick, give values with their derivatives, since held values lose momentum \
+                        at any communication step.";
 /// The most drives that are described.
 const MOST_DRIVES: usize = 4;
 /// The most contacts of a drive that are written out.
@@ -170,7 +170,7 @@ impl Surface {
         let mut takes = format!("−{}.friction_force", name(first));
         if self.contacts.len() > MOST_CONTACTS {
             gives = format!(
-                "{gives} = v and v or −v to the {} other contacts that it moves, as their velocities have signs \
+                "{gives} = v and v or −v to the {} other contacts that it moves, with the signs of their velocities \
                  in the scene,",
                 self.contacts.len() - 1
             );
@@ -201,12 +201,13 @@ fn told(drives: &[Drive]) -> String {
         if drive.force != 0.0 {
             let which = if drive.force * drive.velocity < 0.0 { "against" } else { "along" };
             let force = significant(drive.force, 5).replace('-', "−");
-            words.push(format!("In the equilibrium that is {force} N, {which} its velocity."));
+            words
+                .push(format!("In the equilibrium this force is {force} N, {which} its velocity."));
         }
     }
     if drives.len() > MOST_DRIVES {
-        let more = drives.len() - MOST_DRIVES;
-        words.push(format!("The scene has {more} more surfaces; each has a drive of its own."));
+        let more = counted(drives.len() - MOST_DRIVES, "more surface", "more surfaces");
+        words.push(format!("The scene has {more}; each has a drive of its own."));
     }
     words.push(EXCHANGE.to_owned());
     words.join(" ")

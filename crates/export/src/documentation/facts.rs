@@ -35,14 +35,14 @@ pub(super) fn facts(subject: Subject<'_>) -> Vec<(&'static str, String)> {
         let mut inputs: Vec<&str> = scene.signals.iter().map(|signal| &*signal.input).collect();
         inputs.dedup();
         let text = format!(
-            "the scene itself drives {}; what an importer sets is added to it",
+            "the scene itself drives {}; values that an importer sets are added",
             inputs.join(", ")
         );
         facts.push(("Signals", text));
     }
     let experiment = scene.experiment;
     let default = format!(
-        "from 0 to {} s, an output each {} s",
+        "from 0 to {} s, outputs every {} s",
         experiment.stop_time, experiment.output_interval
     );
     facts.push(("Default experiment", default));

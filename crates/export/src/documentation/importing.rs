@@ -12,8 +12,8 @@ const NAMED: usize = 4;
 pub(super) fn section(subject: Subject<'_>) -> String {
     let scene = subject.scene;
     let mut html = String::from(
-        "<p>It is an FMI 2.0 co-simulation FMU: it steps by itself, so an importer gives communication steps of any \
-         length and no solver.</p>\n<h3>FMPy</h3>\n",
+        "<p>This is an FMI 2.0 co-simulation FMU with an integrator of its own: an importer gives communication steps \
+         of any length and needs no solver.</p>\n<h3>FMPy</h3>\n",
     );
     let experiment = scene.experiment;
     let (stop, interval) = (experiment.stop_time, experiment.output_interval);
@@ -27,7 +27,7 @@ pub(super) fn section(subject: Subject<'_>) -> String {
          print(result[\"time\"][-1], result[\"{plot}\"][-1])"
     );
     markup::listing(&mut html, "Python", &python);
-    html.push_str("<p><code>pip install fmpy</code> brings it. Or from the command line:</p>\n");
+    html.push_str("<p>Install FMPy with <code>pip install fmpy</code>. On the command line:</p>\n");
     let shell = format!(
         "fmpy validate {file}\n\
          fmpy simulate {file} --interface-type CoSimulation --stop-time {stop:?} \\\n    \
@@ -35,18 +35,18 @@ pub(super) fn section(subject: Subject<'_>) -> String {
     );
     markup::listing(&mut html, "Command line", &shell);
     let mut words = vec![
-        "In other tools: add it as an FMU for co-simulation, and take an output interval as the communication step \
-         (tried in FMPy, libcosim, ecos and fmi-rs). It can save and restore its state, interpolates inputs by their \
-         derivatives, and gives derivatives of outputs and directional derivatives."
+        "In other tools, add it as an FMU for co-simulation and use the output interval as the communication step \
+         (tested with FMPy, libcosim, ecos and fmi-rs). The FMU can save and restore its state, interpolates inputs \
+         by their derivatives, and provides derivatives of outputs and directional derivatives."
             .to_owned(),
     ];
     if let Selection::Auto { tolerance } = scene.selection {
         words.push(format!(
-            "The importer's tolerance chooses method and step; without one it is {tolerance:e}."
+            "The importer's tolerance determines method and step; the default tolerance is {tolerance:e}."
         ));
     }
     markup::paragraphs(&mut html, &words);
-    html.push_str("<h3>What to try</h3>\n");
+    html.push_str("<h3>Variables to try</h3>\n");
     let mut pairs = Vec::new();
     for (what, list) in [
         (
@@ -64,7 +64,7 @@ pub(super) fn section(subject: Subject<'_>) -> String {
             ),
         ),
         (
-            "Before it",
+            "Before a run",
             tried(
                 scene,
                 &variables,
@@ -83,11 +83,11 @@ pub(super) fn section(subject: Subject<'_>) -> String {
         }
     }
     pairs.push((
-        "To be watched",
+        "Outputs to watch",
         outputs.iter().map(|v| v.name.clone()).collect::<Vec<_>>().join(", "),
     ));
     if let Some(text) = coupling(scene, subject.start.reference(), &variables) {
-        pairs.push(("To be coupled", text));
+        pairs.push(("Coupling", text));
     }
     markup::facts(&mut html, &pairs);
     html

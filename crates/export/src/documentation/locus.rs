@@ -43,8 +43,8 @@ impl Axis {
                  coefficient. A mode above the zero line grows."
             }
             Self::Factor => {
-                "Root locus of uniform sliding: growth (above) and frequency (below) of all modes over a factor on \
-                 all friction coefficients; the scene has 1. A mode above the zero line grows."
+                "Root locus of uniform sliding: growth (above) and frequency (below) of all modes over a factor that \
+                 multiplies all friction coefficients (1 in this scene). A mode above the zero line grows."
             }
         }
     }
@@ -66,23 +66,24 @@ pub(super) fn followed(
     states: &[ContactState],
 ) -> Result<Followed, String> {
     if !can_squeal(scene) {
-        return Err("There is no friction over which its modes could be followed.".into());
+        return Err("The scene has no friction, so there is no root locus over friction.".into());
     }
     let about = scene.friction_law.info();
     if !about.is_constant() {
         return Err(format!(
-            "By its law of friction ({}) µ is another at each slip velocity, so there is no root locus over one µ.",
+            "With the friction law {} µ depends on the slip velocity, so there is no root locus over a single µ.",
             about.name
         ));
     }
     if states.iter().any(|state| state.sliding_direction().is_none()) {
         return Err(
-            "A root locus over friction is one of uniform sliding, which this is not.".into()
+            "A root locus over friction needs uniform sliding, but not all contacts slide in this state.".into()
         );
     }
     if model.dofs() > MOST_FOLLOWED {
         return Err(format!(
-            "With {} degrees of freedom its modes are not followed in an export; `amontons-stability locus` does.",
+            "With {} degrees of freedom the modes are not followed during an export; `amontons-stability locus` \
+             follows them.",
             model.dofs()
         ));
     }
@@ -94,13 +95,15 @@ pub(super) fn followed(
         (0..=STEPS).map(|step| last * (f64::from(step) / f64::from(STEPS))).collect();
     let at = |value: f64| with_friction(scene, axis, value);
     let locus = locus(&|value| Ok(Linearised::of(&at(value))), states, &values, &|_, _| {})
-        .map_err(|error| format!("Its modes cannot be followed over friction: {error}."))?;
+        .map_err(|error| format!("The modes cannot be followed over friction: {error}."))?;
     let has_equilibrium = |value: f64| {
         let scene = at(value);
         equilibrium(&scene, &LumpedModel::from(&scene)).map(|_| ())
     };
     if locus.branches.is_empty() {
-        return Err("In uniform sliding nothing can move, whatever the friction.".into());
+        return Err(
+            "In uniform sliding no degree of freedom can move, whatever the friction.".into()
+        );
     }
     let equilibrium = equilibrium_ranges(&has_equilibrium, &values);
     Ok(Followed { axis, locus, here, equilibrium })
@@ -162,7 +165,7 @@ impl Followed {
                 let verdict = if grows { "some mode grows" } else { "no mode grows" };
                 format!("Over the whole range from {name} {first} to {} {verdict}.", number(last))
             }
-            false => format!("Where a mode begins or ceases to grow: {}.", turns.join(", ")),
+            false => format!("A mode begins or ceases to grow at {}.", turns.join(", ")),
         }];
         let whole =
             self.equilibrium.first().is_some_and(|[from, to]| *from <= first && *to >= last);
@@ -173,7 +176,7 @@ impl Followed {
                 .map(|[from, to]| format!("from {} to {}", number(*from), number(*to)));
             let ranges: Vec<String> = ranges.collect();
             words.push(match ranges.is_empty() {
-                true => "Uniform sliding has no equilibrium anywhere there.".to_owned(),
+                true => "Uniform sliding has no equilibrium anywhere in this range.".to_owned(),
                 false => {
                     format!("Uniform sliding has an equilibrium {} only.", ranges.join(" and "))
                 }

@@ -31,7 +31,7 @@ pub(super) fn index(
         ("file", "Scene file", file(subject)),
     ];
     if accuracy {
-        let content = "<p>What each method and step costs in accuracy, measured against a reference: \
+        let content = "<p>Errors of each method and step against a reference: \
                        <a href=\"accuracy.html\">accuracy</a>.</p>\n";
         sections.push(("accuracy", "Accuracy", content.to_owned()));
     }
@@ -50,22 +50,21 @@ pub(super) fn index(
 
 const LICENCES: &str = "\
 <p>The program in this FMU is Amontons, under the <a href=\"licenses/LICENSE-MIT.txt\">MIT licence</a> or the \
-<a href=\"licenses/LICENSE-APACHE.txt\">Apache License 2.0</a>, at your option. It is linked with other programs, \
-whose licences are in <a href=\"licenses/THIRD-PARTY.txt\">THIRD-PARTY.txt</a>. The scene is its author's.</p>
+<a href=\"licenses/LICENSE-APACHE.txt\">Apache License 2.0</a>, at your option. It is linked with other libraries, \
+whose licences are in <a href=\"licenses/THIRD-PARTY.txt\">THIRD-PARTY.txt</a>. The scene belongs to its author.</p>
 ";
 
 fn model(subject: Subject<'_>, structure: Option<&Structure>) -> Result<String, Error> {
     let mut html = String::new();
     match structure {
         Some(structure) => {
-            let caption =
-                "Masses, springs, dampers and contacts. Lengths in the picture mean nothing.";
+            let caption = "Masses, springs, dampers and contacts. The drawing is not to scale.";
             markup::figure(&mut html, "drawing", &structure.svg()?, caption);
         }
         None => markup::paragraphs(
             &mut html,
             &[format!(
-                "There is no drawing of it: one picture tells up to {} masses apart.",
+                "There is no drawing of this scene: a drawing shows at most {} masses.",
                 Structure::MOST_MASSES
             )],
         ),
@@ -77,14 +76,18 @@ fn model(subject: Subject<'_>, structure: Option<&Structure>) -> Result<String, 
 fn file(subject: Subject<'_>) -> String {
     let source = subject.source;
     let mut html = String::from(
-        "<p>What the FMU reads when it is instantiated, from its folder <code>resources</code>. <code>amontons \
-         export</code> and <code>amontons simulate</code> take it too.</p>\n<details>\n<summary>scene.toml</summary>\n",
+        "<p>The FMU reads this file from its folder <code>resources</code> when it is instantiated. <code>amontons \
+         export</code> and <code>amontons simulate</code> accept it too.</p>\n\
+         <details>\n<summary>scene.toml</summary>\n",
     );
     markup::listing(&mut html, "scene.toml", &source.text);
     html.push_str("</details>\n");
     if !source.tables.is_empty() {
         let names: Vec<&str> = source.tables.iter().map(|(name, _)| &**name).collect();
-        markup::paragraphs(&mut html, &[format!("Beside it: {}.", names.join(", "))]);
+        markup::paragraphs(
+            &mut html,
+            &[format!("Other files in the same folder: {}.", names.join(", "))],
+        );
     }
     html
 }

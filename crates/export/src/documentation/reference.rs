@@ -26,19 +26,20 @@ pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error
     let (experiment, rows) = (run.experiment, &run.rows);
     let interval = experiment.output_interval;
     let mut words = format!(
-        "A run of this scene by Amontons itself, without an importer and with nothing set: from 0 to {} s, a row \
-         each {interval} s.",
+        "A run of this scene by Amontons itself, without an importer and with the start values of all variables: from \
+         0 to {} s, one row every {interval} s.",
         experiment.stop_time
     );
     if !run.whole {
         words += &format!(
-            " The whole experiment of the scene is {} s long; this is as much of it as a fixed count of operations \
-             goes, so that an export stays quick.",
+            " The whole experiment of the scene is {} s long; this run ends earlier, after a fixed number of \
+             operations, to keep the export quick.",
             scene.experiment.stop_time
         );
     }
     if rows.iter().all(|(_, values)| is_still(values, &rows[0].1)) {
-        words += " With nothing set this scene stays at rest: a comparison wants an input that moves it, here as there.";
+        words += " With its start values this scene stays at rest: for a comparison, set an input that moves it in \
+                  both programs.";
     }
     words += " An importer that steps through the same times gets the same doubles, to the last bit; each row below is \
               at one of these times.";
@@ -54,7 +55,7 @@ pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error
             &mut html,
             "run-figure",
             &svg,
-            "Of each 700th of the run the lowest and the highest value.",
+            "Lowest and highest value in each 700th part of the run.",
         );
     }
     let columns: Vec<String> =
@@ -72,16 +73,16 @@ pub(super) fn section(scene: &Scene, run: &ReferenceRun) -> Result<String, Error
     plain_table(
         &mut html,
         "run-values",
-        "Values with all their digits: each is the shortest decimal that reads back as its double",
+        "Values with all their digits: each is the shortest decimal that reads back as the same double",
         &columns,
         cells,
     );
     add(
         &mut html,
         format_args!(
-            "<p class=\"hint\"><code>amontons simulate</code> writes all rows and outputs, \
-             <code>amontons export --with-reference</code> a file of them beside the FMU, with what an importer is to \
-             be told for it ({}).</p>\n",
+            "<p class=\"hint\"><code>amontons simulate</code> writes all rows and outputs; <code>amontons export \
+             --with-reference</code> writes a file of them beside the FMU, with the settings for an importer \
+             ({}).</p>\n",
             text("FMI cross-check: _ref.csv, _ref.opt, _in.csv")
         ),
     );

@@ -40,14 +40,14 @@ fn verdict(scene: &Scene, here: &Linearised, states: &[ContactState]) -> Vec<Str
     let mut words = vec![situation(scene, states)];
     if model.dofs() > MOST_DOFS {
         words.push(format!(
-            "With {} degrees of freedom its eigenvalues are not found in an export; `amontons-stability states` \
-             does.",
+            "With {} degrees of freedom the eigenvalues are not computed during an export; `amontons-stability \
+             states` computes them.",
             model.dofs()
         ));
         return words;
     }
     words.push(match here.linear().and_then(|linear| Spectrum::of(linear, states)) {
-        Err(error) => format!("Its eigenvalues are not known: {error}."),
+        Err(error) => format!("The eigenvalues are unknown: {error}."),
         Ok(spectrum) => growth(&spectrum, states, can_squeal(scene)),
     });
     words
@@ -57,7 +57,7 @@ fn verdict(scene: &Scene, here: &Linearised, states: &[ContactState]) -> Vec<Str
 fn situation(scene: &Scene, states: &[ContactState]) -> String {
     let count = states.len();
     if count == 0 {
-        return "It has no contacts: nothing rubs, so nothing can squeal.".into();
+        return "The scene has no contacts, so nothing can squeal.".into();
     }
     let sliding = states.iter().filter(|state| **state != ContactState::Stick).count();
     let named = match count {
@@ -66,23 +66,25 @@ fn situation(scene: &Scene, states: &[ContactState]) -> String {
     };
     let them = match (count, sliding) {
         (1, 1) => "the contact slides".to_owned(),
-        (1, _) => "what the contact rubs on stands still".to_owned(),
+        (1, _) => "the surface under the contact stands still".to_owned(),
         (2, 2) => "both contacts slide".to_owned(),
         (_, all) if all == count => format!("all {count} contacts slide"),
-        (_, 0) => "what the contacts rub on stands still".to_owned(),
-        _ => format!("{sliding} of {count} contacts slide, what the others rub on stands still"),
+        (_, 0) => "the surfaces under the contacts stand still".to_owned(),
+        _ => format!(
+            "{sliding} of {count} contacts slide, and the surfaces under the others stand still"
+        ),
     };
     if can_squeal(scene) {
-        format!("At its start values {them}{named}.")
+        format!("At the start values {them}{named}.")
     } else {
-        format!("At its start values {them}{named}, without friction: that cannot squeal.")
+        format!("At the start values {them}{named}, without friction: the scene cannot squeal.")
     }
 }
 
 /// The eigenvalue that grows fastest, in words.
 fn growth(spectrum: &Spectrum, states: &[ContactState], can_squeal: bool) -> String {
     let Some(fastest) = spectrum.fastest_growing() else {
-        return "In this state nothing can move.".into();
+        return "In this state no degree of freedom can move.".into();
     };
     let (rate, frequency) = (fastest.re, fastest.im / TAU);
     let number = |value: f64| significant(value, 5).replace('-', "−");
@@ -93,26 +95,28 @@ fn growth(spectrum: &Spectrum, states: &[ContactState], can_squeal: bool) -> Str
     let uniform = states.iter().all(|state| state.sliding_direction().is_some());
     let warned = match can_squeal && uniform {
         true => {
-            " A large disturbance may lead to another motion all the same; `amontons-stability bistable` looks for \
-             what can."
+            " A large disturbance may still lead to another motion; `amontons-stability bistable` looks for candidates."
         }
         false => "",
     };
     if rate.abs() <= ROUNDING * fastest.norm() {
         return format!(
-            "Small disturbances neither grow nor decay there: nothing damps the motion {how}.{warned}"
+            "Small disturbances of this state neither grow nor decay: nothing damps the motion {how}.{warned}"
         );
     }
     if rate < 0.0 {
         return format!(
-            "Small disturbances decay there: the slowest by {} 1/s, {how}.{warned}",
+            "Small disturbances of this state decay, the slowest by {} 1/s, {how}.{warned}",
             number(-rate)
         );
     }
     let verdict = match (frequency == 0.0, can_squeal) {
-        (true, _) => "It does not stay there",
+        (true, _) => "The scene leaves this state",
         (false, true) => "Yes, it squeals",
-        (false, false) => "It does not stay at rest",
+        (false, false) => "The scene does not stay at rest",
     };
-    format!("{verdict}: small disturbances grow there, the fastest by {} 1/s, {how}.", number(rate))
+    format!(
+        "{verdict}: small disturbances of this state grow, the fastest by {} 1/s, {how}.",
+        number(rate)
+    )
 }

@@ -14,10 +14,10 @@ const NAMED: usize = 6;
 pub(super) fn section(scene: &Scene) -> String {
     let variables = fmu_variables(scene);
     let mut html = String::from(
-        "<p>A row for each kind of variable. Parameters that are tunable and inputs may be set during a run, the other \
-         parameters before it; displacements count from the equilibrium.</p>\n<div class=\"words\">\n",
+        "<p>One row for each kind of variable. Inputs and tunable parameters may be set during a run, other \
+         parameters only before it; displacements are measured from the equilibrium.</p>\n<div class=\"words\">\n",
     );
-    let head = ["name", "unit", "when", "start", "least", "description"];
+    let head = ["name", "unit", "variability", "start", "minimum", "description"];
     for (causality, id, heading) in [
         (Causality::Input, "inputs", "Inputs"),
         (Causality::Parameter, "parameters", "Parameters"),
@@ -49,7 +49,16 @@ pub(super) fn section(scene: &Scene) -> String {
             variables.len()
         ),
     );
-    let head = ["name", "reference", "causality", "unit", "when", "start", "least", "description"];
+    let head = [
+        "name",
+        "reference",
+        "causality",
+        "unit",
+        "variability",
+        "start",
+        "minimum",
+        "description",
+    ];
     let rows = variables.iter().enumerate().map(|(reference, variable)| {
         let mut cells: Vec<String> =
             row(scene, text(&variable.name), &[variable], variable.template.description).collect();

@@ -19,8 +19,8 @@ impl Date {
         let seconds = value.to_str().and_then(|text| text.parse().ok());
         seconds.and_then(Self::from_unix_time).map(Some).ok_or_else(|| {
             Error::package(format!(
-                "SOURCE_DATE_EPOCH = {}: must be the seconds since 1970 of a time between 1980 and \
-                 2107, which archives can hold",
+                "SOURCE_DATE_EPOCH = {}: must be a time in seconds since 1970, between the years 1980 and 2107, the \
+                 range of zip archives",
                 value.display()
             ))
         })

@@ -33,12 +33,12 @@ impl Library {
             let carried = carried.join(" and ");
             if MADE.contains(&platform) {
                 format!(
-                    "this program carries the library for {carried} only; one of a release carries all, and \
-                     release/make or AMONTONS_FMU_LIBRARIES makes such a one (README, Platforms)"
+                    "this program contains the library for {carried} only; a released program contains all libraries, \
+                     and release/make or AMONTONS_FMU_LIBRARIES builds such a program (README, Platforms)"
                 )
             } else {
                 let made = MADE.join(" and ");
-                format!("FMUs are made for {made}; this program carries {carried}")
+                format!("FMUs can be made for {made}; this program contains the library for {carried}")
             }
         })
     }

@@ -12,7 +12,7 @@ use quick_xml::events::{BytesDecl, BytesEnd, BytesStart, Event};
 
 /// License of the contents of the FMU; the scene is its author's.
 const LICENSE: &str =
-    "MIT OR Apache-2.0; texts, and those of what it is linked with, in documentation/licenses";
+    "MIT OR Apache-2.0; licence texts, also of linked libraries, in documentation/licenses";
 
 /// The name of the model as a C identifier, which the library's file must have too.
 #[must_use]

@@ -47,26 +47,26 @@ pub(super) fn problem(text: &str, error: &Error) -> Located {
         a.ends_with(|c: char| c.is_ascii_digit()) && b.starts_with(|c: char| c.is_ascii_digit())
     };
     let (title, help) = if error.message() == "duplicate key" {
-        let title = format!("`{there}` stands twice in the same table");
-        (title, "keep one of them, with all that belongs to it".to_owned())
+        let title = format!("`{there}` is defined twice in the same table");
+        (title, "keep one of them, with everything that belongs to it".to_owned())
     } else if is_value && rest.strip_prefix(',').is_some_and(|rest| digits_meet(line_before, rest))
     {
         ("a comma in a number".to_owned(), "write a decimal point".to_owned())
     } else if is_value && line_before.trim_end().ends_with('=') && rest.trim().is_empty() {
-        ("a value is missing".to_owned(), format!("write one behind `{}`", line_before.trim()))
+        ("a value is missing".to_owned(), format!("write a value after `{}`", line_before.trim()))
     } else if let Some((number, unit)) = number_and_word(there).filter(|_| is_value) {
         let title = format!("`{there}` is neither a number nor a text in quotes");
         let joined = format!("{number}{unit}");
         let help = if joined.parse::<f64>().is_ok() {
-            format!("write it without a blank: `{joined}`")
+            format!("write it without a space: `{joined}`")
         } else {
-            format!("write the number alone; what is behind a # is a comment: `{number} # {unit}`")
+            format!("write the number alone; a text after a # is a comment: `{number} # {unit}`")
         };
         (title, help)
     } else {
         let title = format!("this is not TOML: {}", error.message());
-        let help = "a line is `key = value`, `[table]`, `[[table of a list]]` or `# comment`; \
-                    a text stands in quotes, a list in [ ]";
+        let help = "a line is `key = value`, `[table]`, `[[table of a list]]` or `# comment`; write a text in quotes \
+                    and a list in [ ]";
         (title, help.to_owned())
     };
     Located { span, title, help }

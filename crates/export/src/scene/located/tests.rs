@@ -115,7 +115,7 @@ fn each_kind_of_type_has_its_messages() {
             "ring = 1\n[[spring]]\nbetween = [\"a\", \"b\"]",
             &[
                 "the file has both `ring` and `spring`",
-                "= help: give one of them, and leave the other out",
+                "= help: give one of them and remove the other",
             ],
         ),
         (
@@ -139,7 +139,10 @@ fn each_kind_of_type_has_its_messages() {
         ),
         (
             "[[spring]]\nalong = \"vertical\"",
-            &["[[spring]] lacks `between`", "= help: add `between = …` (The two masses)"],
+            &[
+                "[[spring]] is missing the key `between`",
+                "= help: add `between = …` (The two masses)",
+            ],
         ),
         (
             "[[spring]]\nbetween = [\"a\", \"b\"]\npair = [1.0]",
@@ -149,7 +152,7 @@ fn each_kind_of_type_has_its_messages() {
             "ring = 1\nlaw = { resting = 1, coefficient = 1 }",
             &[
                 "[law] has both `coefficient` and `resting`",
-                "= help: give one of them, and leave the other out",
+                "= help: give one of them and remove the other",
             ],
         ),
         (
@@ -160,7 +163,10 @@ fn each_kind_of_type_has_its_messages() {
                 "or `resting = …`",
             ],
         ),
-        ("ring = 1\nlaw = { resting = 1 }", &["[law] lacks `moving`", "= help: add `moving = …`"]),
+        (
+            "ring = 1\nlaw = { resting = 1 }",
+            &["[law] is missing the key `moving`", "= help: add `moving = …`"],
+        ),
         (
             "ring = 1\n[support]\nkind = \"elastik\"\nstiffness = 1.0",
             &[
@@ -170,7 +176,10 @@ fn each_kind_of_type_has_its_messages() {
         ),
         (
             "ring = 1\n[support]\nstiffness = 1.0",
-            &["[support] lacks `kind`", "= help: add `kind` = \"ground\" or \"elastic\""],
+            &[
+                "[support] is missing the key `kind`",
+                "= help: add `kind` = \"ground\" or \"elastic\"",
+            ],
         ),
         (
             "ring = 1\n[support]\nkind = \"ground\"\nstiffness = 1.0",

@@ -219,7 +219,8 @@ impl<'s> Walk<'s> {
             return;
         }
         let keys: Vec<String> = missing.iter().map(|key| format!("`{key}`")).collect();
-        let title = format!("{} lacks {}", table_name(path), keys.join(", "));
+        let word = if keys.len() == 1 { "key" } else { "keys" };
+        let title = format!("{} is missing the {word} {}", table_name(path), keys.join(", "));
         let problem =
             Located { span: span.clone(), title, help: format!("add {}", help.join("\n")) };
         self.met.push(Walked { problem, is_lack: true });
@@ -254,7 +255,7 @@ impl<'s> Walk<'s> {
             }
             Choice::Several(keys) => {
                 let title = format!("{} has both {}", table_name(path), listed(&keys, " and "));
-                let help = "give one of them, and leave the other out".to_owned();
+                let help = "give one of them and remove the other".to_owned();
                 let last = keys.iter().filter_map(|key| table.get_key_value(*key));
                 let last = last.map(|(key, _)| key.span()).max_by_key(|span| span.start);
                 let problem = Located { span: last.unwrap_or(span.clone()), title, help };
