@@ -28,9 +28,9 @@ pub const REACTION: [&str; 2] = ["slider.tangential_reaction", "mass.table.fx"];
 /// Couples a scene to a drive, which gives the slider's velocity and takes the reaction.
 #[derive(Parser)]
 pub struct Arguments {
-    /// A built-in scene or a scene file, with contacts on a slider
+    /// Scene file, or name of a built-in scene, with contacts on a slider
     scene: String,
-    /// The drive, likewise
+    /// Scene file, or name of a built-in scene, of the drive
     drive: String,
     /// End of the run, s
     #[arg(long, default_value_t = 0.1)]
@@ -38,16 +38,16 @@ pub struct Arguments {
     /// Communication step, s
     #[arg(long, default_value_t = 1e-4)]
     interval: f64,
-    /// A start value of the scene; may be repeated
+    /// Start value of a variable of the scene; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = start_value)]
     set: Vec<(String, f64)>,
     /// Exchange rates of change too: held values lose the inertia of masses that stick
     #[arg(long)]
     rates: bool,
-    /// When outputs are read
+    /// Instant at which outputs are read
     #[arg(long, value_enum, default_value_t = Rows::Before)]
     rows: Rows,
-    /// CSV file to write; standard output if left out
+    /// Path of the CSV file [default: standard output]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
 }

@@ -38,10 +38,10 @@ pub struct Arguments {
     /// Time between communication points, s
     #[arg(long, default_value_t = 1e-4)]
     interval: f64,
-    /// A start value of the scene; may be repeated
+    /// Start value of a variable of the scene; may be repeated
     #[arg(long, value_name = "NAME=VALUE", value_parser = start_value)]
     set: Vec<(String, f64)>,
-    /// The same run without an importer, a CSV file
+    /// CSV file of the same run without an importer
     #[arg(long)]
     compare: Option<PathBuf>,
 }
@@ -209,7 +209,9 @@ fn steps(&Arguments { stop_time, interval, .. }: &Arguments) -> Result<u64, Stri
     }
     let steps = (stop_time / interval).round();
     if (steps * interval - stop_time).abs() > 1e-9 * stop_time {
-        return Err(format!("--stop-time {stop_time} is no whole number of --interval {interval}"));
+        return Err(format!(
+            "--stop-time {stop_time} is not a whole multiple of --interval {interval}"
+        ));
     }
     Ok(steps as u64)
 }
@@ -230,7 +232,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<usize>, Box<dyn Error>> {
             for (fmu, output, into) in
                 [(&scene, REACTION[0], VELOCITY[1]), (&drive, VELOCITY[0], REACTION[1])]
             {
-                let hint = "coupled are the FMU of a scene with a slider, which comes first, and --drive drive.fmu";
+                let hint = "a coupling needs the FMU of a scene with a slider first, and --drive drive.fmu";
                 fmu.must_have(output, &[Causality::Output])
                     .and_then(|()| fmu.must_have(into, &[Causality::Input]))
                     .map_err(|error| format!("{error}; {hint}"))?;
@@ -257,7 +259,7 @@ pub fn run(arguments: &Arguments) -> Result<Option<usize>, Box<dyn Error>> {
     if found.is_empty() {
         return Ok(Some(values));
     }
-    println!("  was it made of the same FMUs, with the same --set, --stop-time and --interval?");
+    println!("  check that both runs used the same FMUs, --set, --stop-time and --interval");
     Ok(None)
 }
 

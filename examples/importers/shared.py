@@ -56,13 +56,13 @@ class Fmu:
                 entries = archive.namelist()
                 description = ElementTree.fromstring(archive.read("modelDescription.xml"))
         except (OSError, zipfile.BadZipFile, KeyError, ElementTree.ParseError) as error:
-            raise SystemExit(f"{file}: this is no FMU: {error}") from None
+            raise SystemExit(f"{file}: this is not an FMU: {error}") from None
         if description.get("fmiVersion") != "2.0":
-            raise SystemExit(f"{file}: this is no FMU of FMI 2.0, but of {description.get('fmiVersion')}")
+            raise SystemExit(f"{file}: this is not an FMU of FMI 2.0 but of {description.get('fmiVersion')}")
         libraries = sorted({entry.split("/")[1] for entry in entries if re.match("binaries/.+/", entry)})
         if PLATFORM not in libraries:
             has = ", ".join(libraries) or "none"
-            raise SystemExit(f"{file}: there is no library for {PLATFORM} in it; it has {has}")
+            raise SystemExit(f"{file}: the FMU has no library for {PLATFORM}; it has {has}")
         self.variables = {
             v.get("name"): Variable(v.get("name"), v.get("causality"), v[0].tag, int(v.get("valueReference")))
             for v in description.find("ModelVariables")
@@ -88,8 +88,8 @@ def arguments(importer, description, rates=False):
     parser.add_argument("--stop-time", type=float, default=0.1, help="s (0.1)")
     parser.add_argument("--interval", type=float, default=1e-4, help="time between communication points, s (1e-4)")
     parser.add_argument("--set", type=start_value, action="append", default=[], metavar="NAME=VALUE",
-                        help="a start value of the scene; may be repeated")
-    parser.add_argument("--compare", metavar="CSV", help="the same run without an importer")
+                        help="start value of a variable of the scene; may be repeated")
+    parser.add_argument("--compare", metavar="CSV", help="CSV file of the same run without an importer")
     if rates:
         parser.add_argument("--rates", action="store_true", help="exchange rates of change too, with --drive")
     given = parser.parse_args()
@@ -98,16 +98,16 @@ def arguments(importer, description, rates=False):
         parser.error("--interval must be above 0, and --stop-time at least as long")
     given.steps = round(given.stop_time / given.interval)
     if not math.isclose(given.steps * given.interval, given.stop_time):
-        parser.error(f"--stop-time {given.stop_time} is no whole number of --interval {given.interval}")
+        parser.error(f"--stop-time {given.stop_time} is not a whole multiple of --interval {given.interval}")
     if rates and given.rates and not given.drive:
-        parser.error("--rates goes with --drive: one FMU alone exchanges nothing")
+        parser.error("--rates needs --drive: one FMU alone exchanges nothing")
 
     given.scene = Fmu(given.scene)
     for name in given.values:
         given.scene.must_have(name, "parameter", "input")
     if given.drive:
         given.drive = Fmu(given.drive)
-        hint = "; coupled are the FMU of a scene with a slider, which comes first, and --drive drive.fmu"
+        hint = "; a coupling needs the FMU of a scene with a slider first, and --drive drive.fmu"
         for fmu, output, into in [(given.scene, REACTION[0], VELOCITY[1]), (given.drive, VELOCITY[0], REACTION[1])]:
             fmu.must_have(output, "output", hint=hint)
             fmu.must_have(into, "input", hint=hint)
@@ -156,7 +156,7 @@ def finish(given, run):
     if len(found) > 10:
         print(f"    and {len(found) - 10} more")
     if found:
-        print(f"  was it made of the same FMUs, with the same --set, --stop-time and --interval{run.hint}?")
+        print(f"  check that both runs used the same FMUs, --set, --stop-time and --interval{run.hint}")
         raise SystemExit(1)
     if run.unread:
         unread = f"{len(run.unread)} enumerations (contact states)"
@@ -183,7 +183,7 @@ def read(file):
     except FileNotFoundError:
         raise SystemExit(f"{file}: there is no such file") from None
     except (OSError, ValueError) as error:
-        raise SystemExit(f"{file}: this is no CSV file of a run: {error}") from None
+        raise SystemExit(f"{file}: this is not a CSV file of a run: {error}") from None
     return Run(times, dict(zip(names[1:], columns)))
 
 
@@ -198,11 +198,11 @@ def differences(expected, run):
     if names != run.columns.keys():
         return [f"{name} is only in one of the two" for name in sorted(names ^ run.columns.keys())]
     if not names or len(expected.times) < 2 or len(expected.times) != len(run.times):
-        return [f"{len(run.times)} rows in place of {len(expected.times)}"]
+        return [f"{len(run.times)} rows instead of {len(expected.times)}"]
     interval = min(b - a for a, b in zip(expected.times, expected.times[1:]))
     for there, here in zip(expected.times, run.times):
         if not abs(there - here) <= 1e-6 * interval:
-            return [f"a row at {here!r} s in place of {there!r} s"]
+            return [f"a row at {here!r} s instead of {there!r} s"]
     found = []
     for name, here in run.columns.items():
         pairs = enumerate(zip(expected.columns[name], here))
@@ -210,5 +210,5 @@ def differences(expected, run):
         if wrong:
             row = wrong[0]
             found.append(f"{name} in {len(wrong)} rows, first at {expected.times[row]!r} s: "
-                         f"{here[row]!r} in place of {expected.columns[name][row]!r}")
+                         f"{here[row]!r} instead of {expected.columns[name][row]!r}")
     return found

@@ -31,8 +31,8 @@ impl Fmu {
         if file.is_dir() {
             return Err(format!("{name}: this is a folder, not an FMU").into());
         }
-        let builder =
-            FMU2Builder::new(&file).map_err(|error| format!("{name}: this is no FMU: {error}"))?;
+        let builder = FMU2Builder::new(&file)
+            .map_err(|error| format!("{name}: this is not an FMU: {error}"))?;
         let folder = builder.unzipdir.path().join("binaries");
         if !folder.join(PLATFORM).is_dir() {
             let folders = std::fs::read_dir(folder).into_iter().flatten().flatten();
@@ -40,7 +40,7 @@ impl Fmu {
                 folders.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
             let has = if has.is_empty() { "none".into() } else { has.join(", ") };
             return Err(
-                format!("{name}: there is no library for {PLATFORM} in it; it has {has}").into()
+                format!("{name}: the FMU has no library for {PLATFORM}; it has {has}").into()
             );
         }
         Ok(Self { file: file.to_owned(), builder })
@@ -85,7 +85,7 @@ impl Run {
             }
             Ok(run)
         };
-        table().map_err(|error| format!("{name}: this is no CSV file of a run: {error}").into())
+        table().map_err(|error| format!("{name}: this is not a CSV file of a run: {error}").into())
     }
 
     /// Returns the column of this index.
@@ -132,7 +132,7 @@ impl Run {
     /// Describes the differences from the expected run, bit by bit; empty if the runs are equal.
     pub fn differences(&self, expected: &Self) -> Vec<String> {
         if expected.times.len() < 2 || expected.times.len() != self.times.len() {
-            return vec![format!("{} rows in place of {}", self.times.len(), expected.times.len())];
+            return vec![format!("{} rows instead of {}", self.times.len(), expected.times.len())];
         }
         let only_in_one = |one: &Self, other: &Self| {
             let names = one.names.iter().filter(|name| !other.names.contains(name));
@@ -145,7 +145,7 @@ impl Run {
                 !(there.is_finite() && here.to_bits() == there.to_bits())
             });
             if let Some(((here, there), time)) = wrong.next() {
-                let (rows, first) = (1 + wrong.count(), format!("{here:?} in place of {there:?}"));
+                let (rows, first) = (1 + wrong.count(), format!("{here:?} instead of {there:?}"));
                 found.push(format!("{name} in {rows} rows, first at {time:?} s: {first}"));
             }
         };

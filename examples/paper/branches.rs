@@ -23,8 +23,8 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         text: vec![
             "The paper's pseudo-continuation: each value of µ starts from the state in which the value before has \
              ended, with a small push; upwards and downwards. Where the motion jumps, the value is bisected. Falling \
-             values are pushed too, which the paper does not do: else a cycle that has lost its stability is followed \
-             for as long as rounding takes to grow."
+             values are pushed too, which the paper does not do: otherwise a cycle that has lost its stability is \
+             followed until rounding errors have grown."
                 .to_owned(),
         ],
         ..Section::default()
@@ -37,7 +37,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
         let Some(found) = follow(&scene, &look, &values, watch)? else { return Ok(None) };
         let known = bistability(&scene, [values[0], values[values.len() - 1]], &|_| {})?;
         section.figures.push(Figure {
-            caption: format!("Fig. {figure}: what {name} ends in over rising and falling µ"),
+            caption: format!("Fig. {figure}: motions of {name} over rising and falling µ"),
             command: Some(format!(
                 "amontons study continuation {name} --friction 1.5:2.5:0.01 --resolution 1e-5"
             )),
@@ -191,7 +191,7 @@ fn two_branches(found: &Branches) -> Vec<Claim> {
         claim(
             "Set 1 has one transition between two unstable branches.",
             format!(
-                "{} were found; which of them the figure shows the text does not say",
+                "{} were found; the text does not say which of them the figure shows",
                 cycles.len()
             ),
             cycles.len() == 1,

@@ -33,10 +33,10 @@ use std::path::PathBuf;
 use std::process::ExitCode;
 use std::time::Instant;
 
-/// Compute the paper's figures and tables, its claims beside what comes out, as one HTML page
+/// Compute the paper's figures and tables and compare its claims with the results, as one HTML page
 #[derive(Parser)]
 struct Arguments {
-    /// Folder for the page, index.html; made if it is not there
+    /// Folder for the page, index.html; created if it does not exist
     #[arg(short, long, value_name = "DIR")]
     output: PathBuf,
 }
@@ -83,7 +83,7 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
         let section = work(Watch { go_on: &interrupt::stopped, progress: &progress });
         let Some(section) = section? else {
             bar.finish();
-            eprintln!("note: interrupted, so there is no page");
+            eprintln!("note: interrupted, so no page was written");
             return Err(Box::new(Interrupted));
         };
         done += share;
@@ -93,7 +93,8 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
     bar.finish();
     sections.push(time(&times));
     let page = Page {
-        title: "A lumped model with frictional contact: the paper and what came out".to_owned(),
+        title: "A lumped model with frictional contact: the paper and the computed results"
+            .to_owned(),
         lead: LEAD.iter().map(|text| (*text).to_owned()).collect(),
         sections,
         footer: format!(
@@ -109,14 +110,15 @@ fn run(arguments: &Arguments) -> Result<(), Box<dyn std::error::Error>> {
 }
 
 const LEAD: [&str; 2] = [
-    "The paper studies two masses on springs that rub on a moving slider: in which contact states modes grow, what \
-     motion that ends in, and in which range of the friction coefficient rest and squeal exist side by side. Here \
-     each of its figures and tables is computed anew from the built-in scenes set1 and set2, and each of its claims \
-     stands beside what came out.",
-    "Verdicts are computed: a claim holds when the numbers found meet the condition that is stated with them. Nothing \
-     is adjusted to make one hold. What the paper calls “about” is taken as within half of the last digit that it \
-     prints, and zeros that end a whole number are no digits: about 168 Hz is 167.5 to 168.5 Hz, about 170 Hz is 165 to \
-     175 Hz. Motions are exact between events; where the paper's own scheme is used, the page says so.",
+    "The paper studies two masses on springs that rub on a moving slider: the contact states in which modes grow, the \
+     motion to which this growth leads, and the range of the friction coefficient in which rest and squeal coexist. \
+     This page recomputes each figure and table from the built-in scenes set1 and set2 and compares each claim of the \
+     paper with the computed result.",
+    "Verdicts are computed: a claim holds if the computed numbers meet the condition that is stated with them. \
+     Nothing is adjusted to make a claim hold. “About” in the paper is taken as within half of the last digit that it \
+     prints, and zeros at the end of a whole number do not count as digits: about 168 Hz is 167.5 to \
+     168.5 Hz, about 170 Hz is 165 to 175 Hz. Motions are exact between events; where the paper's own scheme is used, \
+     the page says so.",
 ];
 
 /// A built-in scene with other values and with the method and step of studies, and its observation settings.

@@ -72,7 +72,7 @@ pub fn section(watch: Watch<'_>) -> Result<Option<Section>, Error> {
     }
     section.figures.push(Figure {
         caption:
-            "What Set 2 at µ = 1.96 ends in over the initial velocity of the upper mass of module 1"
+            "Attractors of Set 2 at µ = 1.96 over the initial velocity of the upper mass of module 1"
                 .to_owned(),
         command: None,
         content: Content::Chart(endings(&scene, &direction, &look, &found)),
