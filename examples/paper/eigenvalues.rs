@@ -226,8 +226,8 @@ fn compared(name: &str, table: &str, printed: &Printed) -> Result<(Claim, Table)
     let value = "growth rate [1/s] (Re λ/2π [Hz], as printed), frequency [Hz]";
     let head = ["state", "states alike", value, "worst difference [Hz]"].map(str::to_owned);
     let caption = format!(
-        "{table}, computed: eigenvalues of {name} at µ = 1.96; those that grow stand out. Exchanging the modules \
-         makes states alike."
+        "{table}, computed: eigenvalues of {name} at µ = 1.96; those that grow are highlighted. Exchanging the \
+         modules makes states alike."
     );
     Ok((claim, Table { caption, head: head.to_vec(), rows }))
 }

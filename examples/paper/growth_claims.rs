@@ -185,8 +185,8 @@ fn of_the_first_growth(measured: &Measured) -> Vec<Claim> {
         claim(
             "The small perturbation of Set 1 reaches a first orbit at about 1 s.",
             format!(
-                "{}, after a push of 1e-7 m/s, which is that of set1; one ten times as large brings it {earlier:.3} s \
-                 earlier (holds from 0.5 to 1.5 s; the orbit is reached where amplitudes, period by period, stay within \
+                "{}, after the push of 1e-7 m/s of set1, and {earlier:.3} s earlier after a push ten times as \
+                 large (holds from 0.5 to 1.5 s; the orbit is reached when amplitudes, period by period, stay within \
                  {} % for {STAYS} s)",
                 reached.map_or("no orbit is reached".to_owned(), |time| format!(
                     "the orbit is reached at {time:.2} s"
@@ -245,8 +245,8 @@ fn of_the_band(measured: &Measured) -> Vec<Claim> {
                 "it grows from the beginning; at {BAND} s it is {:.0} dB below that of the first orbit",
                 -20.0 * measured.level.log10()
             ),
-            "the range of colours of the paper's spectrogram, which its text does not give: the band comes into sight \
-             where it leaves the lowest colour",
+            "the range of colours of the paper's spectrogram, which its text does not give: the band becomes visible \
+             when it leaves the lowest colour",
         ),
     ]
 }
@@ -304,7 +304,7 @@ fn of_the_second_growth(measured: &Measured) -> Vec<Claim> {
             ),
             second.is_some_and(|second| is_about(second.frequency, "180")),
             Some(
-                "not known; the paper itself gives about 168 Hz for the mode that it holds to be the origin, and about \
+                "not known; the paper itself gives about 168 Hz for the mode that it regards as the origin, and about \
                  170 Hz for this band in the end",
             ),
         ),

@@ -172,7 +172,7 @@ fn regime(
         paper,
         format!(
             "states taken: {}; a mass moves with the slider in {:.1} % of the orbit and is up to {away:.2e} m away from it \
-             (holds if both the states and the orbit say so)",
+             (holds if the states and the orbit agree with this)",
             states.join(", "),
             100.0 * with_slider
         ),
@@ -197,15 +197,15 @@ fn ranges(cycles: &[Cycle], [detaches, slips]: [f64; 2]) -> Vec<Claim> {
         within(from, to).count() > 0 && within(from, to).all(is_so)
     };
     let [first, second] = BOUNDS;
-    let holds = "holds if each value of v in the range says so";
+    let holds = "holds if this is so at each value of v in the range";
     vec![
         claim(
             "For 0 < v < 0.1 m/s the masses only stick and slip.",
             format!("contacts detach from {detaches:.5} m/s on ({holds})"),
             all(0.0, first, [true, false]),
             Some(
-                "the paper reads the bound off a plot where the slope changes; the first short detachment comes before the \
-                 slope tells",
+                "the paper reads the bound off a plot at the change of slope; the first short detachment occurs \
+                 before the slope changes",
             ),
         ),
         claim(
