@@ -101,7 +101,7 @@ fn growth(spectrum: &Spectrum, states: &[ContactState], can_squeal: bool) -> Str
     };
     if rate.abs() <= ROUNDING * fastest.norm() {
         return format!(
-            "Small disturbances of this state neither grow nor decay: nothing damps the motion {how}.{warned}"
+            "Small disturbances of this state neither grow nor decay: no damping acts on the motion {how}.{warned}"
         );
     }
     if rate < 0.0 {

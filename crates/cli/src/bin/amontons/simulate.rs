@@ -83,6 +83,7 @@ fn write_output(
             let statistics = run.simulation.statistics();
             let ended = match statistics.ended_hops {
                 0 => String::new(),
+                1 => ", 1 hop ended".to_owned(),
                 count => format!(", {count} hops ended"),
             };
             eprintln!(
