@@ -1,11 +1,15 @@
 //! Power series in time of the waves that drive a motion.
+//!
+//! A wave A sin(ω t + φ) has the powers A sin(φ + k π/2) θ^k / k! over a span of angle θ = ω τ, with φ at the
+//! beginning of the span. They end with the first θ^k / k! ≤ ε/2.
 
 use super::series::{FORCE_ORDER, ORDER, Polynomial};
 use crate::integrator::Wave;
 
-/// Largest angle of a wave that a series covers, rad: the omitted powers are then rounding.
+/// Largest angle of a wave that a series covers, rad: 2.5²⁶/26! = 5.5e-17 is below ε/2, so powers end with the
+/// highest one of forces.
 const REACH: f64 = 2.5;
-/// A power of a wave below this part of its amplitude is left out.
+/// The power of a wave below this part of its amplitude is the last one.
 const NEGLIGIBLE: f64 = 0.5 * f64::EPSILON;
 
 /// The powers of all waves over the span of a series, in which s goes from 0 to 1.
