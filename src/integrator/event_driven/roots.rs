@@ -1,18 +1,36 @@
 //! First root of a polynomial that must not become negative.
+//!
+//! 1. The leading coefficients that are rounding, one after the other from c_0 on, are dropped, and the rest is
+//!    divided by s as often. All that follows is about this rest p. If none is left there is no root; if p(0) < 0 the
+//!    root is at 0.
+//! 2. If the lower bound of p on [0, 1] is positive, there is no root. The bound comes from Horner's scheme with
+//!    s g(s) ≥ min(0, min g): b_k = c_k + min(0, b_{k+1}), begun with −Σ |c_k| of the powers from [`BOUNDED`] on.
+//! 3. With −b ≤ p″ on [0, 1] from the same scheme on the coefficients k (k − 1) c_k, p(s) is not below the parabola
+//!    p(a) + p′(a) d − b d²/2, d = s − a ≥ 0. So p has no root before that of the parabola, which is the next a:
+//!
+//!    ```text
+//!    d = (p′ + √(p′² + 2 b p)) / b,   which is 2 p / (√(p′² + 2 b p) − p′) for p′ ≤ 0.
+//!    ```
+//!
+//!    It ends with no root beyond 1, and with the root where d ≤ ε a or p(a) ≤ 0. The iteration cannot pass a root,
+//!    two close ones included. It converges quadratically to a simple root, as Newton's method, and slower to
+//!    multiple ones.
+//!
+//! A function that becomes negative by less than its dropped terms, Σ noise_k s^k, is not seen to do so. Bounds and
+//! values of p have the rounding of a sum of its terms, some ε Σ |c_k|.
 
 use super::series::index;
 
-/// Largest number of steps towards a root. Beyond it the present place is taken as an event, and the law of contact
-/// decides.
+/// Largest number of steps towards a root. Beyond it the present place, where p is still positive, is taken as the
+/// root, and the law of contact decides there.
 const MOST_STEPS: usize = 10_000;
-/// Number of coefficients that are bounded one by one; the others are bounded by the sum of their magnitudes.
+/// Number of coefficients that enter the lower bound one by one; the others enter by the sum of their magnitudes.
 const BOUNDED: usize = 4;
 
 /// Returns the first s in [0, 1] from which on p(s) = Σ c_k s^k is negative; `None` if there is none.
 ///
-/// A value up to the first `noise` counts as zero, a slope up to the second, and a further coefficient up
-/// to the third: the polynomial then goes where its next coefficient leads. No root is missed, two close
-/// ones included.
+/// Leading coefficients count as zero as long as the value is up to the first `noise`, the slope up to the second,
+/// and a further coefficient up to the third: the polynomial then goes where the first larger coefficient leads.
 pub(super) fn first_negative(coefficients: &[f64], noise: [f64; 3]) -> Option<f64> {
     let noises = noise.into_iter().chain(std::iter::repeat(noise[2]));
     let leading =
@@ -59,11 +77,7 @@ fn least_curvature(p: &[f64]) -> f64 {
     bound
 }
 
-/// Returns the first root of p in [0, 1], where p(0) > 0.
-///
-/// With p'' ≥ −b, p is not below the parabola p(a) + p'(a) (s − a) − b (s − a)² / 2 beyond a: up to the
-/// parabola's root there is none of p. From root to root this goes to the first root of p and never past
-/// it, in the end as fast as Newton's method, which it is where p is convex.
+/// Returns the first root of p in [0, 1], where p(0) > 0, by parabolas below p (step 3 of the [module](self)).
 fn first_root(p: &[f64]) -> Option<f64> {
     let b = (-least_curvature(p)).max(0.0);
     let mut at = 0.0;

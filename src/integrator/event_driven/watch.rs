@@ -1,4 +1,5 @@
-//! Watched functions, which must not become negative while the contact states stay, and their first root.
+//! Watched functions, which must not become negative while the contact states stay, and their first root. The functions
+//! are in the table of the [event-driven method](super), their budgets in that of [`rounding`](super::rounding).
 
 use super::ledger::Witness;
 use super::rounding::{DIFFERENCE, NOISE, THROWN};
@@ -23,14 +24,15 @@ pub(super) enum Event {
     Part,
 }
 
-/// A gap opens or closes if its acceleration is more than this part of the sum of the accelerations that the forces
-/// would cause each by itself. The residual of the contact problem is smaller.
+/// A gap opens or closes if its acceleration is more than twice this part of the largest acceleration plus those that
+/// springs and outer forces would cause each by itself. The residual of the contact problem is smaller.
 const PARTED: f64 = 1e-10;
 /// Largest number of watched functions of one contact.
 const MOST_WATCHED: usize = 5;
 
 impl<W: Witness> EventDriven<W> {
-    /// Returns the next event, in parts of the series' span, and writes what happens then to `events`.
+    /// Returns the time of the next event, in parts of the series' span, and writes the event of each contact at that
+    /// time to `events`.
     pub(super) fn next_event(&mut self, motion: &Motion, drive: &Drive) -> Option<f64> {
         self.events.fill(None);
         let mut first = None;
@@ -160,9 +162,9 @@ impl<W: Witness> EventDriven<W> {
         normal.dot(self.series.power(2)).abs() > nothing
     }
 
-    /// Scale of the rounding of a contact's slip over the series' span, m: `force` is the budget of its normal force,
-    /// N, and `bend` and `moved` those of the bend of the motion and of the displacements of which slip is a
-    /// difference, m.
+    /// Scale of the rounding of a contact's slip over the series' span, m (D of [`rounding`](super::rounding)):
+    /// `force` is the scale of its normal force, N, and `bend` and `moved` those of the bend of the motion and of the
+    /// displacements of which slip is a difference, m.
     fn slipped(&self, contact: usize, friction: f64, force: f64, [bend, moved]: [f64; 2]) -> f64 {
         let (span, doubt) = (self.series.span(), self.doubt(contact));
         let own = self.dynamics.problem.delassus.own(contact);
