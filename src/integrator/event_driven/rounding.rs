@@ -1,4 +1,40 @@
-//! Rounding budgets: the magnitudes relative to which values count as zero.
+//! Rounding budgets: the magnitudes below which values count as zero.
+//!
+//! A sign that rounding decides would make a contact change its state without a reason. So values are compared with
+//! budgets: magnitudes of the terms that they are sums of, times a factor. These are the magnitudes of one contact
+//! over a series of span τ (s) with the powers c_k (m); |c_k|∞ is the largest of one power.
+//!
+//! ```text
+//! d   = 2^min(n − 2, 12) for n > 2, else 1; n: events that the contact has had at this instant     [doubt]
+//! A   = 2 |c_2|∞ / τ²                        largest acceleration at the beginning, m/s²
+//! L_r = Σ_j |G_r M⁻¹ K|_j |x_j|              magnitudes of the spring terms along r = N or T, m/s²
+//! A_F                                        acceleration by outer forces, m/s²                    [driven]
+//! S   = d (max(|N_0|, A / W_NN) + 0.02 (L_N / W_NN + L_T / W_TT))                                   N
+//! e_k = 0.02 |c_k|∞                          if any contact holds differences of displacements, else 0, m
+//! B   = d (A τ² + 0.02 τ² (L_N + A_F) + e_1)                                                        m
+//! D   = max(d τ v_max, d A τ² + (1 + µ_s) S (W_TT + µ_s |W_NT|) τ²) + d e_1                         m
+//! V   = max(|ẋ|∞ since the instant began, 2.2e-5 h A_F)                                             m/s
+//! ```
+//!
+//! v_max is the largest speed of the surface in the step, and A_F, where h is its factor, leaves out the phase of
+//! waves. A sum of terms keeps all but 0.02 · 1e-13 = 2e-15 = 9 ε of them ([`DIFFERENCE`]).
+//!
+//! | value | counts as zero up to |
+//! | --- | --- |
+//! | N (`Lift`), each power | 1e-13 S |
+//! | µ_s N ∓ T (`Slip`), each power | 1e-13 (1 + µ_s) S |
+//! | τ v_r (`Stop`, `Leave`), each power | 1e-13 D |
+//! | gap (`Touch`): powers from the second on | 1e-13 B |
+//! | its slope, G_N c_1 | the smaller of 1e-13 B and 0.5e-11 max(\|c_1\|∞, 2.2e-5 h A_F τ) |
+//! | its value, G_N c_0 | that of the slope + 1e-13 d e_0 |
+//! | \|G_N c_2\| of a closed contact (`Part`) | d (1e-10 τ² (A + L_N + A_F) + 1e-13 e_0) |
+//! | v_r at the beginning of a step | 1e-13 max(v_max, Σ \|t_j ẋ_j\|, h A_F), with the terms t_j ẋ_j of G_T ẋ |
+//! | v_r after an impact | 1e-13 max(V, v_max) |
+//! | opening velocity after an impact | 1e-11 V, more after many landings ([`least_hop`]) |
+//!
+//! The slope of a gap counts from 0.5e-11 of the fastest velocity on, half of what throws a contact off in an impact: a
+//! contact that was thrown off opens. The budgets leave out the forces of dampers, and A_F is that at the beginning of
+//! the step, so a force that grows much within one step has a budget that is too small.
 
 use super::EventDriven;
 use super::ledger::Witness;
@@ -10,8 +46,9 @@ use crate::numerics::max_norm;
 /// Relative budget below which a value counts as zero: the rounding of some dozens of operations.
 pub(super) const NOISE: f64 = 1e-13;
 /// Smallest velocity with which an impact throws a contact off, as a part of the fastest velocity; less is rounding.
+/// It is the relative tolerance of the contact problem where W is nearly singular.
 pub(super) const THROWN: f64 = 1e-11;
-/// Loss of a difference by rounding, as a part of its terms and of [`NOISE`].
+/// Loss of a difference by rounding, as a part of its terms, in parts of [`NOISE`]: 2e-15, or 9 ε.
 pub(super) const DIFFERENCE: f64 = 0.02;
 /// Number of events of one contact at one instant above which each further one doubles [`NOISE`] for it.
 const UNDOUBTED: u32 = 2;
@@ -24,12 +61,14 @@ const MANY_LANDINGS: u32 = 16;
 const MOST_GROWTHS: u32 = 10;
 
 /// The opening velocity after an impact that is a hop of its own, as a part of the fastest velocity, for a contact that
-/// has landed this often in the present internal step.
+/// has landed this often in the present internal step, the present landing included.
 ///
-/// Contacts of one body throw each other off in ever smaller hops, infinitely many within a finite time. Followed down to
+/// Contacts of one body throw each other off in ever smaller hops, infinitely many within a finite time. Followed
+/// down to
 /// [`THROWN`], their number grows with a high power of the number of contacts. So hops that come after many others have
-/// to be larger: [`THROWN`] · 4^(landings − [`MANY_LANDINGS`]). A hop that is ended changes velocities by no more than
-/// its own; in a shorter step a contact lands less often, and fewer hops are ended.
+/// to be larger: at the n-th landing in the step, [`THROWN`] · 4^min(n − 16, 10) for n > 16. A hop that is ended
+/// changes velocities by no more than its own; in a shorter step a contact lands less often, and fewer hops are
+/// ended.
 pub(super) fn least_hop(landings: u32) -> f64 {
     let growths = landings.saturating_sub(MANY_LANDINGS).min(MOST_GROWTHS);
     THROWN * f64::from(1_u32 << (2 * growths))
@@ -41,8 +80,8 @@ impl<W: Witness> EventDriven<W> {
         max_norm(&motion.velocity).max(self.slowest())
     }
 
-    /// Scale of velocities where all masses are at rest, m/s: a contact thrown off with [`THROWN`] of it is back within
-    /// the last digit of a step.
+    /// Scale of velocities where all masses are at rest, m/s. A contact that is thrown off with [`THROWN`] of it, ε h
+    /// a, against the acceleration a = `gained` / h, is back after 2 ε h, the last digit of a step.
     pub(super) fn slowest(&self) -> f64 {
         f64::EPSILON / THROWN * self.gained
     }
@@ -62,8 +101,8 @@ impl<W: Witness> EventDriven<W> {
     }
 
     /// Scale of the rounding of an acceleration along the normal (0) or the tangent (1) of a contact at these
-    /// displacements (m), m/s², in parts of [`NOISE`]: the sum of the magnitudes of the spring terms. Where these
-    /// balance each other, it is far larger than the accelerations of the masses.
+    /// displacements (m), m/s², in parts of [`NOISE`]: [`DIFFERENCE`] times the sum of the magnitudes of the spring
+    /// terms. Where these balance each other, it is far larger than the accelerations of the masses.
     pub(super) fn pulled(&self, contact: usize, row: usize, place: &[f64]) -> f64 {
         let terms = self.pulls[contact][row].0.iter().map(|&(dof, pull)| pull * place[dof].abs());
         DIFFERENCE * terms.fold(0.0, |sum, term| sum + term)
@@ -94,8 +133,9 @@ pub(super) fn pulls(dynamics: &Dynamics) -> Vec<[Direction; 2]> {
     dynamics.responses.iter().map(|two| two.each_ref().map(along)).collect()
 }
 
-/// A time scale of the fastest oscillation of the masses on their springs, s; zero without springs. For a diagonal mass
-/// matrix it is a lower bound of 1/ω.
+/// A time scale of the fastest oscillation of the masses on their springs, s; zero without springs: 1 / √(max_i
+/// (M⁻¹)_ii Σ_j |K_ij|). For a diagonal mass matrix the root is a row sum of M⁻¹ K, and so an upper bound of all ω
+/// (Gershgorin).
 pub(super) fn shortest(dynamics: &Dynamics) -> f64 {
     let square = |dof: usize| {
         let pulls = dynamics.stiffness.row(dof).fold(0.0, |sum, (_, k)| sum + k.abs());
