@@ -1,4 +1,32 @@
 //! Instants at which velocities end or jump: slips that stop, and impacts.
+//!
+//! # Law of impact
+//!
+//! With the relative velocities u = (G_N ẋ, G_T ẋ − v) of the contacts that take part, before (−) and after (+),
+//! impulses Λ (N s) are sought such that
+//!
+//! ```text
+//! u⁺ = u⁻ + W Λ,   ẋ⁺ = ẋ⁻ + M⁻¹ Gᵀ Λ,
+//! 0 ≤ u_N⁺ ⊥ Λ_N ≥ 0,
+//! |Λ_T| ≤ µ Λ_N where u_T⁺ = 0,   Λ_T = −sign(u_T⁺) µ_k Λ_N elsewhere.
+//! ```
+//!
+//! This is Newton's law without restitution, and Coulomb's law with the slip after the impact. The limit µ of a
+//! contact that does not slip afterwards depends on its state before: µ_s where it stuck, µ_k where it was open;
+//! where it slipped, µ_k in the direction that friction had and µ_s in the other one. The kinetic energy changes by
+//! Λᵀ (u⁺ + u⁻)/2 = Λᵀ u⁺ − Λᵀ W Λ/2 ≤ 0 if surfaces are at rest; a surface that moves adds v Λ_T. Under a law
+//! without sticking Λ_T = σ µ_k Λ_N in the fixed direction σ, whatever the slip is, and this does not hold.
+//!
+//! # Contacts that take part
+//!
+//! All that were closed at some time of this instant, those that land, and those that share masses with one that
+//! lands and whose gap is rounding: up to 1e-13 of Σ |n_j x_j| + V / ω, with the terms n_j x_j of the gap, the
+//! fastest velocity V and the time scale 1/ω of [`shortest`](super::rounding::shortest). If no forces are found with
+//! the last ones, they are left out. If none of the contacts approaches by more than 1e-13 of the fastest velocity,
+//! there are no impulses.
+//!
+//! Afterwards a contact that takes part is open if u_N⁺ is above the budget of [`least_hop`], else its u_N becomes
+//! zero.
 
 use super::ledger::{Strike, Witness};
 use super::rounding::{NOISE, THROWN, least_hop};
@@ -31,11 +59,10 @@ impl<W: Witness> EventDriven<W> {
         }
     }
 
-    /// Solves the impact of touch-downs: the normal velocities of all closed contacts that would close become zero, and
-    /// friction acts up to µ times the normal impulse. A contact that has opened at the same instant takes part:
+    /// Solves the impact of touch-downs ([module](self)). A contact that has opened at the same instant takes part:
     /// otherwise two contacts could throw each other off without an end. `speed` (m/s) is the fastest velocity before.
     ///
-    /// A contact that touches without a force takes part in the impact, and counts as a landing. Where the solver finds no
+    /// A contact whose gap is rounding and that takes an impulse counts as a landing. Where the solver finds no
     /// impulses with such contacts, it solves without them; they then have an impact of their own.
     pub(super) fn impact(
         &mut self,
