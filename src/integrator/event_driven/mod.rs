@@ -1,17 +1,23 @@
 //! Event-driven motion, exact up to rounding between changes of contact state.
 //!
-//! The method is event-driven: between two changes of contact state the equation of motion is linear, so its solution is a
-//! power series that is summed to the last digit; what the contact states require is a polynomial in time, whose first root
-//! is the next event; at an event the law of contact decides the states that follow. Errors are those of rounding. The
-//! internal step determines how often inputs are read, not the accuracy of the motion.
+//! Between two changes of contact state the equation of motion is linear, so its solution is a power series in time
+//! that is summed to the last digit. What the contact states require is a polynomial in time, whose first root is the
+//! next event. At an event the law of contact decides the states that follow. The internal step determines how often
+//! inputs are read, not the accuracy of the motion.
+//!
+//! Symbols: M ẍ = F − C ẋ − K x + Gᵀ λ with C = α M + β K and discrete dampers; G_N and G_T are the rows of G of one
+//! contact, λ its forces (N, T), v the velocity of its surface, v_r = v − G_T ẋ its slip velocity, σ = ±1 the sign of
+//! v_r in slip, µ_s and µ_k its static and kinetic coefficients; W = G M⁻¹ Gᵀ; ε = 2⁻⁵².
 //!
 //! # The algorithm
 //!
-//! One internal step of length h (s) has seven stages ([`Integrator::advance`]). Over the step outer forces F and
-//! velocities of surfaces v change linearly, plus waves ([`waves`]); friction coefficients are constant.
+//! One internal step of length h (s) has seven stages ([`Integrator::advance`]). Over the step F and v change
+//! linearly, F from its value at the beginning, v to its value at the end, plus waves ([`waves`]); µ_s and µ_k are
+//! constant.
 //!
-//! 1. **Start.** The remaining time of the step is `left` = h. A contact that sticks to a surface whose velocity has
-//!    jumped since the last step begins to slip.
+//! 1. **Start.** The remaining time of the step is `left` = h. A closed contact with |v_r| above rounding takes the
+//!    sliding state of the sign of v_r: the velocity of its surface may have jumped since the last step. In the first
+//!    step of a motion, closed contacts that approach have an impact as at a `Touch`.
 //! 2. **Expand** ([`series`]). With the time s τ, 0 ≤ s ≤ 1, from now and x(s) = Σ c_k s^k,
 //!
 //!    ```text
@@ -19,65 +25,99 @@
 //!    a_k = M⁻¹ (F_k − C (k + 1) c_{k+1} / τ − K c_k + Gᵀ λ_k),
 //!    ```
 //!
-//!    where the forces λ_k of closed contacts follow from what their states hold: G_N a_k = 0, and G_T a_k = v̇_k of one that
-//!    sticks; T = ±µ N of one that slips. With C = α M + β K and discrete dampers, one product of matrix and vector gives one
-//!    more power. Powers are added until two in a row are below half the machine's ε, beside the first three. If 28 are not
-//!    enough, τ is shortened until they are.
+//!    where F_k and v̇_k are the powers of the outer forces and of the accelerations of the surfaces. The forces λ_k
+//!    follow from linear equations: λ_k = 0 of an open contact; G_N a_k = 0 of a closed one, with G_T a_k = v̇_k
+//!    where it sticks, or T_k = σ µ_k N_k where it slips. [`series`] says how many powers are used, and how long τ
+//!    is.
 //! 3. **Watch** ([`watch`]). Each state requires that these functions of s do not become negative:
 //!
 //!    | state | function | event |
 //!    | --- | --- | --- |
 //!    | open | gap G_N x | `Touch` |
 //!    | stick | normal force N | `Lift` |
-//!    | stick | µ_s N − T and µ_s N + T | `Slip` |
+//!    | stick | µ_s N − T and µ_s N + T | `Slip` with σ = 1, σ = −1 |
 //!    | slip | normal force N | `Lift` |
-//!    | slip | slip velocity, in its direction | `Stop` |
+//!    | slip | σ v_r | `Stop` |
 //!
-//!    Contacts that hold more directions than their masses have are watched for two more events: a mass may leave the surface
-//!    that it sticks to along it (`Leave`), or across it (`Part`).
-//! 4. **Find the first root** ([`roots`]). Let −b be a lower bound of p″ on [0, 1]. Beyond a, p(s) is not below the parabola
-//!    p(a) + p′(a) (s − a) − b (s − a)²/2, so p has no root before that of the parabola, which is the next a. The iteration
-//!    cannot pass a root, two close ones included; near a simple root it is Newton's. Most functions need none of it: a
-//!    lower bound of p on [0, 1] is positive. Roots within 4 ε of each other are one event of several contacts.
-//! 5. **Advance** to the event, or to the end of the series. Positions and velocities that contacts hold are put back to
-//!    their places, so that rounding does not add up to a drift.
-//! 6. **Change the states** ([`EventDriven::change`]). At a `Touch` the velocities jump: a perfectly inelastic impact of all
-//!    contacts that were closed at some time of this instant, with impulses that obey Coulomb's law (N ≥ 0, G_N ẋ⁺ ≥ 0,
-//!    N · G_N ẋ⁺ = 0, |T| ≤ µ N; [`impact`]). Then that problem in accelerations and forces gives the states that follow.
-//!    [`ContactProblem`] solves both. It tries the present states first, so contacts stay in them as long as the law lets them;
-//!    the statistics count where the law had another solution.
+//!    If the masses of a contact that sticks have one direction of motion only (W of the contact is singular), N
+//!    alone is watched. Contacts that hold more directions than their masses have are watched for two more events:
+//!    the surface of a contact that sticks moves on along the tangent (`Leave`), or the gap of a closed contact opens
+//!    or closes (`Part`).
+//! 4. **Find the first root** ([`roots`]) of each function. The earliest event ends the series. Events within 4 ε of
+//!    each other, in parts of τ, are one event of several contacts. A contact has one event at a time: where two of its
+//!    functions fall together, that of the lower row of the table.
+//! 5. **Advance** to the event, or to the end of the series. Positions and velocities that contacts hold are put back
+//!    to their places, so that rounding does not add up to a drift: a degree of freedom that is a contact's own by
+//!    assignment, others by M⁻¹ Gᵀ λ with the λ that the equations of stage 2 give for the drift in place of a_k.
+//! 6. **Change the states** ([`EventDriven::change`]):
+//!
+//!    1. At a `Stop` the slip velocity becomes zero.
+//!    2. At a `Touch` the velocities jump by a perfectly inelastic impact with friction ([`impact`]).
+//!    3. Each contact gets the states that its event leaves to it:
+//!
+//!       | contact | admissible states |
+//!       | --- | --- |
+//!       | event `Lift`; open without an event; thrown off by an impact | open |
+//!       | event `Slip` or `Leave` | slip in that direction with µ_k, or open |
+//!       | event `Stop`; sticks; closed after an impact with v_r = 0 | stick with \|T\| ≤ µ_s N, slip either way with µ_k, or open |
+//!       | slips with v_r = 0 at a `Part`, or beside a contact with more than [`MOST_TURNS`] events at the instant | the same |
+//!       | closed after an impact with v_r ≠ 0 | slip in the direction of v_r with µ_k, or open |
+//!       | any other that slips | slip in its direction with µ_k, or open |
+//!
+//!       A law without sticking leaves a closed contact slip in its fixed direction only.
+//!
+//!    4. The contact problem in accelerations decides among them: 0 ≤ G_N ẍ ⊥ N ≥ 0, and T of a contact that begins
+//!       to slip has the sign of v̇ − G_T ẍ. A contact that could stick has µ_s as its limit first; if it slips even
+//!       so, µ_k replaces µ_s in that direction, and the problem is solved again. So T falls from µ_s N to µ_k N at a
+//!       `Slip`.
+//!
+//!    [`ContactProblem`] solves the impact and the accelerations. It tries the present states first, so contacts stay in
+//!    them as long as the law lets them; the statistics count where the law had another solution.
 //! 7. Repeat from 2 until the step is complete.
 //!
-//! # Rounding budgets
+//! # Several events at one instant
 //!
-//! A sign that rounding decides would make a contact change its state without a reason. So each function is compared
-//! with a budget: a magnitude of its own terms, times a factor ([`rounding`]).
+//! Events count as events at one instant if less than 1e-13 h passes from each to the next. Where rounding decides a
+//! sign there, states may lead to each other without an end. These rules end such turns, by the number n of events
+//! that a contact has had at the instant. Slip that stops at the second change of an instant or later sticks, if the
+//! solution continues it and no contact opens or closes.
 //!
-//! | budget | quantity |
+//! | n | rule |
 //! | --- | --- |
-//! | 1e-13 ([`NOISE`]) | a value, slope or higher coefficient of a watched function, beside the terms that it is a difference of |
-//! | 1e-13 · 2^(n − 2), n ≤ 14 | the same at a contact with its n-th event at one instant: the doubt grows until larger changes decide |
-//! | 1e-11 ([`THROWN`](rounding::THROWN)) | the velocity with which an impact throws a contact off, beside the fastest velocity |
-//! | 1e-11 · 4^(n − 16), n ≤ 26 | the same at the n-th landing of a contact in one step: hops that become ever shorter end ([`rounding::least_hop`]) |
-//! | 1e-10 | the acceleration of a gap that states hold, where contacts hold more directions than there are |
+//! | above 2 | the rounding budgets of the contact double with each event ([`rounding`]) |
+//! | above [`MOST_TURNS`] | a contact that stops may not stick within [`AT_LIMIT`] of its limit; it slips or opens, if either is lawful |
+//! | above [`MOST_SHARES`] | the same for contacts that hold more directions than their masses have; before, they share their load otherwise |
+//! | [`MOST_OPENINGS`] + 1 to [`MOST_TOUCHES`] | a contact that would open stays closed, but at a `Lift` |
+//! | above [`MOST_TOUCHES`], `Touch` | the gap is given an approach of [`APPROACH`], and forces that carry it are looked for |
 //!
 //! # What is guaranteed, and what is not
 //!
-//! - No event is passed over, except one whose function becomes negative by less than its budget.
-//! - The motion is the same to the last bit on every machine, and however a run is divided into multiples of the step.
-//! - A step ends: with the motion, or with a [`StepFailure`] that says why. Friction may wedge (Painlevé: no forces obey the
-//!   law), forces may be rounding only, contacts may change repeatedly at one instant, or a step may take more than
-//!   100,000 series.
-//! - Infinitely many impacts within a finite time are cut off: the last hops are ended by the budget above, and counted.
+//! - No event is passed over, except one whose function becomes negative by less than the budgets of its first powers
+//!   together ([`roots`]).
+//! - The error of one series is rounding, relative to the largest displacements and not to each of them. An unstable
+//!   motion amplifies it, and so does an event that is decided by rounding: a gap that just touches, a force that just
+//!   reaches its limit.
+//! - The motion is the same to the last bit on every machine with IEEE 754 doubles, and however a run is divided into
+//!   multiples of the step.
+//! - A step ends: with the motion; with a [`StepFailure`] that says why; or with NaN in a displacement whose numbers
+//!   have left the range of doubles. Failures are: no forces or impulses obey the law, or none are found (Painlevé;
+//!   an impact without a `Touch` is not tried); the forces are rounding only; more than [`MAX_STANDSTILL`] changes of
+//!   state for each contact at one instant, or [`MAX_EVENTS`] in a step; more than [`MAX_SERIES`] series. A mode that
+//!   decays much faster than the step takes series as one that oscillates does.
+//! - Where surfaces are at rest and contacts can stick, an impact never adds energy ([`impact`]). Velocities that are
+//!   put to zero as rounding may change it by their budgets.
+//! - Infinitely many impacts within a finite time are cut off: the last hops are ended by a budget
+//!   ([`rounding::least_hop`]), and counted.
 //! - Where the law of contact allows several motions, one is followed. Another one is as lawful.
-//! - Friction that depends on the slip velocity makes the equation of motion nonlinear; the method refuses it.
+//! - Impacts have no restitution. Friction that depends on the slip velocity makes the equation of motion nonlinear,
+//!   and so do contacts that stick and cannot open; the method refuses both.
 //!
 //! # References
 //!
 //! Power series of this order as an integrator: Jorba and Zou, Experimental Mathematics 14 (2005) 99. Event-driven
-//! integration of systems with unilateral contacts and friction, and inelastic impacts in them: Pfeiffer and Glocker, Multibody
-//! Dynamics with Unilateral Contacts (Wiley, 1996); Acary and Brogliato, Numerical Methods for Nonsmooth Dynamical Systems
-//! (Springer, 2008).
+//! integration of systems with unilateral contacts and friction, and inelastic impacts in them: Pfeiffer and Glocker,
+//! Multibody Dynamics with Unilateral Contacts (Wiley, 1996); Acary and Brogliato, Numerical Methods for Nonsmooth
+//! Dynamical Systems (Springer, 2008).
 
 mod impact;
 mod law;
@@ -107,15 +147,16 @@ use waves::Waves;
 
 /// Largest number of contacts that share masses: their equations take the cube of that number.
 const MAX_GROUP: usize = 256;
-/// Largest number of events for each contact in one internal step; more are a loop without an end.
+/// Largest number of changes of state (several events at one time count once) in one internal step, times the number of
+/// contacts; more are a loop without an end.
 const MAX_EVENTS: u64 = 10_000;
-/// Largest number of events for each contact at one instant, or as near to it as [`NOISE`] of a step.
+/// Largest number of changes of state at one instant, times the number of contacts. Changes are at one instant if
+/// less than [`NOISE`] of a step passes from each to the next.
 const MAX_STANDSTILL: u64 = 16;
-/// A contact with more events than this at one instant, up to [`MOST_TOUCHES`], does not open again there unless its
-/// force falls.
+/// A contact with more events than this at one instant, up to [`MOST_TOUCHES`], opens there at a `Lift` only.
 const MOST_OPENINGS: u32 = 5;
-/// A contact with more events than this at one instant changes between sticking and slipping in turn and can stay in
-/// neither.
+/// A contact with more events than this at one instant changes between sticking and slipping in turn: friction that
+/// sticks passes its limit, and the slip that follows stops at once.
 const MOST_TURNS: u32 = 3;
 /// The limit in place of [`MOST_TURNS`] for a contact that shares its load with others that hold the same masses.
 const MOST_SHARES: u32 = 7;
@@ -124,12 +165,15 @@ const MOST_SHARES: u32 = 7;
 const AT_LIMIT: f64 = 1e-9;
 /// A contact that touches after more events than this at one instant can stay neither open nor closed.
 const MOST_TOUCHES: u32 = 15;
-/// Threshold of an acceleration that closes a contact, relative to the largest one that a contact of its group has
+/// Acceleration of approach that is prescribed for a contact that can stay neither open nor closed
+/// ([`press_together`](EventDriven::press_together)), relative to the largest one that a contact of its group has
 /// without contact forces.
 const APPROACH: f64 = 1e-6;
-/// Largest number of series in one internal step. A series covers about three radians of the fastest oscillation.
+/// Largest number of series in one internal step. A series covers about three radians of the fastest oscillation, or
+/// three time constants of the fastest decay ([`series`]).
 const MAX_SERIES: u32 = 100_000;
-/// A series that covers no more than this part of the remaining step does not complete it.
+/// A series that covers no more than this part of the remaining step has numbers that have left the range of doubles. A
+/// displacement then becomes NaN, and the step ends.
 const SHORTEST: f64 = 1e-12;
 
 /// Event-driven integrator: exact motion, up to rounding, from one event to the next.
@@ -159,14 +203,15 @@ pub struct EventDriven<W = ()> {
     force: Vec<f64>,
     surface: Vec<f64>,
     surface_acceleration: Vec<f64>,
-    /// Twice the mean velocity of each surface over the step, m/s. Friction of a fixed direction has its sign.
+    /// The velocities of each surface at the beginning and at the end of the step, added, m/s. Friction of a fixed
+    /// direction has its sign.
     heading: Vec<f64>,
-    /// Largest speed of each surface in the step, m/s. The velocity within the step is a difference of such numbers, so
-    /// a velocity far below it is rounding.
+    /// Bound of the speed of each surface in the step, m/s: the larger one of its ends, plus the amplitudes of waves.
+    /// The velocity within the step is a difference of such numbers, so a velocity far below it is rounding.
     surface_speed: Vec<f64>,
     /// The event of each contact at the present instant; `None` if it has none.
     events: Vec<Option<Event>>,
-    /// Number of events of each contact at the present instant.
+    /// Number of events that each contact has had at the present instant.
     repeats: Vec<u32>,
     /// The fastest velocity since the present instant began, m/s. An impact may have removed it and left its rounding.
     fastest_here: f64,
@@ -183,10 +228,13 @@ pub struct EventDriven<W = ()> {
     frictionless: Vec<Friction>,
     /// The largest acceleration that the constant load alone gives a mass, m/s².
     loaded: f64,
-    /// The velocity, m/s, that the outer forces give a mass in a step, by the sum of their magnitudes since they may
-    /// balance each other. A velocity far below it is rounding.
+    /// The velocity, m/s, that outer forces give a mass in a step: h times the larger of the accelerations by all
+    /// forces at the beginning of the step and by the constant load alone, plus those by the amplitudes of waves.
+    /// These parts may balance each other, so that a velocity far below it is rounding.
     gained: f64,
-    /// The acceleration, m/s², that scales the rounding of outer forces, with that of the phase of waves.
+    /// The acceleration, m/s², that scales the rounding of outer forces in parts of [`NOISE`] · [`DIFFERENCE`]:
+    /// `gained` by h, plus ε times the phase of each wave in those parts, since a phase of many radians is rounded
+    /// coarsely.
     driven: f64,
 }
 
