@@ -2,53 +2,90 @@
 //!
 //! # What is measured
 //!
-//! A motion is observed in windows, one after the other ([`Look`](super::look::Look)). These are known of each
-//! window:
+//! A motion is observed in windows, one after the other ([`Look`](super::look::Look)). These are known of each window:
 //!
-//! - its *size*: root mean square, about its mean, of a mixture of all displacements, so that nothing hides where one output does
-//!   not see it;
-//! - its *lines*: frequencies and amplitudes of that mixture;
+//! - its *size*, m: root mean square, about its mean, of y = Σ_i w_i x_i, a mixture of all displacements with
+//!   w_i = 1/2 + frac(0.618 i), so that nothing hides where one output does not see it. Rows have the weights of a
+//!   Blackman–Harris window;
+//! - its *lines*: frequencies and amplitudes of y. Lines nearer than the *resolution*, 4 / window, are not told apart;
 //! - whether a contact changed its state, and whether all contacts are in states in which the scene can rest;
-//! - the growth rates of the linear motion in the present contact states, by eigenvalues.
+//! - the growth rate of the linear motion in the present contact states: the largest real part of an eigenvalue. It
+//!   counts from 1e-9 of the fastest mode's angular frequency on. There is none where friction depends on the slip
+//!   velocity.
 //!
 //! Two more quantities of a motion that has settled need runs of their own:
 //!
-//! - its *closure*: the time after which the whole state comes back nearest, and how far it is then from where it was, in parts of
-//!   the motion's size (`recurrence`);
+//! - its *closure*: the time T after which the whole state comes back, and the distance of the states at t and t + T,
+//!   root mean square over a period, in parts of the motion's size (`recurrence`);
 //! - its *parting*: how the distance to a neighbour grows that starts 1e-9 of the motion's size away (`parting`).
 //!
 //! # How the kind is decided
 //!
-//! At the end of each window the first of these rules that applies:
+//! At the end of each window the first of these rules applies. The *last window* is the one that ends at the longest
+//! time.
 //!
-//! 1. **Equilibrium**: the motion is rounding; or, in states of rest, its size tends to zero over four windows, or its eigenvalues
-//!    say that it decays. A growing eigenvalue excludes it.
-//! 2. **Unbounded**: no contact can change its state any more, and an eigenvalue grows; or loads and surfaces no longer matter, and
-//!    the size has grown by about one factor over each of four windows.
-//! 3. **Not settled yet**: neither size and lines are the same over four windows, nor does the size vary without a trend over 12.
-//!    The next window is looked at; after the longest time the motion is **unsettled**.
-//! 4. **Undecided**: the scheme's step is too long to tell the kinds apart.
-//! 5. **Periodic**: the state comes back after a period, to 1e-6 of the motion's size; or it comes back nearer from window to window by
-//!    about the same factor. By the paper's scheme, whose events are late by up to a step, coming back within the way of four
-//!    steps is enough.
-//! 6. **Irregular**: neighbours part exponentially.
-//! 7. **Quasi-periodic**: neighbours stay near over 32 windows; or they come together, where signals without a common period lead
-//!    all of them.
-//! 8. **Undecided**: none of these could be shown.
+//! 1. **Wait**: the window began before the last edge of a signal (windows count anew from there; rule 3 is tried all
+//!    the same). Or no signal drives the motion, and in the whole window contacts kept states in which the scene
+//!    cannot rest: a surface carries a mass along, or a mass flies.
+//! 2. **Equilibrium**, if the drive is constant, or has a period of at most a window or of as many windows as nothing
+//!    has moved:
+//!    - nothing at all moved, whatever eigenvalues say; or
+//!    - contacts are in states of rest, and no eigenvalue grows, and the size is rounding (1e-12 of the
+//!      displacements), or without a drive tends to zero over four windows, the last three without a change of state;
+//!      or
+//!    - in states of rest without a drive, all eigenvalues decay, and the size has fallen over two windows without a
+//!      change of state; or
+//!    - under a drive, the size was rounding for four windows and no eigenvalue grows, although contacts change their
+//!      states; or
+//!    - under a drive, in states of rest, the size tends to zero like a power of time (`windows`).
+//! 3. **Unbounded**, without a drive: no contact can change its state any more, and an eigenvalue grows; or
+//!    displacements and velocities are more than 1e6 times those of the equilibrium and the surfaces, and the size
+//!    has grown by at least 1 % and about the same factor over each of three windows.
+//! 4. **Quasi-periodic**, every 12th window and the last: signals without a common period of at most 100 windows
+//!    drive the motion, and neighbours come together, which exact motion alone can show.
+//! 5. **Wait**, if neither size and lines are the same over four windows, nor contacts change their states and the
+//!    size varies without a trend over 12 windows (in the last window, over 24 or 48 too).
+//! 6. **Undecided**: y has no line; or the scheme moves by more than 2e-3 of the motion's size in one step, too far
+//!    to tell the kinds apart.
+//! 7. **Periodic**: the state comes back after a shortest period, to 1e-6 of the motion's size or rounding; or it
+//!    comes back to 2e-3, and nearer over four windows by about the same factor. By the paper's scheme, whose events
+//!    are late by up to a step, coming back within the way of four steps is enough. A state that comes back to 2e-3
+//!    and no nearer makes the motion wait for the last window. A search in vain is repeated every fourth window, and
+//!    with a drive whose period is longer than a window every 12th.
+//! 8. The rest is decided every 12th window and in the last:
+//!    - **irregular**: neighbours part exponentially;
+//!    - **periodic**: neighbours come together under a drive with a common period, and the state comes back, to 1e-6,
+//!      after a multiple of that period within 100 windows;
+//!    - **quasi-periodic**: neighbours stay near over 32 windows, the search for a period was complete, no return was
+//!      within the way of ten steps of the scheme, and the strong lines combine two frequencies, or the state never
+//!      came back to 2e-3 and the size does not vary less and less. If the lines beside the strongest one and its
+//!      multiples fade meanwhile, the motion waits, and is **unsettled** in the last window;
+//!    - **undecided** in the last window, and waiting before it: none of these could be shown.
+//!
+//! A motion that still waits after the last window is **unsettled**.
 //!
 //! # Thresholds
 //!
 //! | threshold | meaning |
 //! | --- | --- |
+//! | size within 1e-3 of the window before; if it drifts one way over four windows, less than 2e-3 left to go | the size is the same |
 //! | line within 0.1 of the resolution, amplitude within 1 % | a strong line (above 1 % of the strongest) is the same in two windows |
 //! | 1e-4 of the strongest line | fainter lines may grow unseen |
+//! | limit by Aitken's extrapolation, up to 0.2 of the last size | sizes tend to zero |
 //! | 1e-6 of the motion's size | a state that comes back as near is the same |
+//! | 2e-3 of the motion's size | a state that does not come back as near does not come back |
 //! | the way of 4 and of 10 steps of the scheme | up to 4 a return may be late events, beyond 10 it is none; between them it is open |
-//! | 64 periods of the strongest line, 100 windows | no longer period is looked for |
+//! | 64 periods of the strongest line and of the drive, 100 windows | no longer period is looked for |
 //! | factor 30, or less than 6, from one half of the time to the next | neighbours part exponentially, or in proportion to time at most |
 //!
-//! The kind depends neither on the output that is looked at nor on the time between its rows: closure and parting are found in the
-//! motion itself.
+//! # What is not guaranteed
+//!
+//! - The thresholds are conventions, checked against motions whose kind is known, not bounds of an error.
+//! - A motion that changes only after the longest time, a slow mode that grows below 1e-4 of the strongest line, or a
+//!   period above 64 periods is not seen.
+//! - The rate of `parting` is that of one stretch of the motion, no Lyapunov exponent with an error.
+//! - The kind does not depend on the output that is looked at. Closure and parting are found in the motion itself,
+//!   between rows too; a return is seen if the rows beside it are near enough (`recurrence`).
 
 use super::parting::MOST_WINDOWS_APART;
 use super::recurrence::Closure;
@@ -58,7 +95,7 @@ use serde::{Deserialize, Serialize};
 
 /// The most lines of a motion that are listed.
 const MOST_LINES: usize = 8;
-/// Two lines that are not told apart have no frequency of their own if the fainter one has this part of the stronger one.
+/// A line has no frequency of its own if another one within the resolution has at least this part of its amplitude.
 const BLURRING: f64 = 0.05;
 
 /// The kind of motion that a motion ends in.
@@ -128,7 +165,8 @@ pub struct Ending {
     /// `true` of a quasi-periodic motion whose strong lines are all combinations of two frequencies.
     #[serde(default)]
     pub two_frequencies: bool,
-    /// `true` of a quasi-periodic motion that follows signals without a common period: neighbouring motions come together.
+    /// `true` of a quasi-periodic motion that follows signals without a common period: neighbouring motions come
+    /// together.
     #[serde(default)]
     pub follows: bool,
     /// For an undecided motion, the longest step of the paper's scheme, s, that can tell its kind, where the steps
@@ -145,8 +183,8 @@ pub struct Ending {
     pub shares: [f64; 4],
     /// `true` for each state that a contact took, also between the rows.
     pub taken: [bool; 4],
-    /// `true` for each state that contacts of a periodic motion take ever more briefly, so that in the end they take it no more: as
-    /// where slips get shorter for ever.
+    /// `true` for each state that contacts of a periodic motion take ever more briefly, so that in the end they take
+    /// it no more: as where slips get shorter for ever.
     #[serde(default)]
     pub fading: [bool; 4],
     /// Time since the motion was first observed, s.
