@@ -1,5 +1,5 @@
-//! The lines of a motion that are no multiples of its strongest one: whether a second frequency makes them, and whether they
-//! fade.
+//! The lines of a motion that are no multiples of its strongest one: whether a second frequency makes them, and
+//! whether they fade.
 
 use crate::spectral::{Line, Lines};
 use crate::statistics::mean;
@@ -7,11 +7,13 @@ use crate::statistics::mean;
 /// Lines of more than this part of the strongest one tell the kinds of motion apart. Weaker ones may be high
 /// multiples, as kinks have them, which rows this far apart show at another frequency.
 const TELLING: f64 = 1e-2;
-/// A beat that falls by less than this part stays.
+/// A beat that falls by less than this part, from the mean of the second quarter of the windows to that of the last,
+/// stays.
 const FADED: f64 = 0.01;
 /// The highest order of a combination of two frequencies.
 const HIGHEST_ORDER: i32 = 12;
-/// Tolerance with which a frequency meets a multiple, in parts of the lines' resolution.
+/// Tolerance with which a frequency meets a multiple or a combination, in parts of the lines' resolution, times 1 + its
+/// order.
 const MEETS: f64 = 0.01;
 
 /// `true` if all telling lines, the strongest first, are combinations of two frequencies.

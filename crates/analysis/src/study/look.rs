@@ -10,7 +10,8 @@ use amontons::model::LumpedModel;
 use amontons::scene::{Method, Scene, Selection, Shape};
 use serde::Serialize;
 
-/// Periods of the slowest mode in a window: lines a fiftieth of its frequency apart are told from each other.
+/// Periods of the slowest mode in a window. The resolution of lines is then 4/50 of its frequency: nearer ones are
+/// not told apart.
 const PERIODS: f64 = 50.0;
 /// The fewest periods in a window that a person may ask for.
 const FEWEST_PERIODS: f64 = 5.0;
@@ -174,8 +175,8 @@ pub fn pace(scene: &mut Scene, look: &Look) {
     }
 }
 
-/// The time in which a signal changes, s: the period of a sine, the length of a ramp or a pulse, the shortest time between
-/// two points of a table. Infinite for what stays.
+/// The time in which a signal changes, s: the period of a sine, the length of a ramp or a pulse, the shortest time
+/// between two points of a table. Infinite for what stays.
 fn span(shape: &Shape) -> f64 {
     match shape {
         Shape::Constant(_) => f64::INFINITY,

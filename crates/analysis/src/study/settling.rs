@@ -1,8 +1,9 @@
 //! Detection of settled motions.
 //!
-//! A motion is looked at window by window. It is *settled* when it rests, or when its size and its lines are the
-//! same in windows that follow each other, and no faint line grows. The compared quantity is a mixture of all
-//! displacements, so that nothing hides where one output does not see it.
+//! A motion is looked at window by window, in rows at equal times. It is *settled* when it rests, grows without bound,
+//! or has a size and lines that are the same in windows that follow each other while no faint line grows, or when its
+//! size varies without a trend. Then its kind is decided. The rules in their order, and the thresholds, are in
+//! [`ending`](super::ending).
 
 use super::beat::{beat, is_fading};
 use super::drive::{is_repeated, last_edge, period};
@@ -29,14 +30,15 @@ use amontons::numerics::max_norm;
 use amontons::scene::Method;
 use amontons::simulation::{Simulation, Variable};
 
-/// Lines of more than this part of the strongest one are listed.
+/// Lines of the output of at least this part of the strongest one are listed, in amplitudes.
 const TOLD: f64 = 1e-3;
 /// Number of windows before the last one from which lines of a motion without a period are determined too, since they
 /// may lie near each other.
 const MORE_WINDOWS: usize = 3;
-/// Windows from one look at how neighbouring motions part to the next.
+/// Windows from one look at how neighbouring motions part to the next, counted from the last edge of a signal.
 const WINDOWS_BETWEEN: usize = 12;
-/// Windows after which a period is looked for again where none was found: that takes longer than a window.
+/// Windows after which a period is looked for again where none was found. The search takes up to 64 periods of the
+/// strongest line, more than a window has of a motion at the slowest mode's frequency.
 const WINDOWS_IN_VAIN: usize = 4;
 
 /// A motion that is observed until it is settled.
@@ -135,8 +137,8 @@ impl Settling {
         (self.row + 1) as f64 * self.look.interval
     }
 
-    /// Takes note of the row that is due; what the motion ends in, once that is known. A watch that says that it is over
-    /// leaves the kind of a motion open.
+    /// Takes note of the row that is due; what the motion ends in, once that is known. A watch that says that it is
+    /// over leaves the kind of a motion open.
     pub(crate) fn note(
         &mut self,
         simulation: &mut Simulation,
@@ -338,8 +340,8 @@ impl Settling {
         })
     }
 
-    /// The kind of a motion that has settled, with the rate at which neighbours part; `None` while its state still comes
-    /// nearer to where it was, from window to window.
+    /// The kind of a motion that has settled, with the rate at which neighbours part; `None` while its state still
+    /// comes nearer to where it was, from window to window.
     fn kind(
         &mut self,
         simulation: &Simulation,
