@@ -1,6 +1,28 @@
 //! Separation of neighbouring motions. A motion whose state does not come back is irregular where they part
 //! exponentially, and quasi-periodic where they stay near over many windows; where neither can be shown, its kind
 //! stays undecided.
+//!
+//! 1. A neighbour starts [`APART`] away, in parts of the motion's size and in the distance of
+//!    [`recurrence`](super::recurrence).
+//! 2. Both are followed over 4 windows, then 8, 16 and 32. The distance is read where both have the same contact
+//!    states; farther away than [`PARTED`] or nearer than [`NEAR`] the neighbour is brought back to [`APART`], and
+//!    the growth so far is kept. g_1 and g_2 are the largest growths of the distance near the ends of the first and
+//!    of the second half.
+//! 3. After each of these times, the first that applies:
+//!
+//!    | condition | answer |
+//!    | --- | --- |
+//!    | a growth of 1e6 at any time | exponential |
+//!    | no distance at all at any time | together |
+//!    | from 8 windows on g_2 ≤ 1e-2 and g_2 / g_1 ≤ 0.1 | together |
+//!    | g_2 / g_1 ≥ 30 and g_2 > 100 | exponential |
+//!    | g_2 / g_1 ≤ 6 and g_2 > 1e-2, where only a fast parting is looked for | unknown |
+//!    | 32 windows, g_2 / g_1 ≤ 0.5 | together |
+//!    | 32 windows, g_2 / g_1 ≤ 6 | regular |
+//!    | 32 windows | unknown |
+//!
+//! A distance in proportion to time has g_2 / g_1 = 2. One that grows as exp(σ t) has exp(σ t/2) after the time t, so
+//! neighbours that part exponentially at a rate below ln 6 / (16 windows) count as regular.
 
 use super::recurrence::{Scale, State, begin_fast};
 use amontons::Error;
@@ -8,8 +30,8 @@ use amontons::simulation::Simulation;
 
 /// Initial distance of neighbouring motions, in parts of the motion's size.
 const APART: f64 = 1e-9;
-/// Neighbours beyond the larger distance, or below the smaller one, are brought back to the first one along the line through both.
-/// Farther away they are no neighbours, and much nearer the difference is lost in rounding.
+/// Neighbours beyond the larger distance, or below the smaller one, are brought back to the first one along the line
+/// through both. Farther away they are no neighbours, and much nearer the difference is lost in rounding.
 const PARTED: f64 = 1e-3;
 const NEAR: f64 = 1e-2 * APART;
 /// Windows over which neighbours are followed, and over how many at the most where that does not tell how they part.
@@ -19,8 +41,8 @@ pub(super) const MOST_WINDOWS_APART: u64 = 32;
 /// of a regular motion, whose distance grows in proportion to time at most, by less than [`REGULAR`].
 const EXPONENTIAL: f64 = 30.0;
 const REGULAR: f64 = 6.0;
-/// Neighbours whose distance has shrunk to this part come together, if it still shrinks by [`SHRINKING`] from one half to the
-/// next. Irregular ones come nearer for a while only, so that is asked after this many windows.
+/// Neighbours whose distance has shrunk to this part come together, if it still shrinks by [`SHRINKING`] from one
+/// half to the next. Irregular ones come nearer for a while only, so that is asked after this many windows.
 const TOGETHER: f64 = 1e-2;
 const SHRINKING: f64 = 0.1;
 const LEAST_WINDOWS_TOGETHER: u64 = 8;
@@ -40,10 +62,10 @@ pub(super) enum Parting {
     Unknown,
 }
 
-/// Follows a motion and a neighbour of it over [`WINDOWS_APART`] windows of `rows` rows, then twice as long, and so on, until
-/// it is known that they part exponentially, or they do not over all of them. Slow parting shows over many windows alone, so
-/// fewer never tell that a motion is regular: where only a fast one is looked for (not `is_long`), neighbours that stay near
-/// over the first windows leave it unknown.
+/// Follows a motion and a neighbour of it over [`WINDOWS_APART`] windows of `rows` rows, then twice as long, and so
+/// on, until it is known that they part exponentially, or they do not over all of them. Slow parting shows over many
+/// windows alone, so fewer never tell that a motion is regular: where only a fast one is looked for (not `is_long`),
+/// neighbours that stay near over the first windows leave it unknown.
 ///
 /// # Errors
 /// Returns an error if a step fails.
@@ -125,9 +147,9 @@ pub(super) fn parting(
     }
 }
 
-/// A neighbour of a motion, each of whose velocities was pushed where the push lives longer than a row, over a window at the most.
-/// Both are advanced until then. A contact that sticks undoes a push at once, and so does one that is pressed down. `None` if no
-/// push has lived, or the watch ended the search.
+/// A neighbour of a motion, each of whose velocities was pushed where the push lives longer than a row, over a window
+/// at the most. Both are advanced until then. A contact that sticks undoes a push at once, and so does one that is
+/// pressed down. `None` if no push has lived, or the watch ended the search.
 fn neighbour(
     motion: &mut Simulation,
     interval: f64,
