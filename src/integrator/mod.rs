@@ -39,7 +39,8 @@ pub struct Motion {
 }
 
 impl Motion {
-    /// A motion that begins at these displacements (m) and velocities (m/s) with contacts in these states. It has no ledger.
+    /// A motion that begins at these displacements (m) and velocities (m/s) with contacts in these states. It has no
+    /// ledger.
     #[must_use]
     pub fn new(displacement: Vec<f64>, velocity: Vec<f64>, contacts: Vec<ContactState>) -> Self {
         let pulls = vec![false; contacts.len()];
@@ -249,7 +250,9 @@ pub enum StepFailure {
         /// Largest number of power series in a step.
         most: u64,
     },
-    /// This contact (from 0) changed its state repeatedly at one instant without an end.
+    /// Contacts changed their states more often than the event-driven method follows, at one instant or within one
+    /// step; this contact (from 0) was among the last. A shorter
+    /// step helps against the second.
     TooManyEvents {
         /// The contact, from 0.
         contact: usize,
@@ -259,8 +262,8 @@ pub enum StepFailure {
         /// The contact, from 0.
         contact: usize,
     },
-    /// The equations of the contacts that share masses with this one (from 0) are singular but for rounding, and no other states
-    /// have forces: friction wedges these contacts, or nearly.
+    /// The equations of the contacts that share masses with this one (from 0) are singular but for rounding, and no
+    /// other states have forces: friction wedges these contacts, or nearly.
     Singular {
         /// The contact, from 0.
         contact: usize,
@@ -341,7 +344,8 @@ pub fn kernels() -> Vec<Kernel> {
 /// Returns the fastest integrator of this method for the structure of the model.
 ///
 /// # Errors
-/// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method takes.
+/// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method
+/// takes.
 pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>, Error> {
     if method == Method::EventDriven {
         return Ok(Box::new(EventDriven::new(model)?));
@@ -356,7 +360,8 @@ pub fn choose(model: &LumpedModel, method: Method) -> Result<Box<dyn Integrator>
 /// motion, step by step. A motion without a ledger is advanced without one.
 ///
 /// # Errors
-/// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method takes.
+/// Returns an error if the mass matrix is not positive definite, or if more contacts share masses than the method
+/// takes.
 pub fn choose_with_ledger(
     model: &LumpedModel,
     method: Method,

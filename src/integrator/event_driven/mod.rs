@@ -3,7 +3,7 @@
 //! Between two changes of contact state the equation of motion is linear, so its solution is a power series in time
 //! that is summed to the last digit. What the contact states require is a polynomial in time, whose first root is the
 //! next event. At an event the law of contact decides the states that follow. The internal step determines how often
-//! inputs are read, not the accuracy of the motion.
+//! inputs are read. It does not determine the accuracy, but for friction coefficients that change.
 //!
 //! Symbols: M ẍ = F − C ẋ − K x + Gᵀ λ with C = α M + β K and discrete dampers; G_N and G_T are the rows of G of one
 //! contact, λ its forces (N, T), v the velocity of its surface, v_r = v − G_T ẋ its slip velocity, σ = ±1 the sign of
@@ -12,8 +12,8 @@
 //! # The algorithm
 //!
 //! One internal step of length h (s) has seven stages ([`Integrator::advance`]). Over the step F and v change
-//! linearly, F from its value at the beginning, v to its value at the end, plus waves ([`waves`]); µ_s and µ_k are
-//! constant.
+//! linearly, F from its value at the beginning, v to its value at the end, plus waves ([`waves`]); µ_s and µ_k keep
+//! their values at the beginning, so a signal that drives them acts as a staircase, late by h/2 in the mean.
 //!
 //! 1. **Start.** The remaining time of the step is `left` = h. A closed contact with |v_r| above rounding takes the
 //!    sliding state of the sign of v_r: the velocity of its surface may have jumped since the last step. In the first

@@ -14,7 +14,8 @@
 //!
 //!    It ends with no root beyond 1, and with the root where d ≤ ε a or p(a) ≤ 0. The iteration cannot pass a root,
 //!    two close ones included. It converges quadratically to a simple root, as Newton's method, and slower to
-//!    multiple ones.
+//!    multiple ones: [`MOST_STEPS`] end 2e-4 before a root of multiplicity four at 0.5, where p is 2e-15 of its
+//!    terms.
 //!
 //! A function that becomes negative by less than its dropped terms, Σ noise_k s^k, is not seen to do so. Bounds and
 //! values of p have the rounding of a sum of its terms, some ε Σ |c_k|.
