@@ -9,7 +9,7 @@ use nalgebra::{Complex, DMatrix, DVector};
 
 /// Eigenvalues this near, in parts of themselves, are those of one mode that comes more than once.
 const EQUAL: f64 = 1e-7;
-/// A matrix of modes that solves no better than this is not used.
+/// A matrix of modes V is not used if an entry of V⁻¹ V differs from that of the identity by more than this.
 const WORST: f64 = 1e-6;
 
 /// The modes of one contact state as a basis of its motions.
@@ -39,8 +39,8 @@ pub(super) fn scheme_step(scene: &Scene) -> Option<f64> {
 
 /// The modes of the paper's scheme with this `step` (h, s), each with s in place of λ, where ẋ = s x in a mode.
 ///
-/// A step ẋ′ = ẋ + h ẍ, x′ = x + h ẋ′ takes such a mode to x′ = x / (1 − h s). With M ẍ = −C ẋ − K x that is
-/// s² (M − h C) + s (C − h K) + K = 0. The modes of the differential equation would differ by a part h |λ| from these, so
+/// A step ẋ′ = ẋ + h ẍ, x′ = x + h ẋ′ takes such a mode to x′ = x / (1 − h s). With M ẍ = −C ẋ − K x that is s² (M −
+/// h C) + s (C − h K) + K = 0. The modes of the differential equation would differ by a part h |λ| from these, so
 /// that each would show in the others.
 fn modes_of_scheme(
     linear: LinearModel<'_>,

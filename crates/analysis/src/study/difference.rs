@@ -1,4 +1,19 @@
-//! This module tells how different two motions are, as far as endings show it.
+//! This module tells how different two motions are, as far as endings show it. Their distance is
+//!
+//! ```text
+//! D = s + 2.5 p + k
+//! ```
+//!
+//! | part | value |
+//! | --- | --- |
+//! | s | the largest \|ln\| of the ratio of two extents, or of the two sizes |
+//! | s, if one is irregular | 0.2 \|ln\| of the ratio of the sizes |
+//! | s, if both are undecided | 0.05 / max(0.05, 2 (scatter + scatter)) times \|ln\| of the ratio of the sizes |
+//! | p | \|ln\| of the ratio of the strongest line of one and the nearest line of the other, the larger of both ways, at most 1; 0 if one is undecided and the other undecided or irregular |
+//! | k | 0.04 if both kinds are known and different |
+//!
+//! Two motions with D above 0.05 are two, or above 0.005 if both are periodic to 1e-6. D is 10 if one of two motions
+//! rests or grows without bound, and 0 if both do.
 
 use super::ending::{Ending, Kind};
 use super::recurrence::CLOSED;
@@ -6,8 +21,8 @@ use super::recurrence::CLOSED;
 /// Extents that differ by more than this part, from one value to the next or between the ways, may be of different
 /// motions.
 pub(super) const OTHER_EXTENT: f64 = 0.05;
-/// Extents of two periodic motions that differ by more than this part are of different ones, where both states come back to
-/// within [`CLOSED`].
+/// Extents of two periodic motions that differ by more than this part are of different ones, where both states come
+/// back to within [`CLOSED`].
 const SAME_EXTENT: f64 = 5e-3;
 /// Sizes of irregular motions may belong to different motions if they differ by more than this part.
 const OTHER_IRREGULAR: f64 = 0.25;
@@ -16,10 +31,10 @@ const OTHER_IRREGULAR: f64 = 0.25;
 const OTHER_SCATTER: f64 = 2.0;
 /// Frequencies may belong to different motions if they differ by more than this part.
 const OTHER_FREQUENCY: f64 = 0.02;
-/// Another kind adds this to the distance of two motions. Alone it does not make them different, since a second frequency
-/// may come and go gently.
+/// Another kind adds this to the distance of two motions. Alone it does not make them different, since a second
+/// frequency may come and go gently.
 const OTHER_KIND: f64 = 0.8 * OTHER_EXTENT;
-/// Displacements with less than this part of the largest extent do not tell motions apart.
+/// Displacements whose extents are both less than this part of the largest extent do not tell motions apart.
 const SEEN: f64 = 1e-2;
 
 /// `true` if two motions are known to be of different kinds.

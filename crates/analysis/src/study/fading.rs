@@ -1,7 +1,16 @@
 //! Contact states that a periodic motion takes ever more briefly, and in the end not at all.
 //!
-//! A mass that friction holds but for short slips may creep to a place from which it slips no more. It comes there like a power of
-//! time, so that its slips get shorter for ever. What lasts, and what fades, shows from one doubling of time to the next.
+//! A mass that friction holds but for short slips may creep to a place from which it slips no more. It comes there
+//! like a power of time, so that its slips get shorter for ever. What lasts, and what fades, shows from one doubling
+//! of time to the next.
+//!
+//! If no share of the time falls by 3e-3 in a window more, all stay. Otherwise the time since the motion began is
+//! doubled. With the shares a, b, c of a state at the last three times, the state
+//!
+//! - fades if c = 0, or if a, b, c [tend to zero](tends_to_zero);
+//! - stays if c ≥ (1 − 3e-3) b, or if Aitken's [`limit`] of a, b, c is at least c/2;
+//! - is open otherwise, and the time is doubled again, up to the longest time. A share that is open then counts as one
+//!   that stays.
 
 use super::period::{OverSpan, over_span};
 use crate::sweep::steady::{limit, tends_to_zero};
@@ -47,9 +56,9 @@ enum Fate {
     Open,
 }
 
-/// The contact states that last, if shares of them still fall: those whose share does not tend to zero as the time since the motion
-/// began is doubled again and again, until that shows or the motion has taken its longest time. `None` if none falls, or no one
-/// waits any more.
+/// The contact states that last, if shares of them still fall: those whose share does not tend to zero as the time
+/// since the motion began is doubled again and again, until that shows or the motion has taken its longest time.
+/// `None` if none falls, or no one waits any more.
 ///
 /// # Errors
 /// Returns an error if a step fails.
@@ -100,8 +109,8 @@ fn fate(three: [f64; 3]) -> Fate {
 }
 
 impl Shown<'_> {
-    /// The shares of the contact states over a period that begins at least so long (s) later, whole periods; `None` if no one waits
-    /// for them any more.
+    /// The shares of the contact states over a period that begins at least so long (s) later, whole periods; `None`
+    /// if no one waits for them any more.
     fn after(
         &self,
         motion: &mut Simulation,

@@ -13,8 +13,9 @@ use amontons::Error;
 use amontons::simulation::Simulation;
 use std::f64::consts::TAU;
 
-/// Least part of the motion's velocity by which a mode is made larger and smaller, to see if the motion is the
-/// largest of its family.
+/// Least part p of the motion by which it is made smaller, 2 p, before a mode is pushed by 4 p of the motion's
+/// largest velocity both ways, to see if the motion is the largest of its family. With the paper's scheme p is at
+/// least the way of a step.
 const LARGER: f64 = 1e-5;
 
 /// A mode of more than this part of the largest one in a sum counts.
@@ -153,8 +154,9 @@ pub(super) fn frequencies_of_sum(simulation: &Simulation) -> Option<usize> {
     Some(sizes.into_iter().filter(|size| *size > FAIR * most).count())
 }
 
-/// Combinations of the shapes of one eigenvalue, each of which moves as few degrees of freedom as may be: equal parts of a
-/// structure that do not touch each other swing on their own. By Gauss–Jordan elimination; the largest part of each is 1.
+/// Combinations of the shapes of one eigenvalue, each of which moves as few degrees of freedom as may be: equal parts
+/// of a structure that do not touch each other swing on their own. By Gauss–Jordan elimination; the largest part of
+/// each is 1.
 fn parted(mut shapes: Vec<Vec<f64>>) -> Vec<Vec<f64>> {
     let largest = |shape: &[f64]| {
         let parts = shape.iter().enumerate();

@@ -40,8 +40,8 @@ pub(super) fn growth(simulation: &Simulation) -> Option<GrowthRate> {
     has_linear_friction(simulation.scene()).then(|| growth_of_small(simulation))?
 }
 
-/// The growth rate of motions beside the equilibrium that are small enough for any law of friction, in the contact states that
-/// the motion is in. `None` where these cannot be analysed.
+/// The growth rate of motions beside the equilibrium that are small enough for any law of friction, in the contact
+/// states that the motion is in. `None` where these cannot be analysed.
 pub(super) fn growth_of_small(simulation: &Simulation) -> Option<GrowthRate> {
     let here = Linearised::now(simulation);
     let spectrum = Spectrum::of(here.linear().ok()?, simulation.contact_states()).ok()?;
@@ -60,7 +60,8 @@ pub(super) fn may_pull(scene: &Scene) -> bool {
     scene.effects.sticking && !scene.effects.detachment && scene.contact_count() > 0
 }
 
-/// Without sticking, friction has the direction of the surface's velocity, and so a surface that stands still does not rub.
+/// Without sticking, friction has the direction of the surface's velocity, and so a surface that stands still does
+/// not rub.
 fn rubs(scene: &Scene, contact: &Contact) -> bool {
     scene.effects.sticking || contact.surface_velocity != 0.0
 }
@@ -94,9 +95,11 @@ pub(super) fn deflection(simulation: &Simulation) -> f64 {
     forces.iter().enumerate().map(bend).fold(0.0, f64::max)
 }
 
-/// `true` if a motion is so large that loads and the motion of surfaces no longer matter. Its equations are then
-/// homogeneous: their effect on a motion is the same on one that is larger by any factor.
+/// `true` if a motion is so large that loads and the motion of surfaces no longer matter: a million times the
+/// equilibrium's displacements and, with sticking, the surfaces' velocities. Its equations are then homogeneous:
+/// their effect on a motion is the same on one that is larger by any factor.
 pub(super) fn is_far(simulation: &Simulation) -> bool {
+    // Loads then change the motion by a millionth, less than sizes of windows may differ.
     const FAR: f64 = 1e6;
     let scene = simulation.scene();
     let at_rest = max_norm(&simulation.reference().displacement);

@@ -21,7 +21,8 @@ const MOST_ROWS: f64 = 100_000.0;
 const MOST_WISHED_ROWS: f64 = 5e6;
 /// The fewest rows that a window may have, which its spectrum needs.
 const FEWEST_ROWS: f64 = 64.0;
-/// Steps of exact motion in the period of a sine that drives friction: held over a step it is then true to 4e-7.
+/// Steps of exact motion in the period of a sine that drives friction. Friction has its value at the beginning of
+/// each step: the sine then has its amplitude to 4e-7, and is late by half a step, 1.6e-3 rad.
 const STEPS_A_SIGNAL: f64 = 2000.0;
 /// Windows that a motion may take to settle, after as many as signals take to their last edge, but no more than these.
 const LONGEST: f64 = 60.0;
