@@ -33,7 +33,8 @@ const MOST_PERIODS: f64 = 64.0;
 const MOST_WINDOWS: f64 = 100.0;
 /// Rows pass a state that comes back exactly at this distance or less, in parts of the motion's size. In half a row,
 /// at least 20 of which are in a period of the fastest mode, one degree of freedom goes π/20 = 0.16 of its size. If n
-/// of them move alike it is √n times as much, so returns of more than six may be missed.
+/// of them move alike it is √n times as much. So returns of more than six may pass unseen between two rows, and the
+/// first multiple of the period that lies near a row is found in place of the period.
 const NEAR: f64 = 0.4;
 /// A state that comes back to within this part of the motion's size may belong to a periodic motion.
 const COMES_BACK: f64 = 2e-3;
