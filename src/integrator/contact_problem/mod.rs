@@ -4,9 +4,10 @@
 //! A contact that shares no mass with others is solved in closed form. For a group that shares masses these methods are
 //! tried in turn, until one gives forces that obey the law:
 //!
-//! 1. the states that the contacts are in, as linear equations: where the law has several solutions, the motion stays in
-//!    its own;
-//! 2. Gauss–Seidel over the contacts (paper, eqs. 19–24), from zero, while it converges fast;
+//! 1. the states that the contacts are in, as linear equations, if no inequality of the law is at its limit: where
+//!    the law has several solutions, the motion stays in its own;
+//! 2. Gauss–Seidel over the contacts (paper, eqs. 19–24), from zero, for up to 200 iterations, until no force changes
+//!    by more than 1e-13 of the largest one;
 //! 3. the states that Gauss–Seidel has reached, as linear equations;
 //! 4. Lemke's pivots on the linear complementarity problem ([`lemke`]); for contacts held in both directions, repairs
 //!    of the states in 3;
@@ -14,9 +15,9 @@
 //!    contacts the search may take too long, and is given up;
 //! 6. Gauss–Seidel, with a large number of iterations.
 //!
-//! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact that
-//! jams in an iteration may be free under other forces of its neighbours. If the only forces are rounding, since the
-//! equations are singular, the fifth proves nothing and reports [`StepFailure::Singular`].
+//! Only the last two report that contacts cannot be solved, and only the fifth proves that no forces exist: a contact
+//! that jams in an iteration may be free under other forces of its neighbours. If the only forces are rounding, since
+//! the equations are singular, the fifth proves nothing and reports [`StepFailure::Singular`].
 
 mod delassus;
 mod enumeration;
